@@ -1,0 +1,145 @@
+//! The camera: pinhole and Brown–Conrady distortion, in OpenCV's conventions.
+
+mod opencv_yaml;
+
+use nalgebra::Point3;
+
+use crate::files;
+use std::path::PathBuf;
+
+/// Why a camera file was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum CameraError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("{path}: {message}", path = path.display())]
+    Content { path: PathBuf, message: String },
+}
+
+/// Intrinsics of one camera at one picture size. Pixel (0, 0) is the *centre* of the top-left pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// Picture size in pixels.
+    pub width: u32,
+    pub height: u32,
+    /// Focal lengths and principal point in pixels.
+    pub fx: f64,
+    pub fy: f64,
+    pub cx: f64,
+    pub cy: f64,
+    distortion: Distortion,
+}
+
+/// Brown–Conrady coefficients in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6; those not given are 0.
+///
+/// Source of the formula: OpenCV documentation, "Camera Calibration and 3D Reconstruction".
+#[derive(Debug, Clone, PartialEq)]
+struct Distortion {
+    coefficients: [f64; 8],
+    /// Distance from the optical axis, at depth 1, up to which a longer radius still lands further out.
+    valid_radius: f64,
+}
+
+impl Camera {
+    /// A camera without distortion. Focal length and principal point in pixels.
+    pub fn pinhole(width: u32, height: u32, fx: f64, fy: f64, cx: f64, cy: f64) -> Camera {
+        Camera {
+            width,
+            height,
+            fx,
+            fy,
+            cx,
+            cy,
+            distortion: Distortion::new([0.0; 8]),
+        }
+    }
+
+    /// The same camera with distortion coefficients in OpenCV's order; at most eight, missing ones are 0.
+    pub fn with_distortion(self, coefficients: &[f64]) -> Camera {
+        let mut all = [0.0; 8];
+        all.iter_mut().zip(coefficients).for_each(|(to, from)| *to = *from);
+        Camera {
+            distortion: Distortion::new(all),
+            ..self
+        }
+    }
+
+    /// k1, k2, p1, p2, k3, k4, k5, k6.
+    pub fn distortion(&self) -> &[f64; 8] {
+        &self.distortion.coefficients
+    }
+
+    /// The pixel of a point in the camera frame (mm, x right, y down, z forward). `None` behind the camera and where the
+    /// distortion model folds back on itself, since a pixel there would be a lie.
+    pub fn project(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
+        if p.z <= 0.0 {
+            return None;
+        }
+        let [x, y] = self.distortion.apply(p.x / p.z, p.y / p.z)?;
+        Some([self.fx * x + self.cx, self.fy * y + self.cy])
+    }
+
+    /// The angle in degrees that one pixel covers at the centre of the picture.
+    pub fn deg_per_px(&self) -> f64 {
+        (2.0 / (self.fx + self.fy)).atan().to_degrees()
+    }
+}
+
+impl Distortion {
+    fn new(coefficients: [f64; 8]) -> Distortion {
+        Distortion {
+            coefficients,
+            valid_radius: valid_radius(&coefficients),
+        }
+    }
+
+    /// Distorts normalised coordinates (depth 1).
+    fn apply(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+        let [_, _, p1, p2, ..] = self.coefficients;
+        let r2 = x * x + y * y;
+        if r2.sqrt() > self.valid_radius {
+            return None;
+        }
+        let radial = radial_factor(&self.coefficients, r2);
+        Some([
+            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ])
+    }
+}
+
+fn radial_factor([k1, k2, _, _, k3, k4, k5, k6]: &[f64; 8], r2: f64) -> f64 {
+    (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+}
+
+/// The first radius at which the distorted radius stops growing, searched up to 80° off the axis.
+fn valid_radius(coefficients: &[f64; 8]) -> f64 {
+    const STEP: f64 = 0.01;
+    let furthest = 80f64.to_radians().tan();
+    let distorted = |r: f64| r * radial_factor(coefficients, r * r);
+    let mut r = 0.0;
+    while r < furthest && distorted(r + STEP) > distorted(r) {
+        r += STEP;
+    }
+    r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_behind_the_camera_does_not_exist() {
+        let camera = Camera::pinhole(640, 480, 500.0, 500.0, 319.5, 239.5);
+        assert_eq!(camera.project(&Point3::new(0.0, 0.0, 1.0)), Some([319.5, 239.5]));
+        assert_eq!(camera.project(&Point3::new(0.0, 0.0, -1.0)), None);
+    }
+
+    #[test]
+    fn strong_barrel_distortion_has_an_edge() {
+        // r(1 - r²/4) grows up to r = sqrt(4/3).
+        let camera = Camera::pinhole(640, 480, 500.0, 500.0, 319.5, 239.5).with_distortion(&[-0.25]);
+        assert!(camera.project(&Point3::new(1.14, 0.0, 1.0)).is_some());
+        assert_eq!(camera.project(&Point3::new(1.18, 0.0, 1.0)), None);
+    }
+}

@@ -1,0 +1,226 @@
+//! `scaleproof detectors`: which detectors there are, where their weights come from, and whether they work.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Subcommand;
+use serde::Serialize;
+
+use super::{CommandResult, Outcome, progress};
+use crate::detect::{self, Detection, Detector, Manifest, Runtime, WeightFolders};
+use crate::photo::Photo;
+
+/// List, fetch and try out the object detectors.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Every known detector: licence, origin, and where its weights lie.
+    List(ListArgs),
+    /// Download weights, verify their SHA-256, go on with a broken download.
+    Fetch(FetchArgs),
+    /// Run every detector whose weights are present on some photos and print what it finds.
+    Check(CheckArgs),
+}
+
+/// Where weights are.
+#[derive(clap::Args)]
+pub struct Folder {
+    /// Folder with weights; looked up before $SCALEPROOF_DETECTORS, $SCALEPROOF_SHARED/detectors and the user's cache.
+    #[arg(long = "detectors", value_name = "DIR")]
+    detectors: Option<PathBuf>,
+}
+
+impl Folder {
+    pub fn folders(self) -> WeightFolders {
+        WeightFolders::new(self.detectors)
+    }
+}
+
+#[derive(clap::Args)]
+struct ListArgs {
+    #[command(flatten)]
+    folder: Folder,
+    /// One JSON object a line.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+struct FetchArgs {
+    /// Which detectors; all when none is named.
+    names: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+}
+
+#[derive(clap::Args)]
+struct CheckArgs {
+    /// Photos (JPEG or PNG).
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// Only this detector; may be given several times.
+    #[arg(long = "detector", value_name = "NAME")]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+    /// Boxes below this confidence are not printed.
+    #[arg(long, default_value_t = 0.3)]
+    confidence: f64,
+    /// One JSON object a line.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match args.command {
+        Command::List(args) => list(args, out),
+        Command::Fetch(args) => fetch(args, out),
+        Command::Check(args) => check(args, out),
+    }
+}
+
+/// The named detectors, or all.
+pub fn chosen(names: &[String]) -> CommandResultOf<Vec<Manifest>> {
+    if names.is_empty() {
+        return Ok(Manifest::all()?);
+    }
+    let mut manifests: Vec<Manifest> = Vec::new();
+    for name in names {
+        let manifest = Manifest::named(name)?;
+        if !manifests.contains(&manifest) {
+            manifests.push(manifest);
+        }
+    }
+    Ok(manifests)
+}
+
+type CommandResultOf<T> = Result<T, Box<dyn std::error::Error>>;
+
+fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
+    let folders = args.folder.folders();
+    if !args.json {
+        writeln!(
+            out,
+            "{:<14} {:<17} {:<13} {:<12} weights",
+            "name", "detector", "licence", "sha256"
+        )?;
+    }
+    for m in Manifest::all()? {
+        let path = folders.find(&m);
+        if args.json {
+            let line = serde_json::json!({
+                "name": m.name, "title": m.title, "licence": m.licence, "origin": m.origin, "url": m.weights.url,
+                "sha256": m.weights.sha256, "path": path,
+            });
+            writeln!(out, "{line}")?;
+        } else {
+            let place = path.map_or("not here: scaleproof detectors fetch".into(), |p| {
+                p.display().to_string()
+            });
+            writeln!(
+                out,
+                "{:<14} {:<17} {:<13} {:<12} {place}",
+                m.name,
+                m.title,
+                m.licence,
+                &m.weights.sha256[..12]
+            )?;
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
+    let folders = args.folder.folders();
+    for manifest in chosen(&args.names)? {
+        let path = fetch_one(&manifest, &folders)?;
+        writeln!(out, "{:<14} {}", manifest.name, path.display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The weights of a detector: those already there when they are the right ones, else downloaded.
+pub fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<PathBuf> {
+    if let Ok(path) = folders.checked(manifest) {
+        return Ok(path);
+    }
+    let bar = progress::bytes(&manifest.name);
+    let fetched = detect::fetch(manifest, &folders.download_folder()?, &|done, total| {
+        if let Some(total) = total {
+            bar.set_length(total);
+        }
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    Ok(fetched?)
+}
+
+/// One line of `check --json`.
+#[derive(Serialize)]
+struct Line<'a> {
+    detector: &'a str,
+    file: String,
+    label: &'a str,
+    #[serde(flatten)]
+    detection: &'a Detection,
+}
+
+fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
+    let folders = args.folder.folders();
+    let mut manifests = chosen(&args.detectors)?;
+    if args.detectors.is_empty() {
+        manifests.retain(|m| folders.find(m).is_some());
+    }
+    if manifests.is_empty() {
+        return Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into());
+    }
+    let photos = args
+        .photos
+        .iter()
+        .map(|p| Photo::open(p))
+        .collect::<Result<Vec<_>, _>>()?;
+    let runtime = Runtime::load()?;
+    for manifest in &manifests {
+        let mut detector = Detector::open(runtime, manifest, &folders.checked(manifest)?)?;
+        for (path, photo) in args.photos.iter().zip(&photos) {
+            let mut found = detector.detect(&photo.rgb)?;
+            found.retain(|d| d.score >= args.confidence);
+            if !args.json {
+                writeln!(out, "{} on {}: {} found", manifest.title, path.display(), found.len())?;
+            }
+            for detection in &found {
+                let label = manifest.labels.name(detection.label).unwrap_or("?");
+                let file = path.display().to_string();
+                let line = Line {
+                    detector: &manifest.name,
+                    file,
+                    label,
+                    detection,
+                };
+                writeln!(
+                    out,
+                    "{}",
+                    if args.json {
+                        serde_json::to_string(&line)?
+                    } else {
+                        row(&line)
+                    }
+                )?;
+            }
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+fn row(line: &Line) -> String {
+    let b = line.detection.box_px;
+    format!(
+        "  {:<14} {:.3}  [{:.0}, {:.0}, {:.0}, {:.0}]",
+        line.label, line.detection.score, b.x1, b.y1, b.x2, b.y2
+    )
+}

@@ -1,0 +1,162 @@
+//! `scaleproof locate`: where did the camera stand in these photos?
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::{CommandResult, Outcome};
+use crate::camera::Camera;
+use crate::geometry::rigid;
+use crate::locate::{self, Located};
+use crate::photo::Photo;
+use crate::scene::{Bin, Scene};
+use crate::tags::{AprilTagC, TagDetector};
+use crate::workers;
+
+/// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
+///
+/// A photo whose pose cannot be known is answered with the reason instead. Exit code 2 when a photo cannot be read or when
+/// no photo at all is located.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Photos (JPEG or PNG); they are never changed.
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// What stands on the table: scene.toml.
+    #[arg(long)]
+    scene: PathBuf,
+    /// Camera file: OpenCV or ROS camera_info YAML.
+    #[arg(long)]
+    camera: PathBuf,
+    /// One JSON object a line instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// One line of `--json`.
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct Line {
+    file: String,
+    status: &'static str,
+    /// Why there is no pose, as a sentence.
+    reason: Option<String>,
+    /// The same as a word for programs.
+    code: Option<&'static str>,
+    azimuth_deg: Option<f64>,
+    pitch_deg: Option<f64>,
+    distance_mm: Option<f64>,
+    bin: Option<Bin>,
+    tags: Vec<u32>,
+    ignored_tags: Vec<u32>,
+    rms_px: Option<f64>,
+    T_camera_model: Option<[[f64; 4]; 4]>,
+}
+
+/// A photo without a pose: the word for programs and the sentence.
+struct NoPose {
+    code: &'static str,
+    reason: String,
+}
+
+const UNREADABLE: &str = "unreadable";
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let scene = Scene::open(&args.scene)?;
+    let camera = Camera::open(&args.camera)?;
+    let families = scene.families();
+    let results = workers::map(
+        &args.photos,
+        || AprilTagC::new(&families),
+        |tags, path| Ok(locate_file(path, tags, &scene, &camera)),
+        || {},
+    )?;
+    if !args.json {
+        writeln!(out, "{}", heading())?;
+    }
+    for (path, result) in args.photos.iter().zip(&results) {
+        let line = if args.json {
+            serde_json::to_string(&line(path, result))?
+        } else {
+            row(path, result)
+        };
+        writeln!(out, "{line}")?;
+    }
+    for (path, no_pose) in args
+        .photos
+        .iter()
+        .zip(&results)
+        .filter_map(|(p, r)| Some((p, r.as_ref().err()?)))
+    {
+        // What is wrong with a file names the file already.
+        match no_pose.code {
+            UNREADABLE => eprintln!("error: {}", no_pose.reason),
+            _ => eprintln!("no pose for {}: {}", path.display(), no_pose.reason),
+        }
+    }
+    let unreadable = results.iter().any(|r| r.as_ref().is_err_and(|e| e.code == UNREADABLE));
+    let none_located = results.iter().all(Result::is_err);
+    Ok(if unreadable || none_located {
+        Outcome::SomeInputBad
+    } else {
+        Outcome::Done
+    })
+}
+
+fn locate_file(path: &Path, tags: &mut AprilTagC, scene: &Scene, camera: &Camera) -> Result<Located, NoPose> {
+    let photo = Photo::open(path).map_err(|e| NoPose {
+        code: UNREADABLE,
+        reason: e.to_string(),
+    })?;
+    locate::check_size(photo.width(), photo.height(), camera)
+        .and_then(|()| locate::locate(&tags.find(&photo.grey()), scene, camera))
+        .map_err(|e| NoPose {
+            code: e.code(),
+            reason: e.to_string(),
+        })
+}
+
+fn line(path: &Path, result: &Result<Located, NoPose>) -> Line {
+    let (found, no_pose) = (result.as_ref().ok(), result.as_ref().err());
+    Line {
+        file: path.display().to_string(),
+        status: if found.is_some() { "located" } else { "abstained" },
+        reason: no_pose.map(|n| n.reason.clone()),
+        code: no_pose.map(|n| n.code),
+        azimuth_deg: found.map(|l| l.viewpoint.azimuth_deg),
+        pitch_deg: found.map(|l| l.viewpoint.pitch_deg),
+        distance_mm: found.map(|l| l.viewpoint.distance_mm),
+        bin: found.map(|l| l.bin),
+        tags: found.map(|l| l.tags.clone()).unwrap_or_default(),
+        ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),
+        rms_px: found.map(|l| l.rms_px),
+        T_camera_model: found.map(|l| rigid::rows(&l.pose)),
+    }
+}
+
+fn heading() -> String {
+    format!(
+        "{:<28} {:>9} {:>8} {:>11} {:>16} {:>5} {:>7}",
+        "photo", "azimuth", "pitch", "distance", "bin", "tags", "rms"
+    )
+}
+
+fn row(path: &Path, result: &Result<Located, NoPose>) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    match result {
+        Ok(l) => {
+            let (v, b) = (&l.viewpoint, &l.bin);
+            let bin = format!("{}°/{}°/{} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm);
+            format!(
+                "{name:<28} {:>8.2}° {:>7.2}° {:>8.1} mm {bin:>16} {:>5} {:>4.2} px",
+                v.azimuth_deg,
+                v.pitch_deg,
+                v.distance_mm,
+                l.tags.len(),
+                l.rms_px
+            )
+        }
+        Err(no_pose) => format!("{name:<28} no pose ({})", no_pose.code),
+    }
+}

@@ -1,0 +1,27 @@
+//! Progress on standard error; nothing is drawn when nobody watches.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar that counts photos.
+pub fn photos(what: &str, count: usize) -> ProgressBar {
+    bar(
+        ProgressBar::new(count as u64),
+        what,
+        "{msg:<18} {bar:30} {pos}/{len} photos, {eta} left",
+    )
+}
+
+/// A bar that counts the bytes of a download, whose length may become known later.
+pub fn bytes(what: &str) -> ProgressBar {
+    bar(
+        ProgressBar::no_length(),
+        what,
+        "{msg:<18} {bar:30} {bytes} of {total_bytes}, {eta} left",
+    )
+}
+
+fn bar(bar: ProgressBar, what: &str, template: &str) -> ProgressBar {
+    // A template that does not parse would only cost the looks.
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.with_style(style).with_message(what.to_owned())
+}

@@ -1,0 +1,187 @@
+//! Detections in files: COCO results JSON, and recordings that remember which weights and photos they came from.
+//!
+//! A recording is two files: `NAME.json`, a plain COCO results list, and `NAME.provenance.json`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Detection, Labels, Manifest};
+use crate::files;
+use crate::geometry::BoxPx;
+
+/// One line of a COCO results file.
+#[derive(Debug, Serialize, Deserialize)]
+struct CocoResult {
+    image_id: u64,
+    category_id: u32,
+    /// x, y, width, height in pixels.
+    bbox: [f64; 4],
+    score: f64,
+}
+
+/// COCO results JSON of some photos, given as (image id, detections); one result a line.
+pub fn coco_results<'a>(
+    photos: impl IntoIterator<Item = (u64, &'a [Detection])>,
+    labels: Labels,
+) -> serde_json::Result<String> {
+    let mut lines = Vec::new();
+    for (image_id, detections) in photos {
+        for d in detections {
+            // A label outside the map cannot come from `Detector`, and a file cannot name it.
+            let Some(category_id) = labels.category_id(d.label) else {
+                continue;
+            };
+            let line = CocoResult {
+                image_id,
+                category_id,
+                bbox: d.to_xywh(),
+                score: d.score,
+            };
+            lines.push(serde_json::to_string(&line)?);
+        }
+    }
+    Ok(format!("[\n{}\n]\n", lines.join(",\n")))
+}
+
+/// Where a recording came from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    pub detector: String,
+    /// SHA-256 of the weights, hex.
+    pub weights_sha256: String,
+    /// Version of this program.
+    pub scaleproof: String,
+    /// Version and build of the ONNX Runtime.
+    pub runtime: String,
+    pub score_floor: f64,
+    pub photos: Vec<RecordedPhoto>,
+}
+
+/// A photo of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedPhoto {
+    /// The `image_id` of its results.
+    pub id: u64,
+    pub file: String,
+    pub sha256: String,
+}
+
+/// Why a recording cannot stand in for a detector.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordedError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("{path} is not a recording of detections: {message}", path = path.display())]
+    Syntax { path: PathBuf, message: String },
+    #[error("{path} was recorded with other weights of {detector} (SHA-256 {found}…): record it again", path = path.display())]
+    OtherWeights {
+        path: PathBuf,
+        detector: String,
+        found: String,
+    },
+}
+
+/// Stored detections of a session, by the SHA-256 of the photo.
+#[derive(Debug, Clone)]
+pub struct Recorded {
+    pub recording: Recording,
+    by_photo: BTreeMap<String, Vec<Detection>>,
+}
+
+impl Recorded {
+    /// Reads the recording of a detector from a folder.
+    pub fn open(folder: &Path, manifest: &Manifest) -> Result<Recorded, RecordedError> {
+        let (results_path, provenance_path) = paths(folder, &manifest.name);
+        let recording: Recording = parse(&provenance_path)?;
+        if recording.weights_sha256 != manifest.weights.sha256 {
+            return Err(RecordedError::OtherWeights {
+                path: provenance_path,
+                detector: manifest.name.clone(),
+                found: recording.weights_sha256.chars().take(12).collect(),
+            });
+        }
+        let results: Vec<CocoResult> = parse(&results_path)?;
+        let syntax = |message: String| RecordedError::Syntax {
+            path: results_path.clone(),
+            message,
+        };
+        let by_id: BTreeMap<u64, &str> = recording.photos.iter().map(|p| (p.id, p.sha256.as_str())).collect();
+        let mut by_photo: BTreeMap<String, Vec<Detection>> = recording
+            .photos
+            .iter()
+            .map(|p| (p.sha256.clone(), Vec::new()))
+            .collect();
+        for r in results {
+            let detections = by_id.get(&r.image_id).and_then(|sha256| by_photo.get_mut(*sha256));
+            let detection = detection(&r, manifest.labels);
+            match (detections, detection) {
+                (Some(detections), Some(detection)) => detections.push(detection),
+                (None, _) => {
+                    return Err(syntax(format!(
+                        "image_id {} has no photo in its provenance",
+                        r.image_id
+                    )));
+                }
+                (_, None) => {
+                    return Err(syntax(format!(
+                        "a result of image {} has no valid box or category",
+                        r.image_id
+                    )));
+                }
+            }
+        }
+        Ok(Recorded { recording, by_photo })
+    }
+
+    /// Writes a recording; `detections` are in the order of `recording.photos`.
+    pub fn save(
+        folder: &Path,
+        manifest: &Manifest,
+        recording: &Recording,
+        detections: &[&[Detection]],
+    ) -> Result<(), RecordedError> {
+        let (results_path, provenance_path) = paths(folder, &manifest.name);
+        let syntax = |e: serde_json::Error| RecordedError::Syntax {
+            path: results_path.clone(),
+            message: e.to_string(),
+        };
+        let photos = recording.photos.iter().map(|p| p.id).zip(detections.iter().copied());
+        let results = coco_results(photos, manifest.labels).map_err(syntax)?;
+        let provenance = serde_json::to_string_pretty(recording).map_err(syntax)? + "\n";
+        files::write_atomically(&results_path, results.as_bytes())?;
+        files::write_atomically(&provenance_path, provenance.as_bytes())?;
+        Ok(())
+    }
+
+    /// The stored detections of a photo; `None` when this very file was not recorded.
+    pub fn of_photo(&self, sha256: &str) -> Option<&[Detection]> {
+        self.by_photo.get(sha256).map(Vec::as_slice)
+    }
+}
+
+fn paths(folder: &Path, name: &str) -> (PathBuf, PathBuf) {
+    (
+        folder.join(format!("{name}.json")),
+        folder.join(format!("{name}.provenance.json")),
+    )
+}
+
+fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, RecordedError> {
+    serde_json::from_str(&files::read_text(path)?).map_err(|e| RecordedError::Syntax {
+        path: path.to_owned(),
+        message: e.to_string(),
+    })
+}
+
+fn detection(r: &CocoResult, labels: Labels) -> Option<Detection> {
+    let [x, y, w, h] = r.bbox;
+    Detection::new(
+        labels.of_category(r.category_id)?,
+        r.score,
+        BoxPx::new(x, y, x + w, y + h),
+    )
+}

@@ -1,0 +1,185 @@
+//! From a photo to a detector's input tensor, and from its coordinates back to the photo's.
+
+use fast_image_resize as fir;
+use image::RgbImage;
+use opencv::core::{Mat, Size};
+use opencv::imgproc;
+use opencv::prelude::*;
+
+use super::manifest::{Channels, Input, Kernel, Resize};
+use crate::geometry::BoxPx;
+
+/// Where the photo lies in the network's input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Placement {
+    /// Input pixels per photo pixel.
+    scale: [f64; 2],
+    /// Input pixel of the photo's top-left corner.
+    offset: [f64; 2],
+    /// Size of the resized photo in input pixels.
+    size: [u32; 2],
+    /// Size of the photo in pixels.
+    pub(super) photo: [f64; 2],
+}
+
+impl Placement {
+    /// Follows the arithmetic of the detectors' own pipelines, truncation included.
+    pub(super) fn new(input: &Input, photo_width: u32, photo_height: u32) -> Placement {
+        let [net_w, net_h] = input.size_px;
+        let photo = [f64::from(photo_width), f64::from(photo_height)];
+        let ratio = (f64::from(net_w) / photo[0]).min(f64::from(net_h) / photo[1]);
+        let kept = photo.map(|side| ((side * ratio) as u32).max(1));
+        match input.resize {
+            Resize::Stretch => {
+                let size = [net_w, net_h];
+                Placement {
+                    scale: per_axis(size, photo),
+                    offset: [0.0, 0.0],
+                    size,
+                    photo,
+                }
+            }
+            // YOLOX divides by the ratio itself, not by the truncated size.
+            Resize::LetterboxTopLeft => Placement {
+                scale: [ratio, ratio],
+                offset: [0.0, 0.0],
+                size: kept,
+                photo,
+            },
+            Resize::LetterboxCentre => {
+                let offset = [f64::from((net_w - kept[0]) / 2), f64::from((net_h - kept[1]) / 2)];
+                Placement {
+                    scale: per_axis(kept, photo),
+                    offset,
+                    size: kept,
+                    photo,
+                }
+            }
+        }
+    }
+
+    /// A box in input pixels as a box in photo pixels, cut at the photo's border.
+    pub(super) fn to_photo(self, b: BoxPx) -> BoxPx {
+        let x = |v: f64| (v - self.offset[0]) / self.scale[0];
+        let y = |v: f64| (v - self.offset[1]) / self.scale[1];
+        BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2)).clipped(self.photo[0], self.photo[1])
+    }
+}
+
+fn per_axis(size: [u32; 2], photo: [f64; 2]) -> [f64; 2] {
+    [f64::from(size[0]) / photo[0], f64::from(size[1]) / photo[1]]
+}
+
+/// The input tensor, 3×height×width, channel by channel.
+pub(super) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> Result<Vec<f32>, String> {
+    let resized = resize(photo, placement.size, input.kernel)?;
+    let [net_w, net_h] = input.size_px.map(|v| v as usize);
+    let [left, top] = placement.offset.map(|v| v as usize);
+    let (width, plane) = (placement.size[0] as usize, net_w * net_h);
+    let mut tensor = vec![0.0; 3 * plane];
+    for channel in 0..3 {
+        let (mean, std) = (input.mean[channel], input.std[channel]);
+        let source = match input.channels {
+            Channels::Rgb => channel,
+            Channels::Bgr => 2 - channel,
+        };
+        let to = &mut tensor[channel * plane..][..plane];
+        to.fill((f32::from(input.pad) - mean) / std);
+        for (y, row) in resized.chunks_exact(3 * width).enumerate() {
+            let to = &mut to[(top + y) * net_w + left..][..width];
+            to.iter_mut()
+                .zip(row.chunks_exact(3))
+                .for_each(|(to, rgb)| *to = (f32::from(rgb[source]) - mean) / std);
+        }
+    }
+    Ok(tensor)
+}
+
+/// Interleaved RGB bytes of the photo at another size.
+fn resize(photo: &RgbImage, size: [u32; 2], kernel: Kernel) -> Result<Vec<u8>, String> {
+    match kernel {
+        Kernel::OpencvLinear => opencv_linear(photo, size).map_err(|e| e.to_string()),
+        Kernel::Antialiased => antialiased(photo, size).map_err(|e| e.to_string()),
+    }
+}
+
+fn opencv_linear(photo: &RgbImage, [width, height]: [u32; 2]) -> opencv::Result<Vec<u8>> {
+    let flat = Mat::from_slice(photo.as_raw().as_slice())?;
+    let source = flat.reshape(3, photo.height() as i32)?;
+    let mut resized = Mat::default();
+    imgproc::resize(
+        &source,
+        &mut resized,
+        Size::new(width as i32, height as i32),
+        0.0,
+        0.0,
+        imgproc::INTER_LINEAR,
+    )?;
+    Ok(resized.data_bytes()?.to_vec())
+}
+
+fn antialiased(photo: &RgbImage, [width, height]: [u32; 2]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let source = fir::images::ImageRef::new(photo.width(), photo.height(), photo.as_raw(), fir::PixelType::U8x3)?;
+    let mut resized = fir::images::Image::new(width, height, fir::PixelType::U8x3);
+    let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(fir::FilterType::Bilinear));
+    fir::Resizer::new().resize(&source, &mut resized, &options)?;
+    Ok(resized.into_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn input(resize: Resize) -> Input {
+        Input {
+            size_px: [416, 320],
+            resize,
+            kernel: Kernel::OpencvLinear,
+            pad: 114,
+            channels: Channels::Bgr,
+            mean: [0.0; 3],
+            std: [1.0; 3],
+        }
+    }
+
+    #[test]
+    fn a_letterboxed_photo_is_padded_and_bgr() {
+        let photo = RgbImage::from_pixel(208, 80, image::Rgb([10, 20, 30]));
+        let input = input(Resize::LetterboxCentre);
+        let placement = Placement::new(&input, 208, 80);
+        let tensor = tensor(&photo, &input, &placement).unwrap();
+        let at = |channel: usize, x: usize, y: usize| tensor[channel * 416 * 320 + y * 416 + x];
+        assert_eq!((at(0, 0, 0), at(0, 415, 319)), (114.0, 114.0));
+        assert_eq!((at(0, 0, 80), at(1, 415, 239), at(2, 200, 160)), (30.0, 20.0, 10.0));
+    }
+
+    #[test]
+    fn the_antialiased_kernel_averages_what_linear_skips() {
+        // Every fourth column white: reduced by four, the mean is a quarter of white.
+        let photo = RgbImage::from_fn(256, 64, |x, _| image::Rgb([if x % 4 == 0 { 255 } else { 0 }; 3]));
+        let mean = |bytes: Vec<u8>| bytes.iter().map(|b| f64::from(*b)).sum::<f64>() / bytes.len() as f64;
+        assert!((mean(resize(&photo, [64, 16], Kernel::Antialiased).unwrap()) - 63.75).abs() < 2.0);
+        assert!(mean(resize(&photo, [64, 16], Kernel::OpencvLinear).unwrap()) < 40.0);
+    }
+
+    proptest! {
+        /// Boxes placed into the input and read back land where they were, on odd photo sizes too.
+        #[test]
+        fn boxes_come_back(
+            width in 33u32..3000, height in 33u32..3000, resize in prop::sample::select(vec![
+                Resize::Stretch, Resize::LetterboxTopLeft, Resize::LetterboxCentre]),
+            x in 0.0..0.5_f64, y in 0.0..0.5_f64,
+        ) {
+            let p = Placement::new(&input(resize), width, height);
+            let (w, h) = (f64::from(width), f64::from(height));
+            let wanted = BoxPx::new(x * w, y * h, (x + 0.4) * w, (y + 0.4) * h);
+            let placed = BoxPx::new(
+                wanted.x1 * p.scale[0] + p.offset[0], wanted.y1 * p.scale[1] + p.offset[1],
+                wanted.x2 * p.scale[0] + p.offset[0], wanted.y2 * p.scale[1] + p.offset[1]);
+            let back = p.to_photo(placed);
+            prop_assert!((back.x1 - wanted.x1).abs() < 1e-6 && (back.y2 - wanted.y2).abs() < 1e-6);
+            prop_assert!(placed.x2 <= 416.0 + 1e-6 && placed.y2 <= 320.0 + 1e-6);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! ONNX Runtime: found and loaded once, then one session per detector and thread.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use image::RgbImage;
+use ort::environment::Environment;
+use ort::logging::LogLevel;
+use ort::session::Session;
+use ort::session::builder::GraphOptimizationLevel;
+use ort::value::{DynValue, Tensor as OrtTensor};
+
+use super::heads::{self, Data, Tensor};
+use super::input::{self, Placement};
+use super::{Detection, MAX_DETECTIONS, Manifest};
+use crate::geometry::BoxPx;
+
+/// Why a detector could not run.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum DetectError {
+    #[error(
+        "ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so"
+    )]
+    NoRuntime { tried: String },
+    #[error("{path} is not a model ONNX Runtime can load: {reason}", path = path.display())]
+    Model { path: PathBuf, reason: String },
+    #[error("{detector} failed: {reason}")]
+    Run { detector: String, reason: String },
+}
+
+/// The loaded ONNX Runtime.
+pub struct Runtime {
+    environment: Environment,
+}
+
+impl Runtime {
+    /// Loads ONNX Runtime from `$ORT_DYLIB_PATH`, else from the system's library path.
+    pub fn load() -> Result<&'static Runtime, DetectError> {
+        static RUNTIME: OnceLock<Result<Runtime, DetectError>> = OnceLock::new();
+        RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
+    }
+
+    /// Version and build of the loaded library, for provenance.
+    pub fn provenance(&self) -> String {
+        ort::info().to_string()
+    }
+}
+
+fn load() -> Result<Runtime, DetectError> {
+    let file = std::env::var("ORT_DYLIB_PATH").unwrap_or_else(|_| default_library().to_owned());
+    let missing = |reason: String| {
+        let reason = reason.lines().next().unwrap_or_default().to_owned();
+        DetectError::NoRuntime {
+            tried: format!("{file}: {reason}"),
+        }
+    };
+    let environment = ort::init_from(&file)
+        .map_err(|e| missing(e.to_string()))?
+        .with_telemetry(false)
+        .with_name("scaleproof")
+        .build()
+        .map_err(|e| missing(e.to_string()))?;
+    environment.set_log_level(LogLevel::Error);
+    // Photos are spread over threads already; OpenCV's own pool would only compete.
+    let _ = opencv::core::set_num_threads(1);
+    Ok(Runtime { environment })
+}
+
+fn default_library() -> &'static str {
+    match std::env::consts::OS {
+        "macos" => "libonnxruntime.dylib",
+        _ => "libonnxruntime.so",
+    }
+}
+
+/// One detector, ready to run in one thread.
+pub struct Detector {
+    pub manifest: Manifest,
+    session: Session,
+}
+
+impl Detector {
+    /// Loads a detector's weights; one inference thread.
+    pub fn open(runtime: &Runtime, manifest: &Manifest, weights: &Path) -> Result<Detector, DetectError> {
+        let session = session(runtime, weights).map_err(|e| DetectError::Model {
+            path: weights.to_owned(),
+            reason: e.to_string().lines().next().unwrap_or_default().to_owned(),
+        })?;
+        Ok(Detector {
+            manifest: manifest.clone(),
+            session,
+        })
+    }
+
+    /// Every detection of a photo above the score floor, best first, at most [`MAX_DETECTIONS`].
+    pub fn detect(&mut self, photo: &RgbImage) -> Result<Vec<Detection>, DetectError> {
+        let failed = |reason: String| DetectError::Run {
+            detector: self.manifest.name.clone(),
+            reason,
+        };
+        let placement = Placement::new(&self.manifest.input, photo.width(), photo.height());
+        let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(failed)?;
+        let outputs = run(&mut self.session, &self.manifest, tensor, &placement).map_err(|e| DetectError::Run {
+            detector: self.manifest.name.clone(),
+            reason: e.to_string(),
+        })?;
+        let decoded = heads::decode(&self.manifest, &outputs).map_err(failed)?;
+        let to_photo = |b: BoxPx| match decoded.in_photo_px {
+            true => b.clipped(placement.photo[0], placement.photo[1]),
+            false => placement.to_photo(b),
+        };
+        let detections = decoded
+            .candidates
+            .iter()
+            .filter_map(|c| Detection::new(c.label, c.score, to_photo(c.b)));
+        Ok(detections.take(MAX_DETECTIONS).collect())
+    }
+}
+
+fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
+    Ok(Session::builder(&runtime.environment)?
+        .with_optimization_level(GraphOptimizationLevel::Level3)?
+        .with_intra_threads(1)?
+        .with_log_level(LogLevel::Error)?
+        .commit_from_file(weights)?)
+}
+
+fn run(
+    session: &mut Session,
+    manifest: &Manifest,
+    tensor: Vec<f32>,
+    placement: &Placement,
+) -> ort::Result<Vec<Tensor>> {
+    let [width, height] = manifest.input.size_px.map(|v| v as usize);
+    let picture = OrtTensor::from_array(([1, 3, height, width], tensor))?;
+    let outputs = if heads::wants_photo_size(&manifest.head) {
+        let size = placement.photo.map(|v| v as i64).to_vec();
+        session.run(ort::inputs![picture, OrtTensor::from_array(([1, 2], size))?])?
+    } else {
+        session.run(ort::inputs![picture])?
+    };
+    outputs.iter().map(|(_, value)| copied(&value)).collect()
+}
+
+fn copied(value: &DynValue) -> ort::Result<Tensor> {
+    let dimensions = |shape: &[i64]| shape.iter().map(|d| *d as usize).collect();
+    match value.try_extract_tensor::<i64>() {
+        Ok((shape, data)) => Ok(Tensor {
+            shape: dimensions(shape),
+            data: Data::I64(data.to_vec()),
+        }),
+        Err(_) => {
+            let (shape, data) = value.try_extract_tensor::<f32>()?;
+            Ok(Tensor {
+                shape: dimensions(shape),
+                data: Data::F32(data.to_vec()),
+            })
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Where weight files are looked for, and that they are the right ones.
+
+use std::path::{Path, PathBuf};
+
+use super::Manifest;
+use crate::files;
+
+/// Why a detector's weights cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum WeightsError {
+    #[error(
+        "no weights for {name}: get them with `scaleproof detectors fetch {name}`, or name a folder with {file} by --detectors"
+    )]
+    Missing { name: String, file: String },
+    #[error("{path} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): remove it and run `scaleproof detectors fetch {name}`", path = path.display())]
+    WrongHash {
+        name: String,
+        path: PathBuf,
+        found: String,
+        expected: String,
+    },
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("no folder for downloads: set HOME or XDG_CACHE_HOME, or name a folder by --detectors")]
+    NoCache,
+}
+
+/// The folders weights are looked up in, in order.
+#[derive(Debug, Clone)]
+pub struct WeightFolders {
+    named: Option<PathBuf>,
+    folders: Vec<PathBuf>,
+}
+
+impl WeightFolders {
+    /// `--detectors DIR`, `$SCALEPROOF_DETECTORS`, `$SCALEPROOF_SHARED/detectors`, then the user's cache.
+    pub fn new(named: Option<PathBuf>) -> WeightFolders {
+        let from_env = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        let folders = [
+            named.clone(),
+            from_env("SCALEPROOF_DETECTORS"),
+            from_env("SCALEPROOF_SHARED").map(|shared| shared.join("detectors")),
+            user_cache(),
+        ];
+        WeightFolders {
+            named,
+            folders: folders.into_iter().flatten().collect(),
+        }
+    }
+
+    /// The folder that `fetch` downloads into: the named one, else the user's cache.
+    pub fn download_folder(&self) -> Result<PathBuf, WeightsError> {
+        self.named.clone().or_else(user_cache).ok_or(WeightsError::NoCache)
+    }
+
+    /// Where a detector's weights lie, if anywhere; not yet checked.
+    pub fn find(&self, manifest: &Manifest) -> Option<PathBuf> {
+        self.folders
+            .iter()
+            .map(|folder| folder.join(&manifest.weights.file))
+            .find(|path| path.is_file())
+    }
+
+    /// The detector's weights, present and with the right hash.
+    pub fn checked(&self, manifest: &Manifest) -> Result<PathBuf, WeightsError> {
+        let path = self.find(manifest).ok_or_else(|| WeightsError::Missing {
+            name: manifest.name.clone(),
+            file: manifest.weights.file.clone(),
+        })?;
+        check_hash(manifest, &path)?;
+        Ok(path)
+    }
+}
+
+/// Compares a file with the manifest's SHA-256.
+pub(super) fn check_hash(manifest: &Manifest, path: &Path) -> Result<(), WeightsError> {
+    let found = files::sha256_hex(&files::read(path)?);
+    if found == manifest.weights.sha256 {
+        return Ok(());
+    }
+    Err(WeightsError::WrongHash {
+        name: manifest.name.clone(),
+        path: path.to_owned(),
+        found: found[..12].to_owned(),
+        expected: manifest.weights.sha256.chars().take(12).collect(),
+    })
+}
+
+fn user_cache() -> Option<PathBuf> {
+    Some(dirs::cache_dir()?.join("scaleproof").join("detectors"))
+}

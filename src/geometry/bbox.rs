@@ -1,0 +1,115 @@
+//! Axis-aligned boxes in pixels.
+
+use serde::{Deserialize, Serialize};
+
+/// A box in image pixels, corner to corner. Written as `[x1, y1, x2, y2]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 4]", into = "[f64; 4]")]
+pub struct BoxPx {
+    pub x1: f64,
+    pub y1: f64,
+    pub x2: f64,
+    pub y2: f64,
+}
+
+impl BoxPx {
+    pub fn new(x1: f64, y1: f64, x2: f64, y2: f64) -> Self {
+        Self { x1, y1, x2, y2 }
+    }
+
+    pub fn width(&self) -> f64 {
+        (self.x2 - self.x1).max(0.0)
+    }
+
+    pub fn height(&self) -> f64 {
+        (self.y2 - self.y1).max(0.0)
+    }
+
+    pub fn area(&self) -> f64 {
+        self.width() * self.height()
+    }
+
+    /// True when the corners are finite and the box has an area.
+    pub fn is_solid(&self) -> bool {
+        [self.x1, self.y1, self.x2, self.y2].iter().all(|v| v.is_finite()) && self.area() > 0.0
+    }
+
+    /// Intersection over union as pycocotools computes it (`maskApi.c`, `bbIou`: no +1 pixel); 0 for empty boxes.
+    pub fn iou(&self, other: &BoxPx) -> f64 {
+        let w = (self.x2.min(other.x2) - self.x1.max(other.x1)).max(0.0);
+        let h = (self.y2.min(other.y2) - self.y1.max(other.y1)).max(0.0);
+        let both = w * h;
+        let either = self.area() + other.area() - both;
+        if either > 0.0 { both / either } else { 0.0 }
+    }
+
+    /// The part inside an image of the given size in pixels.
+    pub fn clipped(&self, width: f64, height: f64) -> BoxPx {
+        BoxPx::new(
+            self.x1.clamp(0.0, width),
+            self.y1.clamp(0.0, height),
+            self.x2.clamp(0.0, width),
+            self.y2.clamp(0.0, height),
+        )
+    }
+
+    /// The smallest box around some points (x, y); `None` without points.
+    pub fn around(points: impl IntoIterator<Item = [f64; 2]>) -> Option<BoxPx> {
+        points.into_iter().fold(None, |found, [x, y]| match found {
+            None => Some(BoxPx::new(x, y, x, y)),
+            Some(b) => Some(BoxPx::new(b.x1.min(x), b.y1.min(y), b.x2.max(x), b.y2.max(y))),
+        })
+    }
+
+    /// `[x, y, width, height]`, as COCO files write a box.
+    pub fn to_xywh(&self) -> [f64; 4] {
+        [self.x1, self.y1, self.x2 - self.x1, self.y2 - self.y1]
+    }
+}
+
+impl From<[f64; 4]> for BoxPx {
+    fn from([x1, y1, x2, y2]: [f64; 4]) -> Self {
+        BoxPx::new(x1, y1, x2, y2)
+    }
+}
+
+impl From<BoxPx> for [f64; 4] {
+    fn from(b: BoxPx) -> Self {
+        [b.x1, b.y1, b.x2, b.y2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn half_overlap_is_a_third() {
+        let a = BoxPx::new(0.0, 0.0, 2.0, 1.0);
+        let b = BoxPx::new(1.0, 0.0, 3.0, 1.0);
+        assert!((a.iou(&b) - 1.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn empty_boxes_overlap_nothing() {
+        let empty = BoxPx::new(5.0, 5.0, 5.0, 5.0);
+        assert_eq!(empty.iou(&empty), 0.0);
+        assert!(!empty.is_solid());
+        assert!(!BoxPx::new(f64::NAN, 0.0, 1.0, 1.0).is_solid());
+    }
+
+    fn boxes() -> impl Strategy<Value = BoxPx> {
+        (0.0..500.0_f64, 0.0..500.0_f64, 1.0..300.0_f64, 1.0..300.0_f64)
+            .prop_map(|(x, y, w, h)| BoxPx::new(x, y, x + w, y + h))
+    }
+
+    proptest! {
+        #[test]
+        fn iou_is_symmetric_and_bounded(a in boxes(), b in boxes()) {
+            prop_assert_eq!(a.iou(&b), b.iou(&a));
+            prop_assert!((0.0..=1.0 + 1e-12).contains(&a.iou(&b)));
+            prop_assert!((a.iou(&a) - 1.0).abs() < 1e-12);
+        }
+    }
+}

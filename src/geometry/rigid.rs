@@ -1,0 +1,47 @@
+//! Rigid transforms `T_a_b`: they map b-coordinates to a-coordinates, in millimetres.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+/// A rotation and a translation in millimetres.
+pub type Rigid = Isometry3<f64>;
+
+/// A transform from a rotation matrix (assumed orthonormal, right-handed) and a translation in millimetres.
+pub fn from_matrix(rotation: Matrix3<f64>, translation: Vector3<f64>) -> Rigid {
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    Rigid::from_parts(
+        Translation3::from(translation),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    )
+}
+
+/// A transform from a rotation vector (axis times angle in radians, OpenCV's `rvec`) and a translation in millimetres.
+pub fn from_rotation_vector(rvec: [f64; 3], tvec: [f64; 3]) -> Rigid {
+    Rigid::new(Vector3::from(tvec), Vector3::from(rvec))
+}
+
+/// The rotation vector (radians) and translation (mm) of a transform: OpenCV's `rvec` and `tvec`.
+pub fn to_rotation_vector(t: &Rigid) -> ([f64; 3], [f64; 3]) {
+    (t.rotation.scaled_axis().into(), t.translation.vector.into())
+}
+
+/// The 4×4 homogeneous matrix, row by row, as JSON files carry it.
+pub fn rows(t: &Rigid) -> [[f64; 4]; 4] {
+    let m = t.to_homogeneous();
+    std::array::from_fn(|r| std::array::from_fn(|c| m[(r, c)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn rotation_vectors_round_trip(r in prop::array::uniform3(-1.7..1.7_f64), t in prop::array::uniform3(-900.0..900.0_f64)) {
+            let (r2, t2) = to_rotation_vector(&from_rotation_vector(r, t));
+            for i in 0..3 {
+                prop_assert!((r[i] - r2[i]).abs() < 1e-9 && (t[i] - t2[i]).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Physical validation of adversarial patterns on printed scale models.
+//!
+//! Print a pattern at 1:10, photograph the model among AprilTags, and score object detectors per viewpoint. The rooms and
+//! which may use which are listed in `ARCHITECTURE.md`.
+
+pub mod camera;
+pub mod cli;
+pub mod detect;
+pub mod files;
+pub mod geometry;
+pub mod locate;
+pub mod photo;
+pub mod scene;
+pub mod session;
+pub mod tags;
+pub mod workers;

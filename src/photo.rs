@@ -1,0 +1,183 @@
+//! Photos: decoded upright, or refused with the reason. A file is never written back.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::metadata::Orientation;
+use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, RgbImage};
+
+use crate::files;
+
+/// Why a photo could not be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PhotoError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("{path} is not a JPEG or PNG picture: use a photo straight from the camera", path = path.display())]
+    NotAPicture { path: PathBuf },
+    #[error("{path} ends in the middle of the picture: copy it from the camera again", path = path.display())]
+    Truncated { path: PathBuf },
+    #[error("{path} cannot be decoded ({reason}): copy it from the camera again", path = path.display())]
+    Damaged { path: PathBuf, reason: String },
+}
+
+/// One decoded photo, turned upright by its EXIF orientation.
+#[derive(Debug, Clone)]
+pub struct Photo {
+    pub rgb: RgbImage,
+    /// SHA-256 of the file, hex.
+    pub sha256: String,
+}
+
+impl Photo {
+    /// Reads and decodes a JPEG or PNG file, whatever its name says.
+    pub fn open(path: &Path) -> Result<Photo, PhotoError> {
+        let bytes = files::read(path)?;
+        let rgb = decode(&bytes).map_err(|problem| match problem {
+            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path: path.to_owned() },
+            DecodeProblem::Truncated => PhotoError::Truncated { path: path.to_owned() },
+            DecodeProblem::Damaged(reason) => PhotoError::Damaged {
+                path: path.to_owned(),
+                reason,
+            },
+        })?;
+        Ok(Photo {
+            rgb,
+            sha256: files::sha256_hex(&bytes),
+        })
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.rgb.width()
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.rgb.height()
+    }
+
+    /// Brightness, 8 bit, for the tag detectors.
+    pub fn grey(&self) -> GrayImage {
+        image::imageops::grayscale(&self.rgb)
+    }
+}
+
+/// What is wrong with the bytes of a picture.
+#[derive(Debug, PartialEq)]
+enum DecodeProblem {
+    NotAPicture,
+    Truncated,
+    Damaged(String),
+}
+
+fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => format,
+        _ => return Err(DecodeProblem::NotAPicture),
+    };
+    // The decoder fills the missing rows of a cut JPEG with grey and calls it a success, so we look first.
+    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
+        return Err(DecodeProblem::Truncated);
+    }
+    let damaged = |e: image::ImageError| DecodeProblem::Damaged(e.to_string().replace('\n', " "));
+    let mut decoder = ImageReader::with_format(Cursor::new(bytes), format)
+        .into_decoder()
+        .map_err(damaged)?;
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    picture.apply_orientation(orientation);
+    Ok(picture.into_rgb8())
+}
+
+/// True when the first picture of a JPEG file reaches its end-of-image marker (ITU-T T.81, annex B).
+///
+/// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the
+/// end (motion photos, depth maps) do not matter.
+pub fn jpeg_is_complete(bytes: &[u8]) -> bool {
+    const END_OF_IMAGE: u8 = 0xD9;
+    let mut at = 2; // behind the start-of-image marker
+    loop {
+        let Some(marker_at) = find_marker(bytes, at) else {
+            return false;
+        };
+        let marker = bytes[marker_at + 1];
+        at = marker_at + 2;
+        match marker {
+            END_OF_IMAGE => return true,
+            // Markers without a segment: TEM and the restart markers, which also stand inside scan data.
+            0x01 | 0xD0..=0xD7 => {}
+            _ => {
+                let Some(length) = bytes.get(at..at + 2) else {
+                    return false;
+                };
+                at += usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);
+            }
+        }
+    }
+}
+
+/// The next marker at or after `from`: 0xFF followed by neither a stuffed zero nor another fill byte.
+fn find_marker(bytes: &[u8], from: usize) -> Option<usize> {
+    let rest = bytes.get(from..)?;
+    rest.windows(2)
+        .position(|pair| pair[0] == 0xFF && !matches!(pair[1], 0x00 | 0xFF))
+        .map(|i| from + i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn small_jpeg() -> Vec<u8> {
+        let picture = RgbImage::from_fn(64, 48, |x, y| {
+            image::Rgb([(x * 4) as u8, (y * 5) as u8, ((x * y) % 256) as u8])
+        });
+        let mut bytes = Vec::new();
+        picture
+            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_whole_jpeg_decodes_and_trailing_bytes_do_not_matter() {
+        let mut bytes = small_jpeg();
+        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+        bytes.extend_from_slice(b"motion photo video");
+        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+    }
+
+    #[test]
+    fn every_cut_is_noticed() {
+        let bytes = small_jpeg();
+        for keep in 3..bytes.len() {
+            assert!(
+                decode(&bytes[..keep]).is_err(),
+                "a JPEG cut at byte {keep} of {} was accepted",
+                bytes.len()
+            );
+        }
+    }
+
+    #[test]
+    fn text_is_not_a_picture() {
+        assert_eq!(
+            decode(b"this is a shopping list").unwrap_err(),
+            DecodeProblem::NotAPicture
+        );
+        assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAPicture);
+    }
+
+    proptest! {
+        /// User files of any content: an error or a picture, never a panic.
+        #[test]
+        fn damaged_jpegs_never_panic(at in 2usize..600, value in any::<u8>()) {
+            let mut bytes = small_jpeg();
+            let at = at % bytes.len();
+            bytes[at] = value;
+            let _ = decode(&bytes);
+        }
+    }
+}

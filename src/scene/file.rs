@@ -1,0 +1,269 @@
+//! The file format `scene.toml`, and every reason to refuse one.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Point3, Vector3};
+use serde::Deserialize;
+
+use super::{Bins, Model, Scene, Tag, TagFamily};
+use crate::files;
+
+/// Why a scene was refused. Every variant names the file and what to change.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("{path}, line {line}: {message}", path = path.display())]
+    Syntax {
+        path: PathBuf,
+        line: usize,
+        message: String,
+    },
+    #[error("{path}: {message}", path = path.display())]
+    Content { path: PathBuf, message: String },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    model: ModelTable,
+    bins: BinsTable,
+    #[serde(default, rename = "tag")]
+    tags: Vec<TagTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelTable {
+    name: String,
+    scale: f64,
+    class: String,
+    size_mm: [f64; 3],
+    #[serde(default)]
+    envelope: EnvelopeWord,
+}
+
+/// The one envelope of this version: the model's box.
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "lowercase")]
+enum EnvelopeWord {
+    #[default]
+    Box,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BinsTable {
+    azimuth_deg: f64,
+    pitch_deg: Vec<f64>,
+    distance_mm: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TagTable {
+    id: u32,
+    #[serde(default)]
+    family: TagFamily,
+    size_mm: f64,
+    centre_mm: [f64; 3],
+    right: [f64; 3],
+    up: [f64; 3],
+}
+
+impl Scene {
+    /// Reads and checks a `scene.toml`.
+    pub fn open(path: &Path) -> Result<Scene, SceneError> {
+        Scene::parse(&files::read_text(path)?, path)
+    }
+
+    /// Parses and checks the text of a `scene.toml`; `path` is only named in errors.
+    pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
+        let file: SceneFile = toml::from_str(text).map_err(|e| SceneError::Syntax {
+            path: path.to_owned(),
+            line: e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count()),
+            message: e.message().replace('\n', " "),
+        })?;
+        checked(file).map_err(|message| SceneError::Content {
+            path: path.to_owned(),
+            message,
+        })
+    }
+}
+
+/// Checks what the grammar cannot: sizes, directions, duplicates.
+fn checked(file: SceneFile) -> Result<Scene, String> {
+    let EnvelopeWord::Box = file.model.envelope;
+    let model = Model {
+        name: file.model.name,
+        scale: positive(file.model.scale, "model.scale")?,
+        class: file.model.class,
+        size_mm: file.model.size_mm,
+    };
+    for size in model.size_mm {
+        positive(size, "each of model.size_mm")?;
+    }
+    let tags = file.tags.into_iter().map(checked_tag).collect::<Result<Vec<_>, _>>()?;
+    for (i, tag) in tags.iter().enumerate() {
+        if tags[..i].iter().any(|t| (t.family, t.id) == (tag.family, tag.id)) {
+            return Err(format!(
+                "tag id {} appears twice: give every [[tag]] its own id",
+                tag.id
+            ));
+        }
+    }
+    Ok(Scene {
+        model,
+        bins: checked_bins(file.bins)?,
+        tags,
+    })
+}
+
+fn checked_bins(bins: BinsTable) -> Result<Bins, String> {
+    let step = positive(bins.azimuth_deg, "bins.azimuth_deg")?;
+    let count = 360.0 / step;
+    if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
+        return Err(format!("bins.azimuth_deg = {step} does not divide 360°: use 45, 30, …"));
+    }
+    Ok(Bins {
+        azimuth_deg: step,
+        pitch_deg: checked_centres(bins.pitch_deg, "bins.pitch_deg")?,
+        distance_mm: checked_centres(bins.distance_mm, "bins.distance_mm")?,
+    })
+}
+
+fn checked_centres(mut centres: Vec<f64>, what: &str) -> Result<Vec<f64>, String> {
+    if centres.is_empty() || centres.iter().any(|c| !c.is_finite()) {
+        return Err(format!("{what} needs at least one number, e.g. [15]"));
+    }
+    centres.sort_by(f64::total_cmp);
+    centres.dedup();
+    Ok(centres)
+}
+
+fn checked_tag(t: TagTable) -> Result<Tag, String> {
+    let id = t.id;
+    if id >= t.family.count() {
+        return Err(format!(
+            "tag id {id} does not exist in its family: ids end at {}",
+            t.family.count() - 1
+        ));
+    }
+    if t.centre_mm.iter().any(|v| !v.is_finite()) {
+        return Err(format!("centre_mm of tag {id} has a number that is not finite"));
+    }
+    let (right, up) = (unit(t.right, "right", id)?, unit(t.up, "up", id)?);
+    if right.dot(&up).abs() > 1e-3 {
+        return Err(format!(
+            "right and up of tag {id} are not at a right angle: check the two vectors"
+        ));
+    }
+    // The file rounds; make the pair exactly orthogonal so that the tag's pose is a true rotation.
+    let up = (up - right * right.dot(&up)).normalize();
+    Ok(Tag {
+        id,
+        family: t.family,
+        size_mm: positive(t.size_mm, &format!("size_mm of tag {id}"))?,
+        centre_mm: Point3::from(t.centre_mm),
+        right,
+        up,
+    })
+}
+
+fn unit(v: [f64; 3], what: &str, id: u32) -> Result<Vector3<f64>, String> {
+    let v = Vector3::from(v);
+    if (v.norm() - 1.0).abs() < 1e-3 {
+        Ok(v.normalize())
+    } else {
+        Err(format!(
+            "{what} of tag {id} has length {:.4}: give a unit vector",
+            v.norm()
+        ))
+    }
+}
+
+fn positive(value: f64, what: &str) -> Result<f64, String> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(format!("{what} is {value}: give a number above 0"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GOOD: &str = r#"
+[model]
+name = "car"
+scale = 10
+class = "car"
+size_mm = [455.0, 186.0, 128.0]
+[bins]
+azimuth_deg = 45
+pitch_deg = [15]
+distance_mm = [850]
+[[tag]]
+id = 0
+size_mm = 50.0
+centre_mm = [396.1, 0.0, 24.7]
+right = [0.0, 1.0, 0.0]
+up = [-0.5, 0.0, 0.866]
+"#;
+
+    fn refusal(text: &str) -> String {
+        Scene::parse(text, Path::new("scene.toml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_design_example_reads() {
+        let scene = Scene::parse(GOOD, Path::new("scene.toml")).unwrap();
+        assert_eq!(scene.tags[0].family, TagFamily::Tag36h11);
+        assert_eq!(scene.model.target_mm(), Point3::new(0.0, 0.0, 64.0));
+    }
+
+    #[test]
+    fn an_unknown_key_is_named_with_its_line() {
+        let text = refusal(&GOOD.replace("scale = 10", "scale = 10\ncolour = \"red\""));
+        assert!(text.starts_with("scene.toml, line 5: unknown field `colour`"), "{text}");
+    }
+
+    #[test]
+    fn a_duplicate_tag_id_is_refused() {
+        let tag = &GOOD[GOOD.find("[[tag]]").unwrap()..];
+        assert!(refusal(&format!("{GOOD}{tag}")).contains("tag id 0 appears twice"));
+    }
+
+    #[test]
+    fn impossible_scenes_are_refused() {
+        for (from, to, reason) in [
+            ("scale = 10", "scale = 0", "model.scale is 0"),
+            ("azimuth_deg = 45", "azimuth_deg = 50", "does not divide 360"),
+            ("pitch_deg = [15]", "pitch_deg = []", "at least one number"),
+            (
+                "up = [-0.5, 0.0, 0.866]",
+                "up = [0.0, 0.5, 0.866]",
+                "not at a right angle",
+            ),
+            ("right = [0.0, 1.0, 0.0]", "right = [0.0, 2.0, 0.0]", "unit vector"),
+            ("id = 0", "id = 587", "does not exist in its family"),
+            ("[bins]", "envelope = \"hull\"\n[bins]", "unknown variant `hull`"),
+            ("size_mm = 50.0", "size_mm = nan", "size_mm of tag 0 is NaN"),
+        ] {
+            let text = refusal(&GOOD.replace(from, to));
+            assert!(text.contains(reason), "{to}: {text}");
+            assert!(!text.contains('\n'), "one sentence: {text}");
+        }
+    }
+
+    proptest! {
+        /// Any text: a scene or a sentence, never a panic.
+        #[test]
+        fn parsing_never_panics(text in "\\PC*", cut in 0usize..400) {
+            let _ = Scene::parse(&text, Path::new("s"));
+            let _ = Scene::parse(GOOD.get(..cut.min(GOOD.len())).unwrap_or(GOOD), Path::new("s"));
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`.
+
+mod bins;
+mod file;
+mod tag;
+mod viewpoint;
+
+pub use bins::{Bin, Bins};
+pub use file::SceneError;
+pub use tag::{Tag, TagFamily};
+pub use viewpoint::Viewpoint;
+
+use nalgebra::Point3;
+
+/// A scene in the model frame: origin on the ground under the model's centre, x to its front, y to its left, z up; mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    pub model: Model,
+    pub bins: Bins,
+    pub tags: Vec<Tag>,
+}
+
+impl Scene {
+    /// The tag of a family and id, if it stands in this scene.
+    pub fn tag(&self, family: TagFamily, id: u32) -> Option<&Tag> {
+        self.tags.iter().find(|t| t.family == family && t.id == id)
+    }
+
+    /// The tag families a detector has to look for, each once.
+    pub fn families(&self) -> Vec<TagFamily> {
+        let mut families: Vec<_> = self.tags.iter().map(|t| t.family).collect();
+        families.sort();
+        families.dedup();
+        families
+    }
+}
+
+/// The printed scale model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    pub name: String,
+    /// 10 for a 1:10 model.
+    pub scale: f64,
+    /// The label a detector should give, e.g. `car`.
+    pub class: String,
+    /// Length (x), width (y), height (z) of the printed model in mm.
+    pub size_mm: [f64; 3],
+}
+
+impl Model {
+    /// The point that viewpoints look at: the centre of the model's box, model frame, mm.
+    pub fn target_mm(&self) -> Point3<f64> {
+        Point3::new(0.0, 0.0, self.size_mm[2] / 2.0)
+    }
+
+    /// The eight corners of the model's box, model frame, mm. Corner `i` has its x, y, z on the far side where bit 0, 1, 2
+    /// of `i` is set.
+    pub fn box_corners_mm(&self) -> [Point3<f64>; 8] {
+        let [length, width, height] = self.size_mm;
+        std::array::from_fn(|i| {
+            let side = |bit: usize, size: f64| if i >> bit & 1 == 1 { size / 2.0 } else { -size / 2.0 };
+            Point3::new(
+                side(0, length),
+                side(1, width),
+                if i >> 2 & 1 == 1 { height } else { 0.0 },
+            )
+        })
+    }
+}

@@ -1,0 +1,199 @@
+//! A stored set of photos: `session.json`, with the scene and the camera it names.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::camera::{Camera, CameraError};
+use crate::files;
+use crate::geometry::BoxPx;
+use crate::scene::{Scene, SceneError, Viewpoint};
+
+/// Why a session could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    #[error("{path}, line {line}: {message}", path = path.display())]
+    Syntax {
+        path: PathBuf,
+        line: usize,
+        message: String,
+    },
+    #[error("{path}: {message}", path = path.display())]
+    Content { path: PathBuf, message: String },
+}
+
+/// A session with everything it refers to, except the photos' pixels.
+#[derive(Debug, Clone)]
+pub struct Session {
+    pub folder: PathBuf,
+    pub scene: Scene,
+    pub camera: Camera,
+    pub photos: Vec<PhotoEntry>,
+    /// File name and SHA-256 of `session.json`, the scene and the camera file, for provenance.
+    pub hashes: Vec<(String, String)>,
+}
+
+/// One photo of a session, as `session.json` tells it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PhotoEntry {
+    /// Path below the session's folder.
+    pub file: String,
+    /// The texture on the model; `normal` is the unpatterned one.
+    pub variant: String,
+    /// Where the photo was taken; photos of one place are not independent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// RFC 3339 time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub taken: Option<String>,
+    /// Truth known from elsewhere (a simulator, say), instead of a box from the pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub box_xyxy_px: Option<BoxPx>,
+    /// Viewpoint known from elsewhere, instead of a pose from the tags.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viewpoint: Option<Viewpoint>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SessionFile {
+    scene: PathBuf,
+    camera: PathBuf,
+    photos: Vec<PhotoEntry>,
+}
+
+impl Session {
+    /// Opens the session in a folder (or its `session.json`) and checks all but the photos.
+    pub fn open(place: &Path) -> Result<Session, SessionError> {
+        let path = if place.is_dir() {
+            place.join("session.json")
+        } else {
+            place.to_owned()
+        };
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let text = files::read_text(&path)?;
+        let file: SessionFile = serde_json::from_str(&text).map_err(|e| syntax(&path, &e))?;
+        check_photos(&file.photos).map_err(|message| SessionError::Content {
+            path: path.clone(),
+            message,
+        })?;
+        let (scene_path, camera_path) = (folder.join(&file.scene), folder.join(&file.camera));
+        let scene = Scene::open(&scene_path)?;
+        let camera = Camera::open(&camera_path)?;
+        let hashes = [&path, &scene_path, &camera_path]
+            .into_iter()
+            .map(|p| Ok((file_name(p), files::sha256_hex(&files::read(p)?))))
+            .collect::<Result<_, files::FileError>>()?;
+        Ok(Session {
+            folder,
+            scene,
+            camera,
+            photos: file.photos,
+            hashes,
+        })
+    }
+
+    /// The path of a photo.
+    pub fn photo_path(&self, entry: &PhotoEntry) -> PathBuf {
+        self.folder.join(&entry.file)
+    }
+}
+
+fn syntax(path: &Path, e: &serde_json::Error) -> SessionError {
+    let text = e.to_string();
+    let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
+    SessionError::Syntax {
+        path: path.to_owned(),
+        line: e.line(),
+        message,
+    }
+}
+
+fn check_photos(photos: &[PhotoEntry]) -> Result<(), String> {
+    if photos.is_empty() {
+        return Err("it lists no photos".into());
+    }
+    let mut files = HashSet::new();
+    for photo in photos {
+        if !files.insert(&photo.file) {
+            return Err(format!("{} is listed twice: each photo counts once", photo.file));
+        }
+        if photo.variant.trim().is_empty() {
+            return Err(format!(
+                "{} has no variant: name the texture on the model, e.g. normal",
+                photo.file
+            ));
+        }
+        if photo.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
+            return Err(format!(
+                "box_xyxy_px of {} is empty: give [x1, y1, x2, y2] in pixels",
+                photo.file
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = "[model]\nname='m'\nscale=10\nclass='car'\nsize_mm=[400,180,120]\n[bins]\nazimuth_deg=45\npitch_deg=[15]\ndistance_mm=[800]\n";
+    const CAMERA: &str = "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]}\n";
+
+    fn opened(photos: &str) -> Result<Session, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("scene.toml", SCENE);
+        write("camera.yaml", CAMERA);
+        write(
+            "session.json",
+            &format!("{{\"scene\":\"scene.toml\",\"camera\":\"camera.yaml\",\n\"photos\":[{photos}]}}"),
+        );
+        Session::open(folder.path()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn truth_from_elsewhere_is_kept() {
+        let session = opened(
+            r#"{"file":"a.jpg","variant":"normal","box_xyxy_px":[1,2,30,40],
+                "viewpoint":{"azimuth_deg":90,"pitch_deg":15,"distance_mm":800}}"#,
+        )
+        .unwrap();
+        assert_eq!(session.photos[0].box_xyxy_px, Some(BoxPx::new(1.0, 2.0, 30.0, 40.0)));
+        assert_eq!(session.photos[0].viewpoint.unwrap().azimuth_deg, 90.0);
+        assert_eq!(session.hashes.len(), 3);
+    }
+
+    #[test]
+    fn sessions_that_would_mislead_are_refused() {
+        let a = r#"{"file":"a.jpg","variant":"normal"}"#;
+        for (photos, reason) in [
+            (String::new(), "lists no photos"),
+            (format!("{a},{a}"), "a.jpg is listed twice"),
+            (a.replace("normal", " "), "a.jpg has no variant"),
+            (
+                a.replace("}", ",\"box_xyxy_px\":[5,5,5,9]}"),
+                "box_xyxy_px of a.jpg is empty",
+            ),
+            (a.replace("variant", "varient"), "line 2: unknown field `varient`"),
+        ] {
+            let error = opened(&photos).unwrap_err();
+            assert!(error.contains(reason) && !error.contains('\n'), "{error}");
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Tag detectors: photo in, tag corners out.
+
+mod apriltag_c;
+
+use image::GrayImage;
+
+use crate::scene::TagFamily;
+
+pub use apriltag_c::AprilTagC;
+
+/// One tag found in a photo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenTag {
+    pub id: u32,
+    pub family: TagFamily,
+    /// Pixel corners (x, y) of the upright tag: top-left, top-right, bottom-right, bottom-left. Pixel (0, 0) is the centre of
+    /// the top-left pixel.
+    pub corners_px: [[f64; 2]; 4],
+}
+
+/// Anything that finds tags in a photo.
+pub trait TagDetector {
+    /// Every tag of the detector's families, in any order.
+    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag>;
+}
