@@ -63,8 +63,8 @@ struct CheckArgs {
     /// Photos (JPEG or PNG).
     #[arg(required = true)]
     photos: Vec<PathBuf>,
-    /// Only this detector; may be given several times.
-    #[arg(long = "detector", value_name = "NAME")]
+    /// Only these detectors.
+    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: Folder,

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, progress};
 use crate::camera::Camera;
 use crate::geometry::rigid;
 use crate::locate::{self, Located};
 use crate::photo::Photo;
 use crate::scene::{Bin, Scene};
-use crate::tags::{AprilTagC, TagDetector};
+use crate::session::Session;
+use crate::tags::{AprilTagC, StartError, TagDetector};
 use crate::workers;
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
@@ -65,28 +66,60 @@ const UNREADABLE: &str = "unreadable";
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
+    let results = locate_all(&args.photos, &scene, &camera)?;
+    if args.json {
+        for (path, result) in args.photos.iter().zip(&results) {
+            writeln!(out, "{}", serde_json::to_string(&line(path, result))?)?;
+        }
+    } else {
+        write_table(&args.photos, &results, out)?;
+    }
+    explain(&args.photos, &results);
+    let unreadable = results.iter().any(|r| r.as_ref().is_err_and(|e| e.code == UNREADABLE));
+    let none_located = results.iter().all(Result::is_err);
+    Ok(if unreadable || none_located {
+        Outcome::SomeInputBad
+    } else {
+        Outcome::Done
+    })
+}
+
+/// Locates every photo of a session and writes the table.
+pub fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+    let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
+    let results = locate_all(&photos, &session.scene, &session.camera)?;
+    write_table(&photos, &results, out)?;
+    explain(&photos, &results);
+    Ok(())
+}
+
+/// One answer per photo, in their order.
+fn locate_all(photos: &[PathBuf], scene: &Scene, camera: &Camera) -> Result<Vec<Result<Located, NoPose>>, StartError> {
     let families = scene.families();
+    let bar = progress::photos("locating", photos.len());
     let results = workers::map(
-        &args.photos,
+        photos,
         || AprilTagC::new(&families),
-        |tags, path| Ok(locate_file(path, tags, &scene, &camera)),
-        || {},
-    )?;
-    if !args.json {
-        writeln!(out, "{}", heading())?;
-    }
-    for (path, result) in args.photos.iter().zip(&results) {
-        let line = if args.json {
-            serde_json::to_string(&line(path, result))?
-        } else {
-            row(path, result)
-        };
-        writeln!(out, "{line}")?;
-    }
-    for (path, no_pose) in args
-        .photos
+        |tags, path| Ok(locate_file(path, tags, scene, camera)),
+        || bar.inc(1),
+    );
+    bar.finish_and_clear();
+    results
+}
+
+fn write_table(photos: &[PathBuf], results: &[Result<Located, NoPose>], out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "{}", heading())?;
+    photos
         .iter()
-        .zip(&results)
+        .zip(results)
+        .try_for_each(|(path, result)| writeln!(out, "{}", row(path, result)))
+}
+
+/// Says on standard error why photos got no pose.
+fn explain(photos: &[PathBuf], results: &[Result<Located, NoPose>]) {
+    for (path, no_pose) in photos
+        .iter()
+        .zip(results)
         .filter_map(|(p, r)| Some((p, r.as_ref().err()?)))
     {
         // What is wrong with a file names the file already.
@@ -95,13 +128,6 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
             _ => eprintln!("no pose for {}: {}", path.display(), no_pose.reason),
         }
     }
-    let unreadable = results.iter().any(|r| r.as_ref().is_err_and(|e| e.code == UNREADABLE));
-    let none_located = results.iter().all(Result::is_err);
-    Ok(if unreadable || none_located {
-        Outcome::SomeInputBad
-    } else {
-        Outcome::Done
-    })
 }
 
 fn locate_file(path: &Path, tags: &mut AprilTagC, scene: &Scene, camera: &Camera) -> Result<Located, NoPose> {

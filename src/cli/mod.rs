@@ -1,8 +1,12 @@
 //! One file per subcommand: arguments in, library call, text out.
 
+mod demo;
 mod detectors;
 mod locate;
+mod pattern;
+mod print;
 mod progress;
+mod score;
 
 use std::error::Error;
 use std::io::{ErrorKind, Write};
@@ -20,8 +24,12 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Demo(demo::Args),
+    Print(print::Args),
+    Pattern(pattern::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
+    Score(score::Args),
 }
 
 /// What a finished command says to the shell.
@@ -35,21 +43,41 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) if e.use_stderr() => return refuse(&first_paragraph(&e.to_string())),
+        Err(help_or_version) => help_or_version.exit(),
+    };
     let out = &mut std::io::stdout().lock();
     let result = match cli.command {
+        Command::Demo(args) => demo::run(args, out),
+        Command::Print(args) => print::run(args, out),
+        Command::Pattern(args) => pattern::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
+        Command::Score(args) => score::run(args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::SomeInputBad) => ExitCode::from(2),
         Err(e) if is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("error: {e}");
-            ExitCode::from(2)
-        }
+        Err(e) => refuse(&e.to_string()),
     }
+}
+
+fn refuse(sentence: &str) -> ExitCode {
+    eprintln!("error: {sentence}");
+    ExitCode::from(2)
+}
+
+/// What was wrong with the arguments, without the usage that clap adds below.
+fn first_paragraph(message: &str) -> String {
+    let lines = message
+        .lines()
+        .take_while(|line| !line.trim().is_empty())
+        .map(str::trim);
+    let sentence = lines.collect::<Vec<_>>().join(" ");
+    format!("{} (see --help)", sentence.strip_prefix("error: ").unwrap_or(&sentence))
 }
 
 /// `scaleproof locate … | head` closes our output early; that is no error.

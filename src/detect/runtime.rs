@@ -31,6 +31,8 @@ pub enum DetectError {
 /// The loaded ONNX Runtime.
 pub struct Runtime {
     environment: Environment,
+    /// The library's file name; distributions put the version into it.
+    library: String,
 }
 
 impl Runtime {
@@ -42,7 +44,7 @@ impl Runtime {
 
     /// Version and build of the loaded library, for provenance.
     pub fn provenance(&self) -> String {
-        ort::info().to_string()
+        format!("{} ({})", self.library, ort::info())
     }
 }
 
@@ -63,7 +65,16 @@ fn load() -> Result<Runtime, DetectError> {
     environment.set_log_level(LogLevel::Error);
     // Photos are spread over threads already; OpenCV's own pool would only compete.
     let _ = opencv::core::set_num_threads(1);
-    Ok(Runtime { environment })
+    Ok(Runtime {
+        environment,
+        library: library_name(&file),
+    })
+}
+
+fn library_name(file: &str) -> String {
+    let path = std::fs::canonicalize(file).unwrap_or_else(|_| PathBuf::from(file));
+    path.file_name()
+        .map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 fn default_library() -> &'static str {

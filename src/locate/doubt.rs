@@ -1,5 +1,7 @@
 //! When a pose may be believed, and the sentence a photographer gets when it may not.
 
+use nalgebra::Point3;
+
 use super::{Candidate, Match, difference};
 use crate::camera::Camera;
 
@@ -23,6 +25,8 @@ pub enum Abstention {
         "only tag {id} is visible and two poses explain it almost equally well (residuals {best_px:.2} and {rival_px:.2} px): let a second tag be seen"
     )]
     OneTagAmbiguous { id: u32, best_px: f64, rival_px: f64 },
+    #[error("only tag {id} is visible, seen straight on ({tilt_deg:.0}° of tilt): let a second tag be seen")]
+    OneTagFrontal { id: u32, tilt_deg: f64 },
     #[error(
         "two poses explain the {tags} visible tags almost equally well (residuals {best_px:.2} and {rival_px:.2} px): let more tags be seen"
     )]
@@ -47,6 +51,7 @@ impl Abstention {
             Abstention::BehindCamera => "behind_camera",
             Abstention::HighResidual { .. } => "high_residual",
             Abstention::OneTagAmbiguous { .. } => "one_tag_ambiguous",
+            Abstention::OneTagFrontal { .. } => "one_tag_frontal",
             Abstention::RivalPose { .. } => "rival_pose",
             Abstention::WrongCameraSize { .. } => "wrong_camera_size",
         }
@@ -63,6 +68,10 @@ const MIN_RIVAL_RATIO: f64 = 5.0;
 
 /// Corner noise below which a smaller residual is luck: four corners have eight numbers for six unknowns.
 const NOISE_FLOOR_PX: f64 = 0.1;
+
+/// A lone tag must be tilted by this much. Nearer to frontal its two branches melt into one pose, so there is no rival left to
+/// exclude, and the tilt itself is noise: a corner error of 0.5 % of the tag's size is 3.5° of tilt at 5°, 1.6° at 10°.
+const MIN_LONE_TILT_DEG: f64 = 10.0;
 
 /// Poses closer than this are one pose.
 const SAME_TURN_DEG: f64 = 3.0;
@@ -101,7 +110,22 @@ pub(super) fn undoubted(
             },
         });
     }
+    if let [only] = matches {
+        let tilt_deg = tilt_deg(only, best);
+        if tilt_deg < MIN_LONE_TILT_DEG {
+            return Err(Abstention::OneTagFrontal {
+                id: only.tag.id,
+                tilt_deg,
+            });
+        }
+    }
     Ok(best.clone())
+}
+
+/// The angle between a tag's normal and the line of sight to its centre.
+fn tilt_deg(m: &Match, found: &Candidate) -> f64 {
+    let to_camera = found.pose.inverse() * Point3::origin() - m.tag.centre_mm;
+    m.tag.right.cross(&m.tag.up).angle(&to_camera).to_degrees()
 }
 
 fn is_different(a: &Candidate, b: &Candidate) -> bool {

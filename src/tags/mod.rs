@@ -6,7 +6,7 @@ use image::GrayImage;
 
 use crate::scene::TagFamily;
 
-pub use apriltag_c::AprilTagC;
+pub use apriltag_c::{AprilTagC, StartError};
 
 /// One tag found in a photo.
 #[derive(Debug, Clone, PartialEq)]

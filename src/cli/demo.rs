@@ -1,0 +1,109 @@
+//! `scaleproof demo`: the whole way on the stored session, from pattern to report.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{CommandResult, Outcome, detectors, locate, print, score};
+use crate::detect::{Manifest, Runtime, WeightFolders};
+use crate::files;
+use crate::pattern::Pattern;
+use crate::print::paper::{Orientation, Paper};
+use crate::print::template::{LayoutRequest, TemplateRequest};
+use crate::report;
+use crate::score::Contestant;
+use crate::session::Session;
+
+/// Print a template, locate the stored photos, and score them with every detector at hand.
+///
+/// Missing weights are fetched; without a network the detections recorded with the session are scored instead.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Folder for the template, the poses and the report.
+    #[arg(long, default_value = "out/demo")]
+    out: PathBuf,
+    #[command(flatten)]
+    folder: detectors::Folder,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let session = Session::open(&home().join("captures/skyline"))?;
+    writeln!(out, "1. A pattern becomes a printable sheet")?;
+    let pdf = print_template(&args.out, out)?;
+    writeln!(out, "\n2. Photos become camera poses and viewpoint bins")?;
+    locate::table(&session, out)?;
+    writeln!(out, "\n3. Detectors are scored on them")?;
+    let contestants = contestants(&session, &args.folder.folders(), out)?;
+    let scores = score::score_with_progress(vec![session], contestants)?;
+    let page = report::write(&args.out, &scores)?;
+    score::warn_of_left_out(&scores);
+    writeln!(out, "\nreport:   {}\ntemplate: {}\n", page.display(), pdf.display())?;
+    writeln!(out, "{}", report::summary_table(&scores))?;
+    Ok(Outcome::Done)
+}
+
+/// The published tile size, 16 cells over 118 mm at 1:10, for a panel as large as the model's side.
+fn print_template(folder: &Path, out: &mut dyn Write) -> Result<PathBuf, Box<dyn std::error::Error>> {
+    let pattern = Pattern::random(16, 1)?;
+    files::write_atomically(&folder.join("random16.png"), &pattern.to_png()?)?;
+    let layout = LayoutRequest {
+        size_mm: (600.0, 300.0),
+        paper: Paper::A4,
+        orientation: Orientation::Auto,
+        overlap_mm: 8.0,
+        margin_mm: 5.0,
+    };
+    let request = TemplateRequest {
+        tile_mm: 118.0,
+        scale: 10.0,
+        pattern_name: "random16.png".into(),
+        layout,
+    };
+    let pdf = folder.join("template.pdf");
+    let made = print::write_template(&pattern, &request, &pdf)?;
+    writeln!(out, "{}", print::summary(&pdf, &made))?;
+    Ok(pdf)
+}
+
+/// The project's folder: named by `./run`, else where the program was compiled.
+fn home() -> PathBuf {
+    std::env::var_os("SCALEPROOF_HOME").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from)
+}
+
+/// Every detector: live where its weights are here or can be fetched, else from the session's recordings.
+fn contestants(
+    session: &Session,
+    folders: &WeightFolders,
+    out: &mut dyn Write,
+) -> Result<Vec<Contestant>, Box<dyn std::error::Error>> {
+    let class = &session.scene.model.class;
+    let mut why_not = Runtime::load().err().map(|e| e.to_string());
+    let mut contestants = Vec::new();
+    let mut played_back = Vec::new();
+    for manifest in Manifest::all()? {
+        // After one failure the others would fail the same way, a timeout each.
+        if why_not.is_none() {
+            why_not = detectors::fetch_one(&manifest, folders).err().map(|e| e.to_string());
+        }
+        let is_live = folders.checked(&manifest).is_ok() && Runtime::load().is_ok();
+        if !is_live {
+            played_back.push(manifest.name.clone());
+        }
+        contestants.push(match is_live {
+            true => Contestant::live(manifest, folders, class)?,
+            false => Contestant::recorded(manifest, &[&session.folder], class)?,
+        });
+    }
+    if !played_back.is_empty() {
+        writeln!(
+            out,
+            "scored from RECORDED detections, not by running them: {}",
+            played_back.join(", ")
+        )?;
+        writeln!(
+            out,
+            "because {}",
+            why_not.unwrap_or_else(|| "their weights are not here".into())
+        )?;
+    }
+    Ok(contestants)
+}

@@ -1,0 +1,113 @@
+//! `scaleproof score`: how well do detectors see the model in these sessions?
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{CommandResult, Outcome, detectors, progress};
+use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, WeightFolders};
+use crate::report;
+use crate::score::{self, Contestant, ContestantError, ScoreError, Scores};
+use crate::session::Session;
+
+/// Score detectors on photo sessions: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
+///
+/// A photo that cannot be read or located is listed with its reason, and the others are scored.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Session folders (each with a session.json).
+    #[arg(required = true)]
+    sessions: Vec<PathBuf>,
+    /// Detector to score, see `scaleproof detectors list`; several may be named; all when none is.
+    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: detectors::Folder,
+    /// Folder for report.html, summary.json, photos.csv and the COCO files.
+    #[arg(long)]
+    out: PathBuf,
+    /// Score the detections stored in the sessions instead of running the detectors.
+    #[arg(long)]
+    recorded: bool,
+    /// Store the detections in each session's folder `recorded`, for later runs with --recorded.
+    #[arg(long, conflicts_with = "recorded")]
+    record: bool,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let sessions = args
+        .sessions
+        .iter()
+        .map(|s| Session::open(s))
+        .collect::<Result<Vec<_>, _>>()?;
+    let manifests = detectors::chosen(&args.detectors)?;
+    let folders = (!args.recorded).then(|| args.folder.folders());
+    let contestants = contestants(&sessions, manifests, folders.as_ref())?;
+    let scores = score_with_progress(sessions, contestants)?;
+    if args.record {
+        record(&scores)?;
+    }
+    let page = report::write(&args.out, &scores)?;
+    warn_of_left_out(&scores);
+    writeln!(out, "{}", report::summary_table(&scores))?;
+    writeln!(out, "report: {}", page.display())?;
+    Ok(Outcome::Done)
+}
+
+/// The named detectors, with the weights in `folders`, or played back from the sessions' recordings without any.
+fn contestants(
+    sessions: &[Session],
+    manifests: Vec<Manifest>,
+    folders: Option<&WeightFolders>,
+) -> Result<Vec<Contestant>, ContestantError> {
+    let class = sessions
+        .first()
+        .map(|s| s.scene.model.class.clone())
+        .unwrap_or_default();
+    let places: Vec<&Path> = sessions.iter().map(|s| s.folder.as_path()).collect();
+    let contestant = |m| match folders {
+        Some(folders) => Contestant::live(m, folders, &class),
+        None => Contestant::recorded(m, &places, &class),
+    };
+    manifests.into_iter().map(contestant).collect()
+}
+
+/// Scores sessions and shows how far it has come.
+pub fn score_with_progress(sessions: Vec<Session>, contestants: Vec<Contestant>) -> Result<Scores, ScoreError> {
+    let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
+    let scores = score::score(sessions, contestants, || bar.inc(1));
+    bar.finish_and_clear();
+    scores
+}
+
+pub fn warn_of_left_out(scores: &Scores) {
+    for photo in &scores.not_scored {
+        eprintln!("not scored: {}: {}", photo.file, photo.reason);
+    }
+}
+
+fn record(scores: &Scores) -> Result<(), Box<dyn std::error::Error>> {
+    for (session_index, session) in scores.sessions.iter().enumerate() {
+        let photos: Vec<_> = scores.photos.iter().filter(|p| p.session == session_index).collect();
+        for (index, contestant) in scores.contestants.iter().enumerate() {
+            let recording = Recording {
+                detector: contestant.manifest.name.clone(),
+                weights_sha256: contestant.manifest.weights.sha256.clone(),
+                scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
+                runtime: scores.runtime.clone().unwrap_or_default(),
+                score_floor: SCORE_FLOOR,
+                photos: photos
+                    .iter()
+                    .map(|p| RecordedPhoto {
+                        id: p.id,
+                        file: p.file.clone(),
+                        sha256: p.sha256.clone(),
+                    })
+                    .collect(),
+            };
+            let detections: Vec<_> = photos.iter().map(|p| p.detections[index].as_slice()).collect();
+            let folder = Contestant::recordings_of(&session.folder);
+            Recorded::save(&folder, &contestant.manifest, &recording, &detections)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,47 @@
+//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`].
+//!
+//! One file per kind of print ([`template`] is the first); what they share ([`paper`], [`ruler`], [`lettering`]) stands beside
+//! them.
+
+pub mod lettering;
+pub mod paper;
+pub mod pdf;
+pub mod ruler;
+pub mod sheet;
+pub mod template;
+
+/// Why nothing was printed. Each variant is a sentence that says what to change.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PrintError {
+    #[error("paper '{text}' is not known; use a4, a3, letter, tabloid or WIDTHxHEIGHT in mm, as in 210x297")]
+    UnknownPaper { text: String },
+    #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
+    UnknownSize { text: String },
+    #[error("{what} cannot be {value}; give {wanted}")]
+    BadNumber {
+        what: &'static str,
+        value: f64,
+        wanted: &'static str,
+    },
+    #[error(
+        "the paper ({paper_mm} mm) is too small: with a margin of {margin_mm} mm the 100 mm rulers and the captions need at least \
+         {needed_mm} mm"
+    )]
+    PaperTooSmall {
+        paper_mm: String,
+        margin_mm: f64,
+        needed_mm: String,
+    },
+    #[error(
+        "an overlap of {overlap_mm} mm leaves nothing of the {usable_mm} mm a sheet can carry; use less overlap or larger paper"
+    )]
+    OverlapTooLarge { overlap_mm: f64, usable_mm: String },
+    #[error("this needs more than {most} sheets; use larger paper, less overlap or a smaller size")]
+    TooManySheets { most: usize },
+    #[error(
+        "a cell would be {cell_mm:.3} mm, smaller than the {least_mm} mm a printer can show; use a larger tile or fewer cells"
+    )]
+    CellTooSmall { cell_mm: f64, least_mm: f64 },
+    #[error("the PDF could not be put together: {reason}")]
+    Pdf { reason: String },
+}

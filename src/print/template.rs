@@ -1,0 +1,178 @@
+//! The tiled template: a repeated pattern at true size, spread over sheets that are cut, overlapped and glued.
+
+mod furniture;
+mod layout;
+
+use std::sync::Arc;
+
+pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
+
+use super::PrintError;
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use crate::pattern::Pattern;
+
+/// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
+pub const MIN_CELL_MM: f64 = 0.2;
+/// The widest repeat: a full-size car twice over. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
+pub const MAX_TILE_MM: f64 = 10_000.0;
+
+/// A stamp is made of as many repeats as reach this length, so that tiny patterns do not fill the file with placements.
+const STAMP_MM: f64 = 50.0;
+
+/// What to print. All lengths in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemplateRequest {
+    /// Printed width of one repeat of the pattern; its height follows, cells are square.
+    pub tile_mm: f64,
+    /// The model is 1:`scale`; only the captions use it.
+    pub scale: f64,
+    /// How the captions call the pattern: its file name.
+    pub pattern_name: String,
+    pub layout: LayoutRequest,
+}
+
+/// A template ready to be written, and how it was spread over the paper.
+#[derive(Debug, Clone)]
+pub struct Template {
+    pub layout: Layout,
+    /// Width and height of a cell.
+    pub cell_mm: f64,
+    /// One per [`Layout::sheets`], in the same order.
+    pub sheets: Vec<Sheet>,
+}
+
+/// Draws the sheets of a template. The pattern's top-left cell starts at the template's top-left corner.
+///
+/// # Errors
+/// Numbers that are not positive, cells below [`MIN_CELL_MM`], and whatever [`layout`] refuses.
+pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, PrintError> {
+    let cell_mm = checked_cell_mm(pattern, request)?;
+    let layout = layout(&request.layout)?;
+    let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
+    let captions = furniture::Captions::new(pattern, request, cell_mm);
+    let sheets = layout
+        .sheets
+        .iter()
+        .map(|plan| {
+            let mut marks = vec![stamp.on(plan)];
+            marks.extend(furniture::all(&layout, plan, &captions));
+            Sheet {
+                width_mm: layout.page.width_mm,
+                height_mm: layout.page.height_mm,
+                trim: plan.trim,
+                marks,
+            }
+        })
+        .collect();
+    Ok(Template {
+        layout,
+        cell_mm,
+        sheets,
+    })
+}
+
+fn checked_cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, PrintError> {
+    let (tile_mm, scale) = (request.tile_mm, request.scale);
+    if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
+        let wanted = "the printed width of one repeat of the pattern, above 0 and up to 10000 mm";
+        return Err(PrintError::BadNumber {
+            what: "tile width",
+            value: tile_mm,
+            wanted,
+        });
+    }
+    if !(scale > 0.0 && scale.is_finite()) {
+        return Err(PrintError::BadNumber {
+            what: "scale",
+            value: scale,
+            wanted: "10 for a 1:10 model",
+        });
+    }
+    let cell_mm = tile_mm / f64::from(pattern.columns());
+    if cell_mm < MIN_CELL_MM {
+        return Err(PrintError::CellTooSmall {
+            cell_mm,
+            least_mm: MIN_CELL_MM,
+        });
+    }
+    Ok(cell_mm)
+}
+
+/// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
+struct PatternStamp {
+    stamp: Arc<Stamp>,
+    width_mm: f64,
+    height_mm: f64,
+}
+
+impl PatternStamp {
+    fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
+        let across = repeats(cell_mm * f64::from(pattern.columns()), size_mm.0) * pattern.columns();
+        let down = repeats(cell_mm * f64::from(pattern.rows()), size_mm.1) * pattern.rows();
+        let cells = (0..down).flat_map(|row| (0..across).map(move |column| (row, column)));
+        let fills = cells.map(|(row, column)| {
+            let cell = pattern
+                .cells()
+                .get_pixel(column % pattern.columns(), row % pattern.rows());
+            Fill {
+                area: cell_area(row, column, cell_mm),
+                colour: cell.0,
+            }
+        });
+        let (width_mm, height_mm) = (cell_mm * f64::from(across), cell_mm * f64::from(down));
+        let more = run_on_mm(cell_mm);
+        let bounds = RectMm::new(0.0, -height_mm - more, width_mm + more, 0.0);
+        Self {
+            stamp: Arc::new(Stamp {
+                bounds,
+                fills: fills.collect(),
+            }),
+            width_mm,
+            height_mm,
+        }
+    }
+
+    /// The part of the repeated pattern that a sheet carries.
+    fn on(&self, plan: &SheetPlan) -> Mark {
+        let (carried, printed) = (plan.carried, plan.printed);
+        let columns = blocks(carried.left_mm, carried.right_mm, self.width_mm);
+        let rows = blocks(carried.top_mm, carried.bottom_mm, self.height_mm);
+        let at = rows
+            .flat_map(|row| columns.clone().map(move |column| (row, column)))
+            .map(|(row, column)| PointMm {
+                x_mm: printed.left_mm + (f64::from(column) * self.width_mm - carried.left_mm),
+                y_mm: printed.top_mm - (f64::from(row) * self.height_mm - carried.top_mm),
+            })
+            .collect();
+        Mark::Stamped {
+            stamp: Arc::clone(&self.stamp),
+            at,
+            clip: printed,
+        }
+    }
+}
+
+/// How many repeats of length `repeat_mm` a stamp has, but no more than the template needs.
+fn repeats(repeat_mm: f64, size_mm: f64) -> u32 {
+    (STAMP_MM.min(size_mm) / repeat_mm).ceil().max(1.0) as u32
+}
+
+/// The blocks of length `block_mm` that reach into a stretch of the template.
+fn blocks(from_mm: f64, to_mm: f64, block_mm: f64) -> std::ops::Range<u32> {
+    (from_mm / block_mm).floor() as u32..(to_mm / block_mm).ceil() as u32
+}
+
+/// A cell that runs on a little to its right and below. Later cells and blocks cover what is not the cell's own, and the
+/// sheet's clip cuts the rest, so every edge is where it belongs; but where a viewer softens an edge, it is the neighbour's
+/// colour that shines through and not the paper's: no white hairlines.
+fn cell_area(row: u32, column: u32, cell_mm: f64) -> RectMm {
+    let (x, y) = (f64::from(column) * cell_mm, f64::from(row) * -cell_mm);
+    let side = cell_mm + run_on_mm(cell_mm);
+    RectMm::new(x, y - side, x + side, y)
+}
+
+/// At least a pixel of any screen, but no more of the neighbour than that takes: where a sheet's clip cuts through covered
+/// colours, a viewer mixes them all into the pixel of the cut.
+fn run_on_mm(cell_mm: f64) -> f64 {
+    (0.25 * cell_mm).max(cell_mm.min(0.5))
+}

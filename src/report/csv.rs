@@ -1,0 +1,90 @@
+//! `photos.csv`: one line per photo and detector, scored or not.
+
+use std::error::Error;
+
+use serde::Serialize;
+
+use super::other_label;
+use crate::score::{Contestant, NotScored, ScoredPhoto, Scores, Verdict};
+
+#[derive(Serialize, Default)]
+struct Row<'a> {
+    photo_id: Option<u64>,
+    file: &'a str,
+    variant: &'a str,
+    place: &'a str,
+    status: &'static str,
+    reason: &'a str,
+    azimuth_deg: Option<f64>,
+    pitch_deg: Option<f64>,
+    distance_mm: Option<f64>,
+    bin_azimuth_deg: Option<f64>,
+    bin_pitch_deg: Option<f64>,
+    bin_distance_mm: Option<f64>,
+    tags: Option<usize>,
+    rms_px: Option<f64>,
+    truth_source: &'static str,
+    truth_x1_px: Option<f64>,
+    truth_y1_px: Option<f64>,
+    truth_x2_px: Option<f64>,
+    truth_y2_px: Option<f64>,
+    detector: &'a str,
+    verdict: Option<Verdict>,
+    confidence: Option<f64>,
+    other_label: &'static str,
+    other_confidence: Option<f64>,
+}
+
+pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for photo in &scores.photos {
+        for (index, contestant) in scores.contestants.iter().enumerate() {
+            writer.serialize(scored(photo, index, contestant))?;
+        }
+    }
+    for photo in &scores.not_scored {
+        writer.serialize(not_scored(photo))?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+fn scored<'a>(photo: &'a ScoredPhoto, index: usize, contestant: &'a Contestant) -> Row<'a> {
+    let (viewpoint, bin, outcome) = (photo.viewpoint, photo.bin, &photo.outcomes[index]);
+    let other = other_label(photo, index, contestant);
+    Row {
+        photo_id: Some(photo.id),
+        file: &photo.file,
+        variant: &photo.variant,
+        place: photo.place.as_deref().unwrap_or_default(),
+        status: "scored",
+        azimuth_deg: viewpoint.map(|v| v.azimuth_deg),
+        pitch_deg: viewpoint.map(|v| v.pitch_deg),
+        distance_mm: viewpoint.map(|v| v.distance_mm),
+        bin_azimuth_deg: bin.map(|b| b.azimuth_deg),
+        bin_pitch_deg: bin.map(|b| b.pitch_deg),
+        bin_distance_mm: bin.map(|b| b.distance_mm),
+        tags: Some(photo.tags.len()),
+        rms_px: photo.rms_px,
+        truth_source: if photo.truth_given { "session" } else { "pose" },
+        truth_x1_px: Some(photo.truth.x1),
+        truth_y1_px: Some(photo.truth.y1),
+        truth_x2_px: Some(photo.truth.x2),
+        truth_y2_px: Some(photo.truth.y2),
+        detector: &contestant.manifest.name,
+        verdict: Some(outcome.verdict),
+        confidence: Some(outcome.confidence),
+        other_label: other.map_or("", |(label, _)| label),
+        other_confidence: other.map(|(_, confidence)| confidence),
+        ..Row::default()
+    }
+}
+
+fn not_scored(photo: &NotScored) -> Row<'_> {
+    Row {
+        file: &photo.file,
+        variant: &photo.variant,
+        status: "not scored",
+        reason: &photo.reason,
+        ..Row::default()
+    }
+}

@@ -1,0 +1,117 @@
+//! Polar charts: mean confidence by azimuth, the model's front up, seen from above.
+
+use maud::{Markup, html};
+
+use super::{colour, summary, variants};
+use crate::score::{BinFigures, Scores};
+
+const RADIUS: f64 = 88.0;
+
+/// One chart per detector, with a legend.
+pub(super) fn row(scores: &Scores) -> Markup {
+    let variants = variants(scores);
+    html! {
+        ul.legend {
+            @for (i, variant) in variants.iter().enumerate() {
+                li { i style=(format!("background:{}", colour(i))) {} (variant) }
+            }
+            li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit" }
+        }
+        div.polars {
+            @for c in &scores.contestants {
+                figure {
+                    (chart(&c.manifest.title, &variants.iter().enumerate().filter_map(|(i, variant)| {
+                        Some((colour(i), summary(scores, &c.manifest.name, variant)?.azimuth_bins.as_slice()))
+                    }).collect::<Vec<_>>()))
+                    figcaption { (c.manifest.title) }
+                }
+            }
+        }
+    }
+}
+
+fn chart(title: &str, series: &[(&str, &[BinFigures])]) -> Markup {
+    html! {
+        svg viewBox="-125 -116 250 232" role="img" aria-label=(format!("Mean confidence by azimuth, {title}")) {
+            @for ring in [0.5, 1.0] {
+                circle r=(RADIUS * ring) fill="none" stroke="#d7dce2" {}
+            }
+            text x="2" y=(-RADIUS / 2.0 - 2.0) font-size="8" fill="#5b6573" { "0.5" }
+            @for bin in series.first().map_or(&[][..], |s| s.1) {
+                @let [x, y] = at(bin.azimuth_deg, 1.0);
+                line x2=(round(x)) y2=(round(y)) stroke="#d7dce2" {}
+            }
+            (side_names())
+            @for (colour, bins) in series { (line(colour, bins)) }
+        }
+    }
+}
+
+fn side_names() -> Markup {
+    let names = [
+        ("front", 0.0, -RADIUS - 8.0, "middle"),
+        ("rear", 0.0, RADIUS + 16.0, "middle"),
+        ("left", -RADIUS - 6.0, 3.0, "end"),
+        ("right", RADIUS + 6.0, 3.0, "start"),
+    ];
+    html! {
+        @for (name, x, y, anchor) in names {
+            text x=(x) y=(y) text-anchor=(anchor) font-size="11" fill="#5b6573" { (name) }
+        }
+    }
+}
+
+/// The closed line of one variant. A bin without photos breaks it, so that no value is drawn where none was measured.
+fn line(colour: &str, bins: &[BinFigures]) -> Markup {
+    let points: Vec<Option<[f64; 2]>> = bins
+        .iter()
+        .map(|b| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence)))
+        .collect();
+    let whole = points.iter().all(Option::is_some);
+    let list = |points: &[[f64; 2]]| {
+        points
+            .iter()
+            .map(|[x, y]| format!("{x:.1},{y:.1}"))
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let known: Vec<[f64; 2]> = points.iter().flatten().copied().collect();
+    let runs = points
+        .split(Option::is_none)
+        .map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
+    html! {
+        @if whole {
+            polygon points=(list(&known)) fill=(colour) fill-opacity="0.12" stroke=(colour) stroke-width="2" {}
+        } @else {
+            @for run in runs { polyline points=(list(&run)) fill="none" stroke=(colour) stroke-width="2" {} }
+        }
+        @for (bin, point) in bins.iter().zip(&points) {
+            @if let (Some(f), Some([x, y])) = (&bin.figures, point) {
+                circle cx=(round(*x)) cy=(round(*y)) r="3" stroke=(colour) stroke-width="1.5"
+                    fill=(if f.hit_rate.hits == f.photos { colour } else { "#fff" }) {}
+            }
+        }
+    }
+}
+
+/// Front up, counter-clockwise seen from above: the model's left side is on the left.
+fn at(azimuth_deg: f64, share: f64) -> [f64; 2] {
+    let a = azimuth_deg.to_radians();
+    [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]
+}
+
+fn round(v: f64) -> f64 {
+    (v * 10.0).round() / 10.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_left_side_is_on_the_left() {
+        let [x, y] = at(90.0, 1.0);
+        assert!(x < -87.0 && y.abs() < 1e-9);
+        assert!(at(0.0, 1.0)[1] < -87.0, "the front is up");
+    }
+}

@@ -1,0 +1,56 @@
+//! Scores become files people and programs read: HTML, JSON, CSV, COCO.
+
+mod coco;
+mod csv;
+mod html;
+mod provenance;
+mod summary_json;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use crate::detect::coco_results;
+use crate::files;
+use crate::score::{Contestant, ScoredPhoto, Scores};
+
+pub use table::summary_table;
+
+/// Why the report could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("the report could not be put together: {0}")]
+    Format(String),
+}
+
+/// Writes every report file into a folder and returns the path of the page to open.
+///
+/// All contents are made before the first byte is written; each file appears whole or not at all.
+pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
+    let format = |e: serde_json::Error| ReportError::Format(e.to_string());
+    let mut contents = vec![
+        ("summary.json".to_owned(), summary_json::render(scores).map_err(format)?),
+        (
+            "photos.csv".to_owned(),
+            csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
+        ),
+        ("coco_truth.json".to_owned(), coco::truth(scores).map_err(format)?),
+        ("report.html".to_owned(), html::render(scores)),
+    ];
+    for (index, contestant) in scores.contestants.iter().enumerate() {
+        let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
+        let results = coco_results(photos, contestant.labels()).map_err(format)?;
+        contents.push((format!("coco_results_{}.json", contestant.manifest.name), results));
+    }
+    for (name, content) in &contents {
+        files::write_atomically(&folder.join(name), content.as_bytes())?;
+    }
+    Ok(folder.join("report.html"))
+}
+
+/// What another label on the model is called, with its confidence.
+fn other_label(photo: &ScoredPhoto, index: usize, contestant: &Contestant) -> Option<(&'static str, f64)> {
+    let (label, confidence) = photo.outcomes[index].other?;
+    Some((contestant.labels().name(label).unwrap_or("?"), confidence))
+}

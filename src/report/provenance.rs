@@ -1,0 +1,97 @@
+//! Where a result came from: enough to repeat it, or to see why a repetition differs.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::detect::SCORE_FLOOR;
+use crate::score::{Contestant, HIT_CONFIDENCE, MATCH_IOU, Scores, Source};
+use crate::tags::AprilTagC;
+
+#[derive(Serialize)]
+pub(super) struct Provenance {
+    pub scaleproof: &'static str,
+    pub onnx_runtime: Option<String>,
+    pub opencv: String,
+    pub tag_detector: &'static str,
+    pub match_iou: f64,
+    pub hit_confidence: f64,
+    pub score_floor: f64,
+    pub detectors: Vec<DetectorProvenance>,
+    pub sessions: Vec<SessionProvenance>,
+}
+
+#[derive(Serialize)]
+pub(super) struct DetectorProvenance {
+    pub name: String,
+    pub title: String,
+    pub weights_sha256: String,
+    pub origin: String,
+    pub licence: String,
+    /// `live` or `recorded`.
+    pub source: &'static str,
+    /// For recordings: the program and runtime that made them.
+    pub recorded_by: Option<String>,
+}
+
+#[derive(Serialize)]
+pub(super) struct SessionProvenance {
+    pub folder: String,
+    pub model: String,
+    pub scale: f64,
+    pub truth_envelope: &'static str,
+    /// SHA-256 by file name.
+    pub files: BTreeMap<String, String>,
+}
+
+pub(super) fn of(scores: &Scores) -> Provenance {
+    Provenance {
+        scaleproof: env!("CARGO_PKG_VERSION"),
+        onnx_runtime: scores.runtime.clone(),
+        opencv: opencv::core::get_version_string().unwrap_or_default(),
+        tag_detector: AprilTagC::PROVENANCE,
+        match_iou: MATCH_IOU,
+        hit_confidence: HIT_CONFIDENCE,
+        score_floor: SCORE_FLOOR,
+        detectors: scores.contestants.iter().map(detector).collect(),
+        sessions: (0..scores.sessions.len()).map(|i| session(scores, i)).collect(),
+    }
+}
+
+fn detector(c: &Contestant) -> DetectorProvenance {
+    let recorded_by = match &c.source {
+        Source::Live(_) => None,
+        Source::Recorded(recordings) => recordings
+            .first()
+            .map(|r| format!("scaleproof {}, {}", r.recording.scaleproof, r.recording.runtime)),
+    };
+    DetectorProvenance {
+        name: c.manifest.name.clone(),
+        title: c.manifest.title.clone(),
+        weights_sha256: c.manifest.weights.sha256.clone(),
+        origin: c.manifest.origin.clone(),
+        licence: c.manifest.licence.clone(),
+        source: if c.is_recorded() { "recorded" } else { "live" },
+        recorded_by,
+    }
+}
+
+fn session(scores: &Scores, index: usize) -> SessionProvenance {
+    let session = &scores.sessions[index];
+    let photos = scores
+        .photos
+        .iter()
+        .filter(|p| p.session == index)
+        .map(|p| (p.file.clone(), p.sha256.clone()));
+    let name = session
+        .folder
+        .file_name()
+        .map_or(".".into(), |n| n.to_string_lossy().into_owned());
+    SessionProvenance {
+        folder: name,
+        model: session.scene.model.name.clone(),
+        scale: session.scene.model.scale,
+        truth_envelope: "box",
+        files: session.hashes.iter().cloned().chain(photos).collect(),
+    }
+}

@@ -1,0 +1,81 @@
+//! A detector that takes part in a scoring run: live, or played back from a recording.
+
+use std::path::{Path, PathBuf};
+
+use crate::detect::{Labels, Manifest, Recorded, RecordedError, WeightFolders, WeightsError};
+
+/// A detector of a run.
+#[derive(Debug, Clone)]
+pub struct Contestant {
+    pub manifest: Manifest,
+    pub source: Source,
+    /// Number of the model's class in the detector's labels.
+    pub class: usize,
+}
+
+/// Where a contestant's detections come from.
+#[derive(Debug, Clone)]
+pub enum Source {
+    /// ONNX Runtime runs these weights, whose hash was checked.
+    Live(PathBuf),
+    /// Detections stored with the sessions.
+    Recorded(Vec<Recorded>),
+}
+
+/// Why a detector cannot take part.
+#[derive(Debug, thiserror::Error)]
+pub enum ContestantError {
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    #[error(transparent)]
+    Recorded(#[from] RecordedError),
+    #[error("{detector} has no label `{class}`, the class of the model: choose another detector or class")]
+    NoSuchClass { detector: String, class: String },
+}
+
+/// The folder of a session that holds recordings.
+const RECORDED: &str = "recorded";
+
+impl Contestant {
+    /// A detector that will run.
+    pub fn live(manifest: Manifest, folders: &WeightFolders, class: &str) -> Result<Contestant, ContestantError> {
+        let source = Source::Live(folders.checked(&manifest)?);
+        Contestant::new(manifest, source, class)
+    }
+
+    /// A detector played back from the recordings of some session folders.
+    pub fn recorded(manifest: Manifest, sessions: &[&Path], class: &str) -> Result<Contestant, ContestantError> {
+        let recordings = sessions
+            .iter()
+            .map(|folder| Recorded::open(&folder.join(RECORDED), &manifest));
+        let source = Source::Recorded(recordings.collect::<Result<_, _>>()?);
+        Contestant::new(manifest, source, class)
+    }
+
+    /// Where a session's recordings lie.
+    pub fn recordings_of(session: &Path) -> PathBuf {
+        session.join(RECORDED)
+    }
+
+    fn new(manifest: Manifest, source: Source, class: &str) -> Result<Contestant, ContestantError> {
+        let no_such_class = || ContestantError::NoSuchClass {
+            detector: manifest.name.clone(),
+            class: class.to_owned(),
+        };
+        let class = manifest.labels.find(class).ok_or_else(no_such_class)?;
+        Ok(Contestant {
+            manifest,
+            source,
+            class,
+        })
+    }
+
+    /// True when the detections are played back.
+    pub fn is_recorded(&self) -> bool {
+        matches!(self.source, Source::Recorded(_))
+    }
+
+    pub fn labels(&self) -> Labels {
+        self.manifest.labels
+    }
+}

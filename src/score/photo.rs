@@ -1,0 +1,49 @@
+//! Per-photo values: everything later tables are made of.
+
+use serde::Serialize;
+
+use super::Outcome;
+use crate::detect::Detection;
+use crate::geometry::BoxPx;
+use crate::scene::{Bin, Viewpoint};
+
+/// A photo that was scored.
+#[derive(Debug, Clone)]
+pub struct ScoredPhoto {
+    /// From 1, in the order of the sessions.
+    pub id: u64,
+    /// Index of its session in the run.
+    pub session: usize,
+    pub file: String,
+    /// SHA-256 of the file, hex.
+    pub sha256: String,
+    pub variant: String,
+    pub place: Option<String>,
+    pub width: u32,
+    pub height: u32,
+    /// Absent only when the session gave the truth box and the tags gave no pose.
+    pub viewpoint: Option<Viewpoint>,
+    pub bin: Option<Bin>,
+    /// Ids of the tags behind the pose; empty when the session gave the viewpoint.
+    pub tags: Vec<u32>,
+    /// Reprojection error of the pose.
+    pub rms_px: Option<f64>,
+    pub truth: BoxPx,
+    /// True when the truth box came with the session instead of from the pose.
+    pub truth_given: bool,
+    /// One list per contestant, best first.
+    pub detections: Vec<Vec<Detection>>,
+    /// One per contestant.
+    pub outcomes: Vec<Outcome>,
+    /// A small JPEG for the report.
+    pub preview_jpeg: Vec<u8>,
+}
+
+/// A photo that could not be scored.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotScored {
+    pub file: String,
+    pub variant: String,
+    /// A sentence.
+    pub reason: String,
+}

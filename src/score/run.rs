@@ -1,0 +1,291 @@
+//! A scoring run: every photo of some sessions through pose, truth and detectors, in parallel.
+
+use image::codecs::jpeg::JpegEncoder;
+use image::imageops::{self, FilterType};
+
+use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, summary, truth};
+use crate::detect::{DetectError, Detection, Detector, Runtime};
+use crate::geometry::BoxPx;
+use crate::locate::{self, Located};
+use crate::photo::Photo;
+use crate::session::{PhotoEntry, Session};
+use crate::tags::{AprilTagC, StartError, TagDetector};
+use crate::workers;
+
+/// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
+#[derive(Debug, thiserror::Error)]
+pub enum ScoreError {
+    #[error("no session to score")]
+    NoSession,
+    #[error("{a} and {b} have different bins or model classes: score them in separate runs")]
+    DifferentScenes { a: String, b: String },
+    #[error(
+        "{file} has no recorded detections of {detector}: run without --recorded, or record them again with --record"
+    )]
+    NotRecorded { file: String, detector: String },
+    #[error("none of the {photos} photos could be scored; the first: {file}: {reason}")]
+    NothingScored {
+        photos: usize,
+        file: String,
+        reason: String,
+    },
+    #[error(transparent)]
+    Detect(#[from] DetectError),
+    #[error(transparent)]
+    Tags(#[from] StartError),
+}
+
+/// The result of a run.
+#[derive(Debug)]
+pub struct Scores {
+    pub sessions: Vec<Session>,
+    pub contestants: Vec<Contestant>,
+    /// In the order of the sessions' lists.
+    pub photos: Vec<ScoredPhoto>,
+    pub not_scored: Vec<NotScored>,
+    /// Per contestant and variant, contestants first.
+    pub summaries: Vec<Summary>,
+    /// Version and build of the ONNX Runtime; `None` when every contestant was played back.
+    pub runtime: Option<String>,
+}
+
+/// Scores every photo of the sessions with every contestant. `on_photo` is called after each photo.
+pub fn score(
+    sessions: Vec<Session>,
+    contestants: Vec<Contestant>,
+    on_photo: impl Fn() + Sync,
+) -> Result<Scores, ScoreError> {
+    check_alike(&sessions)?;
+    let runtime = match contestants.iter().any(|c| !c.is_recorded()) {
+        true => Some(Runtime::load()?),
+        false => None,
+    };
+    let families = sessions
+        .iter()
+        .flat_map(|s| s.scene.families())
+        .collect::<std::collections::BTreeSet<_>>();
+    let families: Vec<_> = families.into_iter().collect();
+    let jobs: Vec<Job> = jobs(&sessions);
+    let results = workers::map(
+        &jobs,
+        || {
+            Ok::<_, ScoreError>(Worker {
+                tags: AprilTagC::new(&families)?,
+                detectors: open(&contestants, runtime)?,
+            })
+        },
+        |worker, job| worker.photo(job, &contestants),
+        on_photo,
+    )?;
+    let (mut photos, mut not_scored) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(photo) => photos.push(photo),
+            Err(reason) => not_scored.push(reason),
+        }
+    }
+    if let (true, Some(first)) = (photos.is_empty(), not_scored.first()) {
+        let (file, reason) = (first.file.clone(), first.reason.clone());
+        return Err(ScoreError::NothingScored {
+            photos: not_scored.len(),
+            file,
+            reason,
+        });
+    }
+    let summaries = summary::summaries(&photos, &contestants, &sessions[0].scene.bins);
+    let runtime = runtime.map(Runtime::provenance);
+    Ok(Scores {
+        sessions,
+        contestants,
+        photos,
+        not_scored,
+        summaries,
+        runtime,
+    })
+}
+
+/// One photo to be scored.
+struct Job<'a> {
+    id: u64,
+    session_index: usize,
+    session: &'a Session,
+    entry: &'a PhotoEntry,
+}
+
+fn jobs(sessions: &[Session]) -> Vec<Job<'_>> {
+    let entries = sessions
+        .iter()
+        .enumerate()
+        .flat_map(|(i, s)| s.photos.iter().map(move |entry| (i, s, entry)));
+    (1..)
+        .zip(entries)
+        .map(|(id, (session_index, session, entry))| Job {
+            id,
+            session_index,
+            session,
+            entry,
+        })
+        .collect()
+}
+
+fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
+    let first = sessions.first().ok_or(ScoreError::NoSession)?;
+    let alike = |s: &&Session| s.scene.bins == first.scene.bins && s.scene.model.class == first.scene.model.class;
+    match sessions.iter().find(|s| !alike(s)) {
+        None => Ok(()),
+        Some(other) => {
+            let name = |s: &Session| s.folder.display().to_string();
+            Err(ScoreError::DifferentScenes {
+                a: name(first),
+                b: name(other),
+            })
+        }
+    }
+}
+
+/// A detector for each live contestant, in their order.
+fn open(contestants: &[Contestant], runtime: Option<&Runtime>) -> Result<Vec<Option<Detector>>, DetectError> {
+    contestants
+        .iter()
+        .map(|c| match (&c.source, runtime) {
+            (Source::Live(weights), Some(runtime)) => Detector::open(runtime, &c.manifest, weights).map(Some),
+            _ => Ok(None),
+        })
+        .collect()
+}
+
+/// What each thread owns.
+struct Worker {
+    tags: AprilTagC,
+    detectors: Vec<Option<Detector>>,
+}
+
+/// Where the model is in a photo, and from where it was seen.
+struct Place {
+    located: Option<Located>,
+    truth: BoxPx,
+}
+
+impl Worker {
+    /// The outer error ends the run, the inner one only leaves the photo out.
+    fn photo(&mut self, job: &Job, contestants: &[Contestant]) -> Result<Result<ScoredPhoto, NotScored>, ScoreError> {
+        let left_out = |reason: String| {
+            Ok(Err(NotScored {
+                file: job.entry.file.clone(),
+                variant: job.entry.variant.clone(),
+                reason,
+            }))
+        };
+        let photo = match Photo::open(&job.session.photo_path(job.entry)) {
+            Ok(photo) => photo,
+            Err(e) => return left_out(e.to_string()),
+        };
+        match self.place(&photo, job) {
+            Ok(place) => Ok(Ok(self.scored(job, &photo, place, contestants)?)),
+            Err(reason) => left_out(reason),
+        }
+    }
+
+    /// The session's own truth and viewpoint where it has them, else from the tags.
+    fn place(&mut self, photo: &Photo, job: &Job) -> Result<Place, String> {
+        let (scene, camera) = (&job.session.scene, &job.session.camera);
+        let given = job
+            .entry
+            .box_xyxy_px
+            .map(|b| b.clipped(photo.width().into(), photo.height().into()));
+        if let (Some(truth), Some(_)) = (given, job.entry.viewpoint) {
+            return Ok(Place { located: None, truth });
+        }
+        let located = locate::check_size(photo.width(), photo.height(), camera)
+            .and_then(|()| locate::locate(&self.tags.find(&photo.grey()), scene, camera));
+        match (located, given) {
+            (located, Some(truth)) => Ok(Place {
+                located: located.ok(),
+                truth,
+            }),
+            (Ok(located), None) => {
+                let truth = truth::box_from_pose(&scene.model, &located.pose, camera).map_err(|e| e.to_string())?;
+                Ok(Place {
+                    located: Some(located),
+                    truth,
+                })
+            }
+            (Err(abstention), None) => Err(abstention.to_string()),
+        }
+    }
+
+    fn scored(
+        &mut self,
+        job: &Job,
+        photo: &Photo,
+        place: Place,
+        contestants: &[Contestant],
+    ) -> Result<ScoredPhoto, ScoreError> {
+        let detections = contestants
+            .iter()
+            .zip(&mut self.detectors)
+            .map(|(contestant, detector)| detections(contestant, detector.as_mut(), photo, job))
+            .collect::<Result<Vec<_>, _>>()?;
+        let outcomes = contestants
+            .iter()
+            .zip(&detections)
+            .map(|(c, found)| Outcome::of(found, &place.truth, c.class))
+            .collect();
+        let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
+        Ok(ScoredPhoto {
+            id: job.id,
+            session: job.session_index,
+            file: job.entry.file.clone(),
+            sha256: photo.sha256.clone(),
+            variant: job.entry.variant.clone(),
+            place: job.entry.place.clone(),
+            width: photo.width(),
+            height: photo.height(),
+            viewpoint,
+            bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
+            tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
+            rms_px: place.located.as_ref().map(|l| l.rms_px),
+            truth: place.truth,
+            truth_given: job.entry.box_xyxy_px.is_some(),
+            detections,
+            outcomes,
+            preview_jpeg: preview(photo),
+        })
+    }
+}
+
+fn detections(
+    contestant: &Contestant,
+    detector: Option<&mut Detector>,
+    photo: &Photo,
+    job: &Job,
+) -> Result<Vec<Detection>, ScoreError> {
+    if let Some(detector) = detector {
+        return Ok(detector.detect(&photo.rgb)?);
+    }
+    let recordings = match &contestant.source {
+        Source::Recorded(recordings) => recordings.as_slice(),
+        Source::Live(_) => &[],
+    };
+    let found = recordings
+        .iter()
+        .find_map(|r| r.of_photo(&photo.sha256))
+        .ok_or_else(|| ScoreError::NotRecorded {
+            file: job.entry.file.clone(),
+            detector: contestant.manifest.name.clone(),
+        })?;
+    Ok(found.to_vec())
+}
+
+/// A JPEG small enough to embed once per photo in the report.
+fn preview(photo: &Photo) -> Vec<u8> {
+    const WIDTH: u32 = 480;
+    let height = (photo.height() * WIDTH / photo.width().max(1)).max(1);
+    let small = imageops::resize(&photo.rgb, WIDTH, height, FilterType::Triangle);
+    let mut jpeg = Vec::new();
+    // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.
+    match JpegEncoder::new_with_quality(&mut jpeg, 78).encode_image(&small) {
+        Ok(()) => jpeg,
+        Err(_) => Vec::new(),
+    }
+}

@@ -1,0 +1,137 @@
+//! From per-photo values to figures per detector, variant and azimuth bin.
+
+use serde::Serialize;
+
+use super::{BASE_VARIANT, Contestant, ImageBoxes, MATCH_IOU, ScoredPhoto, average_precision, wilson_95};
+use crate::scene::Bins;
+
+/// A share of photos with its 95 % Wilson interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rate {
+    pub hits: usize,
+    pub rate: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// The three numbers of a group of photos, and how many photos they rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Figures {
+    pub photos: usize,
+    pub ap50: f64,
+    pub hit_rate: Rate,
+    pub mean_confidence: f64,
+}
+
+/// Base figures minus these figures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Drop {
+    pub ap50: f64,
+    pub hit_rate: f64,
+    pub mean_confidence: f64,
+}
+
+/// The figures of one azimuth bin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BinFigures {
+    pub azimuth_deg: f64,
+    /// Absent when the bin has no photo.
+    pub figures: Option<Figures>,
+    pub drop: Option<Drop>,
+}
+
+/// One detector on one variant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    pub detector: String,
+    pub variant: String,
+    pub overall: Figures,
+    /// Absent for the base variant and when the run has none.
+    pub drop: Option<Drop>,
+    /// All azimuth bins of the scene, from the front counter-clockwise.
+    pub azimuth_bins: Vec<BinFigures>,
+}
+
+/// Figures of every contestant on every variant, the base variant first, the others by name.
+pub(super) fn summaries(photos: &[ScoredPhoto], contestants: &[Contestant], bins: &Bins) -> Vec<Summary> {
+    let groups = variants(photos);
+    let mut summaries = Vec::new();
+    for index in 0..contestants.len() {
+        let class = contestants[index].class;
+        let figures_of = |variant: &str, azimuth: Option<f64>| {
+            let group = photos.iter().filter(|p| p.variant == variant);
+            let group: Vec<_> = group
+                .filter(|p| azimuth.is_none() || p.bin.map(|b| b.azimuth_deg) == azimuth)
+                .collect();
+            figures(&group, index, class)
+        };
+        for variant in &groups {
+            let drop_of = |azimuth: Option<f64>| {
+                let base = (variant != BASE_VARIANT)
+                    .then(|| figures_of(BASE_VARIANT, azimuth))
+                    .flatten()?;
+                Some(drop(&base, &figures_of(variant, azimuth)?))
+            };
+            let Some(overall) = figures_of(variant, None) else {
+                continue;
+            };
+            let azimuth_bins = bins.azimuth_centres().into_iter().map(|azimuth_deg| BinFigures {
+                azimuth_deg,
+                figures: figures_of(variant, Some(azimuth_deg)),
+                drop: drop_of(Some(azimuth_deg)),
+            });
+            summaries.push(Summary {
+                detector: contestants[index].manifest.name.clone(),
+                variant: variant.clone(),
+                overall,
+                drop: drop_of(None),
+                azimuth_bins: azimuth_bins.collect(),
+            });
+        }
+    }
+    summaries
+}
+
+/// The variants present, the base variant first.
+fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
+    let mut variants: Vec<String> = photos.iter().map(|p| p.variant.clone()).collect();
+    variants.sort_by_key(|v| (v != BASE_VARIANT, v.clone()));
+    variants.dedup();
+    variants
+}
+
+/// Figures of one contestant on a group of photos; `None` for an empty group.
+fn figures(photos: &[&ScoredPhoto], contestant: usize, class: usize) -> Option<Figures> {
+    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, contestant, class)).collect();
+    let ap50 = average_precision(&images, MATCH_IOU)?.ap;
+    let outcomes = || photos.iter().map(|p| &p.outcomes[contestant]);
+    let hits = outcomes().filter(|o| o.is_hit()).count();
+    let (low, high) = wilson_95(hits, photos.len())?;
+    Some(Figures {
+        photos: photos.len(),
+        ap50,
+        hit_rate: Rate {
+            hits,
+            rate: hits as f64 / photos.len() as f64,
+            low,
+            high,
+        },
+        mean_confidence: outcomes().map(|o| o.confidence).sum::<f64>() / photos.len() as f64,
+    })
+}
+
+fn boxes(photo: &ScoredPhoto, contestant: usize, class: usize) -> ImageBoxes {
+    let detections = photo.detections[contestant].iter().filter(|d| d.label == class);
+    ImageBoxes {
+        truths: vec![photo.truth],
+        detections: detections.map(|d| (d.score, d.box_px)).collect(),
+    }
+}
+
+fn drop(base: &Figures, figures: &Figures) -> Drop {
+    Drop {
+        ap50: base.ap50 - figures.ap50,
+        hit_rate: base.hit_rate.rate - figures.hit_rate.rate,
+        mean_confidence: base.mean_confidence - figures.mean_confidence,
+    }
+}

@@ -1,0 +1,108 @@
+//! What several test files need: paths, the program, and bad input made from good.
+#![allow(dead_code)] // each test file uses its part
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+pub fn home() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The stored session.
+pub fn skyline() -> PathBuf {
+    home().join("captures/skyline")
+}
+
+/// A file of the shared material. `None` where the material is not set up; a missing file where it is fails the test.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("SCALEPROOF_SHARED").filter(|v| !v.is_empty())?;
+    let file = Path::new(&root).join(path);
+    assert!(
+        file.exists(),
+        "SCALEPROOF_SHARED is set but {} is missing",
+        file.display()
+    );
+    Some(file)
+}
+
+/// The program, without the weights that this machine may have.
+pub fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scaleproof"));
+    command
+        .env_remove("SCALEPROOF_SHARED")
+        .env_remove("SCALEPROOF_DETECTORS");
+    command.env("XDG_CACHE_HOME", home().join("target/empty-cache"));
+    command
+}
+
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Bad input: exit code 2, and one line on standard error that contains every one of `words`.
+pub fn assert_refused(output: &Output, words: &[&str]) {
+    let text = stderr(output);
+    assert_eq!(output.status.code(), Some(2), "exit code; standard error: {text}");
+    assert_eq!(text.trim_end().lines().count(), 1, "one sentence, not: {text}");
+    for word in words {
+        assert!(text.contains(word), "`{word}` is not in: {text}");
+    }
+}
+
+/// A copy of the stored session that a test may break.
+pub fn copy_of_skyline() -> tempfile::TempDir {
+    let copy = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(skyline()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, copy.path().join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let recorded = copy.path().join("recorded");
+    std::fs::create_dir(&recorded).unwrap();
+    for entry in std::fs::read_dir(skyline().join("recorded")).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, recorded.join(path.file_name().unwrap())).unwrap();
+    }
+    copy
+}
+
+pub fn read_json(path: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Headless Chromium with a fresh profile; a missing browser fails the test with what to do.
+pub fn chromium(arguments: &[String]) -> Output {
+    let named = std::env::var("CHROMIUM").ok().filter(|v| !v.is_empty());
+    let candidates = named
+        .into_iter()
+        .chain(["chromium", "chromium-browser", "google-chrome"].map(String::from));
+    let profile = tempfile::tempdir().unwrap();
+    for program in candidates {
+        let started = Command::new(&program)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-quic",
+                "--no-first-run",
+            ])
+            .args([
+                "--disable-background-networking",
+                "--disable-component-update",
+                "--disable-sync",
+                "--hide-scrollbars",
+            ])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .args(arguments)
+            .output();
+        if let Ok(output) = started {
+            return output;
+        }
+    }
+    panic!("no Chromium found: run the tests through ./run test, which installs it, or set CHROMIUM");
+}

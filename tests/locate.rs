@@ -1,0 +1,219 @@
+//! `locate` on the stored session, against the session's exact truth, and on bad input.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use scaleproof::geometry::angle::turn;
+
+fn locate(photos: &[PathBuf], scene: &Path, camera: &Path, more: &[&str]) -> Output {
+    program()
+        .arg("locate")
+        .args(photos)
+        .arg("--scene")
+        .arg(scene)
+        .arg("--camera")
+        .arg(camera)
+        .args(more)
+        .output()
+        .unwrap()
+}
+
+fn locate_skyline(photos: &[PathBuf]) -> Output {
+    locate(
+        photos,
+        &skyline().join("scene.toml"),
+        &skyline().join("camera.yaml"),
+        &["--json"],
+    )
+}
+
+fn lines(output: &Output) -> Vec<serde_json::Value> {
+    stdout(output)
+        .lines()
+        .map(|l| serde_json::from_str(l).unwrap())
+        .collect()
+}
+
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn every_photo_of_the_session_is_where_the_truth_says() {
+    let truth = read_json(&skyline().join("truth.json"));
+    let truth = truth["photos"].as_array().unwrap();
+    assert_eq!(truth.len(), 16);
+    let photos: Vec<PathBuf> = truth
+        .iter()
+        .map(|t| skyline().join(t["file"].as_str().unwrap()))
+        .collect();
+    let output = locate_skyline(&photos);
+    assert!(output.status.success(), "{}", stderr(&output));
+    for (found, truth) in lines(&output).iter().zip(truth) {
+        let file = truth["file"].as_str().unwrap();
+        let (f, t) = (
+            |k: &str| found[k].as_f64().unwrap(),
+            |k: &str| truth[k].as_f64().unwrap(),
+        );
+        assert_eq!(found["status"], "located", "{file}");
+        assert!(
+            turn(f("azimuth_deg"), t("azimuth_deg")).abs() < 0.1,
+            "{file}: azimuth {}",
+            f("azimuth_deg")
+        );
+        assert!(
+            (f("pitch_deg") - t("pitch_deg")).abs() < 0.1,
+            "{file}: pitch {}",
+            f("pitch_deg")
+        );
+        assert!(
+            (f("distance_mm") - t("distance_mm")).abs() < 2.0,
+            "{file}: distance {}",
+            f("distance_mm")
+        );
+        assert_eq!(
+            found["bin"]["azimuth_deg"].as_f64(),
+            truth["bin_azimuth_deg"].as_f64(),
+            "{file}"
+        );
+        for row in 0..3 {
+            for column in 0..4 {
+                let of = |m: &serde_json::Value| m[row][column].as_f64().unwrap();
+                let off = (of(&found["T_camera_model"]) - of(&truth["T_camera_model_mm"])).abs();
+                assert!(
+                    off < if column == 3 { 1.0 } else { 0.002 },
+                    "{file}: T[{row}][{column}] off by {off}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_photo_without_tags_is_answered_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    // All tags painted over, the size kept, so that only the tags can be the reason.
+    let mut photo = image::open(skyline().join("normal_002.jpg")).unwrap().to_rgb8();
+    for (_, y, pixel) in photo.enumerate_pixels_mut() {
+        if y > 300 {
+            *pixel = image::Rgb([128; 3]);
+        }
+    }
+    let path = folder.path().join("bare.png");
+    photo.save(&path).unwrap();
+    let output = locate_skyline(std::slice::from_ref(&path));
+    assert_refused(&output, &["bare.png", "no tag is visible"]);
+    assert_eq!(lines(&output)[0]["code"], "no_tags");
+    assert_eq!(lines(&output)[0]["status"], "abstained");
+    assert!(lines(&output)[0]["azimuth_deg"].is_null());
+    // Cropped away instead: the picture has no longer the size the camera was calibrated for.
+    image::imageops::crop_imm(&photo, 400, 0, 300, 300)
+        .to_image()
+        .save(&path)
+        .unwrap();
+    assert_refused(&locate_skyline(&[path]), &["300×300", "1280×960"]);
+}
+
+#[test]
+fn files_that_are_no_photos_are_one_sentence_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let photo = std::fs::read(skyline().join("normal_000.jpg")).unwrap();
+    let cut = write(folder.path(), "cut.jpg", &photo[..photo.len() / 2]);
+    assert_refused(&locate_skyline(&[cut]), &["cut.jpg", "ends in the middle"]);
+    let text = write(folder.path(), "text.jpg", b"this is not a photo");
+    assert_refused(&locate_skyline(&[text]), &["text.jpg", "not a JPEG or PNG"]);
+    let empty = write(folder.path(), "empty.jpg", b"");
+    assert_refused(&locate_skyline(&[empty]), &["empty.jpg", "not a JPEG or PNG"]);
+    assert_refused(
+        &locate_skyline(&[folder.path().join("none.jpg")]),
+        &["cannot read", "none.jpg", "no such file"],
+    );
+}
+
+#[test]
+fn a_bad_photo_in_a_set_leaves_the_others_their_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = write(folder.path(), "text.jpg", b"this is not a photo");
+    let output = locate_skyline(&[skyline().join("normal_000.jpg"), text, skyline().join("normal_001.jpg")]);
+    assert_refused(&output, &["text.jpg", "not a JPEG or PNG"]);
+    let status: Vec<_> = lines(&output)
+        .iter()
+        .map(|l| l["status"].as_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(status, ["located", "abstained", "located"]);
+}
+
+#[test]
+fn bad_scene_and_camera_files_are_one_sentence_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let photo = [skyline().join("normal_000.jpg")];
+    let (scene, camera) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
+    let missing = folder.path().join("no_camera.yaml");
+    assert_refused(
+        &locate(&photo, &scene, &missing, &[]),
+        &["cannot read", "no_camera.yaml"],
+    );
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let unknown = write(
+        folder.path(),
+        "unknown.toml",
+        text.replace("scale = 10", "scale = 10\nwheels = 4").as_bytes(),
+    );
+    assert_refused(
+        &locate(&photo, &unknown, &camera, &[]),
+        &["unknown.toml, line 4", "unknown field `wheels`"],
+    );
+    let doubled = write(
+        folder.path(),
+        "doubled.toml",
+        text.replace("id = 7\n", "id = 6\n").as_bytes(),
+    );
+    assert_refused(
+        &locate(&photo, &doubled, &camera, &[]),
+        &["doubled.toml", "tag id 6 appears twice"],
+    );
+    assert_refused(&locate(&photo, &camera, &camera, &[]), &["camera.yaml, line 1"]);
+    assert_refused(
+        &locate(&photo, &scene, &scene, &[]),
+        &["scene.toml", "not an OpenCV or ROS camera file"],
+    );
+}
+
+#[test]
+fn a_moved_card_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(skyline().join("scene.toml")).unwrap();
+    // Tag 2 is seen in normal_002; the scene says it lies 30 mm off.
+    let moved = text.replace(
+        "centre_mm = [-153.073, 314.119, 0.800]",
+        "centre_mm = [-153.073, 344.119, 0.800]",
+    );
+    assert_ne!(text, moved);
+    let scene = write(folder.path(), "scene.toml", moved.as_bytes());
+    let output = locate(
+        &[skyline().join("normal_002.jpg")],
+        &scene,
+        &skyline().join("camera.yaml"),
+        &["--json"],
+    );
+    assert_refused(&output, &["tags disagree", "was a card moved"]);
+    assert_eq!(lines(&output)[0]["code"], "high_residual");
+}
+
+#[test]
+fn the_table_names_bins_and_reasons() {
+    let photos = [skyline().join("normal_002.jpg")];
+    let output = locate(
+        &photos,
+        &skyline().join("scene.toml"),
+        &skyline().join("camera.yaml"),
+        &[],
+    );
+    let text = stdout(&output);
+    assert!(text.contains("91.24°") && text.contains("90°/15°/850 mm"), "{text}");
+}
