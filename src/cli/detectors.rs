@@ -7,7 +7,8 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, progress};
-use crate::detect::{self, Detection, Detector, Manifest, Runtime, WeightFolders};
+use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders};
+use crate::geometry::BoxPx;
 use crate::photo::Photo;
 
 /// List, fetch and try out the object detectors.
@@ -32,12 +33,12 @@ enum Command {
 pub struct Folder {
     /// Folder with weights; looked up before $SCALEPROOF_DETECTORS, $SCALEPROOF_SHARED/detectors and the user's cache.
     #[arg(long = "detectors", value_name = "DIR")]
-    detectors: Option<PathBuf>,
+    weights_folder: Option<PathBuf>,
 }
 
 impl Folder {
     pub fn folders(self) -> WeightFolders {
-        WeightFolders::new(self.detectors)
+        WeightFolders::new(self.weights_folder)
     }
 }
 
@@ -63,8 +64,8 @@ struct CheckArgs {
     /// Photos (JPEG or PNG).
     #[arg(required = true)]
     photos: Vec<PathBuf>,
-    /// Only these detectors.
-    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    /// Only this detector; may be given several times, or as a list with commas.
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: Folder,
@@ -166,8 +167,9 @@ struct Line<'a> {
     detector: &'a str,
     file: String,
     label: &'a str,
-    #[serde(flatten)]
-    detection: &'a Detection,
+    score: f64,
+    /// x1, y1, x2, y2.
+    box_px: BoxPx,
 }
 
 fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
@@ -193,14 +195,15 @@ fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
             if !args.json {
                 writeln!(out, "{} on {}: {} found", manifest.title, path.display(), found.len())?;
             }
-            for detection in &found {
-                let label = manifest.labels.name(detection.label).unwrap_or("?");
+            for d in &found {
+                let label = manifest.labels.name(d.label).unwrap_or("?");
                 let file = path.display().to_string();
                 let line = Line {
                     detector: &manifest.name,
                     file,
                     label,
-                    detection,
+                    score: d.score,
+                    box_px: d.box_px,
                 };
                 writeln!(
                     out,
@@ -218,9 +221,9 @@ fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 fn row(line: &Line) -> String {
-    let b = line.detection.box_px;
+    let b = line.box_px;
     format!(
         "  {:<14} {:.3}  [{:.0}, {:.0}, {:.0}, {:.0}]",
-        line.label, line.detection.score, b.x1, b.y1, b.x2, b.y2
+        line.label, line.score, b.x1, b.y1, b.x2, b.y2
     )
 }

@@ -129,11 +129,11 @@ impl Detector {
 }
 
 fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
-    Ok(Session::builder(&runtime.environment)?
+    Session::builder(&runtime.environment)?
         .with_optimization_level(GraphOptimizationLevel::Level3)?
         .with_intra_threads(1)?
         .with_log_level(LogLevel::Error)?
-        .commit_from_file(weights)?)
+        .commit_from_file(weights)
 }
 
 fn run(

@@ -56,8 +56,8 @@ pub struct Summary {
 pub(super) fn summaries(photos: &[ScoredPhoto], contestants: &[Contestant], bins: &Bins) -> Vec<Summary> {
     let groups = variants(photos);
     let mut summaries = Vec::new();
-    for index in 0..contestants.len() {
-        let class = contestants[index].class;
+    for (index, contestant) in contestants.iter().enumerate() {
+        let class = contestant.class;
         let figures_of = |variant: &str, azimuth: Option<f64>| {
             let group = photos.iter().filter(|p| p.variant == variant);
             let group: Vec<_> = group
@@ -81,7 +81,7 @@ pub(super) fn summaries(photos: &[ScoredPhoto], contestants: &[Contestant], bins
                 drop: drop_of(Some(azimuth_deg)),
             });
             summaries.push(Summary {
-                detector: contestants[index].manifest.name.clone(),
+                detector: contestant.manifest.name.clone(),
                 variant: variant.clone(),
                 overall,
                 drop: drop_of(None),

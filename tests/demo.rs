@@ -1,0 +1,99 @@
+//! The demo, as a new user meets it: without weights and network, and with weights.
+
+mod common;
+
+use std::path::Path;
+use std::process::Command;
+
+use common::{program, read_json, shared, stderr, stdout};
+
+const DETECTORS: [&str; 5] = ["yolox_nano", "nanodet_m", "fastestdet", "deimv2_femto", "deimv2_atto"];
+
+fn demo(command: &mut Command, out: &Path) -> String {
+    let output = command.arg("demo").arg("--out").arg(out).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    stdout(&output)
+}
+
+fn assert_complete(text: &str, out: &Path) {
+    let lines: Vec<&str> = text.trim_end().lines().collect();
+    let summary = &lines[lines.len() - 6..];
+    assert!(
+        summary[0].contains("normal: AP@0.5 / hits / conf.") && summary[0].contains("random: AP@0.5"),
+        "{text}"
+    );
+    for (line, detector) in summary[1..].iter().zip(DETECTORS) {
+        assert!(line.starts_with(detector) && line.matches('%').count() == 2, "{line}");
+    }
+    for (file, start) in [
+        ("report.html", "<!DOCTYPE html>"),
+        ("template.pdf", "%PDF-"),
+        ("summary.json", "{"),
+    ] {
+        let bytes = std::fs::read(out.join(file)).unwrap();
+        assert!(bytes.starts_with(start.as_bytes()), "{file}");
+    }
+    assert!(text.contains(&out.join("report.html").display().to_string()));
+    assert!(text.contains(&out.join("template.pdf").display().to_string()));
+    assert_eq!(
+        text.matches("°/15°/850 mm").count(),
+        16,
+        "every photo is located: {text}"
+    );
+}
+
+#[test]
+fn without_weights_and_network_it_says_that_it_plays_back() {
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command.env("XDG_CACHE_HOME", out.path().join("cache"));
+    for name in ["HTTPS_PROXY", "https_proxy", "ALL_PROXY", "all_proxy"] {
+        command.env(name, "http://127.0.0.1:9");
+    }
+    command.env_remove("NO_PROXY").env_remove("no_proxy");
+    let text = demo(&mut command, out.path());
+    assert_complete(&text, out.path());
+    assert!(
+        text.contains("scored from RECORDED detections, not by running them: yolox_nano, nanodet_m"),
+        "{text}"
+    );
+    assert!(
+        text.contains("because cannot reach raw.githubusercontent.com"),
+        "{text}"
+    );
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert!(page.contains("Recorded detections: no detector ran for this report"));
+}
+
+#[test]
+fn without_onnx_runtime_it_plays_back_too() {
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command.env("ORT_DYLIB_PATH", out.path().join("no-such-library.so"));
+    let text = demo(&mut command, out.path());
+    assert_complete(&text, out.path());
+    assert!(text.contains("because ONNX Runtime was not found"), "{text}");
+}
+
+#[test]
+fn with_weights_it_runs_the_detectors() {
+    let Some(weights) = shared("detectors") else { return };
+    let out = tempfile::tempdir().unwrap();
+    let text = demo(program().env("SCALEPROOF_DETECTORS", weights), out.path());
+    assert_complete(&text, out.path());
+    assert!(!text.contains("RECORDED"), "{text}");
+    let summary = read_json(&out.path().join("summary.json"));
+    assert!(
+        summary["provenance"]["detectors"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|d| d["source"] == "live")
+    );
+    assert!(
+        summary["provenance"]["onnx_runtime"]
+            .as_str()
+            .unwrap()
+            .contains("onnxruntime")
+    );
+}

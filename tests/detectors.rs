@@ -1,0 +1,221 @@
+//! The detectors: a tiny network made here, run by ONNX Runtime, and the five real ones against published scores.
+
+mod common;
+
+use std::path::Path;
+
+use common::{assert_refused, program, shared, skyline, stdout};
+use scaleproof::detect::{Detector, Manifest, Runtime};
+
+/// Just enough of ONNX's protobuf (onnx.proto3) to write a network that answers with a constant.
+mod onnx {
+    fn varint(mut v: u64) -> Vec<u8> {
+        let mut out = Vec::new();
+        while v >= 0x80 {
+            out.push(v as u8 | 0x80);
+            v >>= 7;
+        }
+        out.push(v as u8);
+        out
+    }
+
+    fn int(field: u64, v: u64) -> Vec<u8> {
+        [varint(field << 3), varint(v)].concat()
+    }
+
+    fn bytes(field: u64, v: &[u8]) -> Vec<u8> {
+        [varint(field << 3 | 2), varint(v.len() as u64), v.to_vec()].concat()
+    }
+
+    /// ValueInfoProto of a float tensor.
+    fn value(name: &str, shape: &[usize]) -> Vec<u8> {
+        let dims: Vec<u8> = shape.iter().flat_map(|d| bytes(1, &int(1, *d as u64))).collect();
+        let tensor = [int(1, 1), bytes(2, &dims)].concat();
+        [bytes(1, name.as_bytes()), bytes(2, &bytes(1, &tensor))].concat()
+    }
+
+    /// images (1×3×size×size) in, `data` out, whatever the picture: output = Identity(constant).
+    pub fn constant_network(size: usize, shape: &[usize], data: &[f32]) -> Vec<u8> {
+        let dims: Vec<u8> = shape.iter().flat_map(|d| int(1, *d as u64)).collect();
+        let raw: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let constant = [dims, int(2, 1), bytes(8, b"constant"), bytes(9, &raw)].concat();
+        let node = [bytes(1, b"constant"), bytes(2, b"output"), bytes(4, b"Identity")].concat();
+        let graph = [
+            bytes(1, &node),
+            bytes(2, b"graph"),
+            bytes(5, &constant),
+            bytes(11, &value("images", &[1, 3, size, size])),
+            bytes(12, &value("output", shape)),
+        ]
+        .concat();
+        let opset = bytes(8, &int(2, 13));
+        [int(1, 7), bytes(7, &graph), opset].concat()
+    }
+}
+
+/// A YOLOX answer with one box: centre (208, 104), 104 × 52 input pixels, at stride 8, car .72, truck .18.
+fn yolox_answer() -> Vec<f32> {
+    let mut data = vec![0.0_f32; 3549 * 85];
+    let row = &mut data[(13 * 52 + 26) * 85..][..85];
+    row[..5].copy_from_slice(&[0.0, 0.0, 13.0_f32.ln(), 6.5_f32.ln(), 0.9]);
+    (row[5 + 2], row[5 + 7]) = (0.8, 0.2);
+    data
+}
+
+#[test]
+fn a_network_made_here_runs_and_its_box_lands_in_the_photo() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tiny.onnx");
+    std::fs::write(&path, onnx::constant_network(416, &[1, 3549, 85], &yolox_answer())).unwrap();
+    let manifest = Manifest::named("yolox_nano").unwrap();
+    let mut detector = Detector::open(Runtime::load().unwrap(), &manifest, &path).unwrap();
+    // An odd size: the ratio is 416 / 1001.
+    let found = detector.detect(&image::RgbImage::new(1001, 613)).unwrap();
+    let car = &found[0];
+    assert_eq!((car.label, (car.score - 0.72).abs() < 1e-6), (2, true));
+    let ratio = 1001.0 / 416.0;
+    let wanted = [156.0, 78.0, 260.0, 130.0].map(|v| v * ratio);
+    let b: [f64; 4] = car.box_px.into();
+    for (found, wanted) in b.iter().zip(wanted) {
+        assert!((found - wanted).abs() < 0.02, "{b:?}");
+    }
+}
+
+#[test]
+fn a_network_that_does_not_fit_its_manifest_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("other.onnx");
+    std::fs::write(&path, onnx::constant_network(416, &[1, 10, 85], &[0.0; 850])).unwrap();
+    let manifest = Manifest::named("yolox_nano").unwrap();
+    let mut detector = Detector::open(Runtime::load().unwrap(), &manifest, &path).unwrap();
+    let error = detector.detect(&image::RgbImage::new(64, 48)).unwrap_err().to_string();
+    assert!(
+        error.contains("yolox_nano failed") && error.contains("does not fit this file"),
+        "{error}"
+    );
+    std::fs::write(&path, b"not a network").unwrap();
+    let error = Detector::open(Runtime::load().unwrap(), &manifest, &path)
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(error.contains("other.onnx is not a model"), "{error}");
+}
+
+#[test]
+fn the_list_says_what_there_is_and_what_is_missing() {
+    let output = program().args(["detectors", "list"]).output().unwrap();
+    let text = stdout(&output);
+    for m in Manifest::all().unwrap() {
+        assert!(text.contains(&m.name) && text.contains(&m.licence), "{text}");
+    }
+    assert_eq!(text.matches("not here").count(), 5, "{text}");
+    let output = program().args(["detectors", "list", "--json"]).output().unwrap();
+    let lines: Vec<serde_json::Value> = stdout(&output)
+        .lines()
+        .map(|l| serde_json::from_str(l).unwrap())
+        .collect();
+    assert_eq!(lines[0]["name"], "yolox_nano");
+    assert!(lines[0]["path"].is_null() && lines[0]["url"].as_str().unwrap().ends_with("yolox_nano.onnx"));
+}
+
+#[test]
+fn without_weights_or_network_the_refusals_say_what_to_do() {
+    let photo = skyline().join("normal_000.jpg");
+    let output = program().args(["detectors", "check"]).arg(&photo).output().unwrap();
+    assert_refused(
+        &output,
+        &["no detector's weights are here", "scaleproof detectors fetch"],
+    );
+    let output = program()
+        .args(["detectors", "check", "--detector", "yolo99"])
+        .arg(&photo)
+        .output()
+        .unwrap();
+    assert_refused(&output, &["no detector is called yolo99", "yolox_nano"]);
+    let folder = tempfile::tempdir().unwrap();
+    let output = offline()
+        .args(["detectors", "fetch", "yolox_nano", "--detectors"])
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    assert_refused(&output, &["cannot reach raw.githubusercontent.com", "yolox_nano.onnx"]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    std::fs::write(folder.path().join("yolox_nano.onnx"), b"something else").unwrap();
+    let output = program()
+        .args(["detectors", "check", "--detectors"])
+        .arg(folder.path())
+        .arg(&photo)
+        .output()
+        .unwrap();
+    assert_refused(&output, &["is not the file yolox_nano was described with"]);
+}
+
+/// The program behind a proxy that does not answer.
+fn offline() -> std::process::Command {
+    let mut command = program();
+    for name in ["HTTPS_PROXY", "https_proxy", "ALL_PROXY", "all_proxy"] {
+        command.env(name, "http://127.0.0.1:9");
+    }
+    command.env_remove("NO_PROXY").env_remove("no_proxy");
+    command
+}
+
+/// Detector, photo, and the "car" scores and boxes of the detector's own reference pipeline.
+type Published = (&'static str, &'static str, &'static [(f64, [f64; 4])]);
+
+#[rustfmt::skip]
+const PUBLISHED: [Published; 10] = [
+    ("yolox_nano", "darknet_dog.jpg", &[(0.798, [466.0, 78.0, 692.0, 171.0])]),
+    ("nanodet_m", "darknet_dog.jpg", &[(0.459, [460.0, 77.0, 689.0, 166.0])]),
+    ("fastestdet", "darknet_dog.jpg", &[(0.763, [457.0, 72.0, 703.0, 170.0])]),
+    ("deimv2_femto", "darknet_dog.jpg", &[(0.671, [465.0, 77.0, 685.0, 171.0])]),
+    ("deimv2_atto", "darknet_dog.jpg", &[(0.754, [465.0, 78.0, 692.0, 168.0])]),
+    ("yolox_nano", "udacity_test1.jpg", &[(0.884, [1050.0, 404.0, 1275.0, 508.0]), (0.822, [813.0, 408.0, 943.0, 493.0])]),
+    ("nanodet_m", "udacity_test1.jpg", &[(0.750, [813.0, 407.0, 943.0, 494.0]), (0.631, [1054.0, 406.0, 1277.0, 507.0])]),
+    ("fastestdet", "udacity_test1.jpg", &[(0.863, [1035.0, 404.0, 1279.0, 511.0]), (0.817, [828.0, 416.0, 938.0, 494.0])]),
+    ("deimv2_femto", "udacity_test1.jpg", &[(0.906, [1050.0, 403.0, 1272.0, 507.0]), (0.871, [812.0, 408.0, 945.0, 493.0])]),
+    ("deimv2_atto", "udacity_test1.jpg", &[(0.875, [1050.0, 404.0, 1268.0, 509.0]), (0.868, [816.0, 409.0, 944.0, 494.0])]),
+];
+
+#[test]
+fn the_real_detectors_give_their_published_scores_and_boxes() {
+    let Some(weights) = shared("detectors") else { return };
+    let run = |photo: &Path| -> Vec<serde_json::Value> {
+        let mut command = program();
+        let output = command
+            .args(["detectors", "check", "--json", "--detectors"])
+            .arg(&weights)
+            .arg(photo)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", common::stderr(&output));
+        stdout(&output)
+            .lines()
+            .map(|l| serde_json::from_str(l).unwrap())
+            .collect()
+    };
+    for photo in ["darknet_dog.jpg", "udacity_test1.jpg"] {
+        let found = run(&shared(&format!("photos/cars/{photo}")).unwrap());
+        for (detector, _, cars) in PUBLISHED.iter().filter(|p| p.1 == photo) {
+            let of_detector = found
+                .iter()
+                .filter(|l| l["detector"] == *detector && l["label"] == "car");
+            for (line, (score, b)) in of_detector.zip(*cars) {
+                let off = (line["score"].as_f64().unwrap() - score).abs();
+                assert!(off < 0.02, "{detector} on {photo}: score off by {off}");
+                let found: [f64; 4] = serde_json::from_value(line["box_px"].clone()).unwrap();
+                for (found, wanted) in found.iter().zip(b) {
+                    assert!(
+                        (found - wanted).abs() <= 2.0,
+                        "{detector} on {photo}: {found} instead of {wanted}"
+                    );
+                }
+            }
+            let count = found
+                .iter()
+                .filter(|l| l["detector"] == *detector && l["label"] == "car")
+                .count();
+            assert!(count >= cars.len(), "{detector} on {photo}: {count} cars");
+        }
+    }
+}
