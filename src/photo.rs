@@ -8,6 +8,9 @@ use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, Rgb
 
 use crate::files;
 
+/// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
+const MAX_MEGAPIXELS: u64 = 250;
+
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PhotoError {
@@ -17,6 +20,8 @@ pub enum PhotoError {
     NotAPicture { path: PathBuf },
     #[error("{path} ends in the middle of the picture: copy it from the camera again", path = path.display())]
     Truncated { path: PathBuf },
+    #[error("{path} has {megapixels} megapixels, more than the {limit} that fit in memory safely: scale it down", path = path.display(), limit = MAX_MEGAPIXELS)]
+    TooLarge { path: PathBuf, megapixels: u64 },
     #[error("{path} cannot be decoded ({reason}): copy it from the camera again", path = path.display())]
     Damaged { path: PathBuf, reason: String },
 }
@@ -36,6 +41,10 @@ impl Photo {
         let rgb = decode(&bytes).map_err(|problem| match problem {
             DecodeProblem::NotAPicture => PhotoError::NotAPicture { path: path.to_owned() },
             DecodeProblem::Truncated => PhotoError::Truncated { path: path.to_owned() },
+            DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge {
+                path: path.to_owned(),
+                megapixels,
+            },
             DecodeProblem::Damaged(reason) => PhotoError::Damaged {
                 path: path.to_owned(),
                 reason,
@@ -68,6 +77,8 @@ impl Photo {
 enum DecodeProblem {
     NotAPicture,
     Truncated,
+    /// Megapixels.
+    TooLarge(u64),
     Damaged(String),
 }
 
@@ -84,6 +95,11 @@ fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
     let mut decoder = ImageReader::with_format(Cursor::new(bytes), format)
         .into_decoder()
         .map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let megapixels = u64::from(width) * u64::from(height) / 1_000_000;
+    if megapixels > MAX_MEGAPIXELS {
+        return Err(DecodeProblem::TooLarge(megapixels));
+    }
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     picture.apply_orientation(orientation);
@@ -159,6 +175,28 @@ mod tests {
                 bytes.len()
             );
         }
+    }
+
+    #[test]
+    fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
+        let mut bytes = Vec::new();
+        RgbImage::new(1, 1)
+            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+            .unwrap();
+        // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
+        bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
+        let crc = crc32(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+        assert_eq!(decode(&bytes).unwrap_err(), DecodeProblem::TooLarge(10_000));
+    }
+
+    /// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.
+    fn crc32(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |crc, b| {
+            (0..8).fold(crc ^ u32::from(*b), |c, _| {
+                if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
+            })
+        })
     }
 
     #[test]

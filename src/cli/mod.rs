@@ -9,9 +9,10 @@ mod progress;
 mod score;
 
 use std::error::Error;
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 /// Print an adversarial pattern at 1:10, photograph the model, and get numbers you can defend.
@@ -45,7 +46,7 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(e) if e.use_stderr() => return refuse(&first_paragraph(&e.to_string())),
+        Err(e) if is_mistake(&e) => return refuse(&first_paragraph(&e.to_string())),
         Err(help_or_version) => help_or_version.exit(),
     };
     let out = &mut std::io::stdout().lock();
@@ -70,6 +71,11 @@ fn refuse(sentence: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
+/// False for help and version, also when help is shown because nothing was asked.
+fn is_mistake(e: &clap::Error) -> bool {
+    e.use_stderr() && e.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+}
+
 /// What was wrong with the arguments, without the usage that clap adds below.
 fn first_paragraph(message: &str) -> String {
     let lines = message
@@ -83,5 +89,5 @@ fn first_paragraph(message: &str) -> String {
 /// `scaleproof locate … | head` closes our output early; that is no error.
 fn is_broken_pipe(e: &(dyn Error + 'static)) -> bool {
     e.downcast_ref::<std::io::Error>()
-        .is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
+        .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }
