@@ -11,8 +11,9 @@ use rand_pcg::Pcg64Mcg;
 use scaleproof::camera::Camera;
 use scaleproof::geometry::{Rigid, angle::turn, rigid};
 use scaleproof::locate::{Abstention, locate};
+use scaleproof::photo::Photo;
 use scaleproof::scene::{Scene, Tag, Viewpoint};
-use scaleproof::tags::SeenTag;
+use scaleproof::tags::{AprilTagC, SeenTag, TagDetector};
 
 fn skyline() -> (Scene, Camera) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
@@ -81,6 +82,7 @@ fn see<'a>(
                 id: tag.id,
                 family: tag.family,
                 corners_px,
+                is_whole: true,
             });
         }
     }
@@ -208,6 +210,7 @@ fn strange_tags_never_make_a_pose() {
         id,
         family: Default::default(),
         corners_px: [[at, at], [at + 40.0, at], [at + 40.0, at + 40.0], [at, at + 40.0]],
+        is_whole: true,
     };
     assert_eq!(locate(&[], &scene, &camera), Err(Abstention::NoTags));
     assert_eq!(
@@ -231,4 +234,33 @@ fn strange_tags_never_make_a_pose() {
         ..ghost(3, 0.0)
     };
     assert!(locate(&[nan], &scene, &camera).is_err());
+}
+
+/// Every tag of the stored photos alone: real corner errors, among them tags that a card half covers.
+#[test]
+fn each_tag_alone_on_the_photos_is_right_or_refused() {
+    let (scene, camera) = skyline();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
+    let truth: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).unwrap()).unwrap();
+    let mut detector = AprilTagC::new(&scene.families()).unwrap();
+    let (mut seen, mut answered, mut covered, mut worst) = (0, 0, 0, 0.0_f64);
+    for photo in truth["photos"].as_array().unwrap() {
+        let picture = Photo::open(&folder.join(photo["file"].as_str().unwrap())).unwrap();
+        for tag in detector.find(&picture.grey()) {
+            seen += 1;
+            match locate(std::slice::from_ref(&tag), &scene, &camera) {
+                Ok(located) => {
+                    answered += 1;
+                    worst =
+                        worst.max(turn(located.viewpoint.azimuth_deg, photo["azimuth_deg"].as_f64().unwrap()).abs());
+                }
+                Err(Abstention::OneTagCovered { .. }) => covered += 1,
+                Err(_) => {}
+            }
+        }
+    }
+    println!("{seen} tags alone: {answered} answered, worst azimuth {worst:.2}°; {covered} refused as covered");
+    assert!(answered > 80 && worst < 2.0, "{answered} answered, worst {worst}°");
+    assert!(covered >= 4, "the covered and cut tags of these photos are noticed");
 }

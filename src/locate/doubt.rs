@@ -11,11 +11,13 @@ pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,
     #[error(
-        "no tag of this scene is visible, only unknown or doubled ids ({}): is this another scene?",
+        "no tag of this scene is visible for certain, only ids that are unknown or appear twice ({}): is this another scene, or is a copy in the picture?",
         list(ids)
     )]
     NoKnownTag { ids: Vec<u32> },
-    #[error("every pose that fits the tags puts them behind the camera: check the tag directions in the scene file")]
+    #[error(
+        "no pose puts every seen tag before the camera and inside the picture its lens model covers: check the tag directions in the scene file and the distortion in the camera file"
+    )]
     BehindCamera,
     #[error(
         "the tags disagree by {rms_px:.1} px (limit {limit_px:.1} px): was a card moved, or is this another camera?"
@@ -27,6 +29,14 @@ pub enum Abstention {
     OneTagAmbiguous { id: u32, best_px: f64, rival_px: f64 },
     #[error("only tag {id} is visible, seen straight on ({tilt_deg:.0}° of tilt): let a second tag be seen")]
     OneTagFrontal { id: u32, tilt_deg: f64 },
+    #[error(
+        "only tag {id} is visible, and part of its border is covered or out of the picture, so that its corners cannot be trusted: let a second tag be seen"
+    )]
+    OneTagCovered { id: u32 },
+    #[error(
+        "the corners of tag {id}, the only one visible, do not fit a square of its size ({rms_px:.1} px off, limit {limit_px:.1} px): is this another camera, or is the card bent?"
+    )]
+    OneTagBent { id: u32, rms_px: f64, limit_px: f64 },
     #[error(
         "two poses explain the {tags} visible tags almost equally well (residuals {best_px:.2} and {rival_px:.2} px): let more tags be seen"
     )]
@@ -52,6 +62,8 @@ impl Abstention {
             Abstention::HighResidual { .. } => "high_residual",
             Abstention::OneTagAmbiguous { .. } => "one_tag_ambiguous",
             Abstention::OneTagFrontal { .. } => "one_tag_frontal",
+            Abstention::OneTagCovered { .. } => "one_tag_covered",
+            Abstention::OneTagBent { .. } => "high_residual",
             Abstention::RivalPose { .. } => "rival_pose",
             Abstention::WrongCameraSize { .. } => "wrong_camera_size",
         }
@@ -89,10 +101,20 @@ pub(super) fn undoubted(
     };
     let limit_px = MAX_RMS_DEG / camera.deg_per_px();
     if best.rms_px > limit_px {
-        return Err(Abstention::HighResidual {
-            rms_px: best.rms_px,
-            limit_px,
+        let rms_px = best.rms_px;
+        return Err(match matches {
+            [only] => Abstention::OneTagBent {
+                id: only.tag.id,
+                rms_px,
+                limit_px,
+            },
+            _ => Abstention::HighResidual { rms_px, limit_px },
         });
+    }
+    if let [only] = matches
+        && !only.is_whole
+    {
+        return Err(Abstention::OneTagCovered { id: only.tag.id });
     }
     let rival = found.iter().find(|c| is_different(c, best));
     if let Some(rival) = rival.filter(|r| r.rms_px < MIN_RIVAL_RATIO * best.rms_px.max(NOISE_FLOOR_PX)) {

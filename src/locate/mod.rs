@@ -21,7 +21,7 @@ pub struct Located {
     pub bin: Bin,
     /// Ids of the tags the pose rests on, ascending.
     pub tags: Vec<u32>,
-    /// Ids of tags that were seen but not used: not in the scene, or seen twice.
+    /// Ids of tags that were seen but not used: not in the scene, seen twice, or partly covered.
     pub ignored_tags: Vec<u32>,
     /// Root mean square distance between seen and projected corners, px.
     pub rms_px: f64,
@@ -32,6 +32,7 @@ pub struct Located {
 struct Match<'a> {
     tag: &'a Tag,
     corners_px: [[f64; 2]; 4],
+    is_whole: bool,
 }
 
 impl Match<'_> {
@@ -110,8 +111,10 @@ fn located(best: Candidate, scene: &Scene, matches: &[Match], ignored_tags: Vec<
     }
 }
 
-/// The seen tags that stand in the scene. An id seen twice is left out both times: one of the two is a copy or a ghost, and
-/// nothing tells which.
+/// The seen tags that stand in the scene, without those that could mislead.
+///
+/// An id seen twice is left out both times: one of the two is a copy or a ghost, and nothing tells which. A tag that is partly
+/// covered is left out when two whole ones remain.
 fn match_tags<'a>(seen: &[SeenTag], scene: &'a Scene) -> Result<(Vec<Match<'a>>, Vec<u32>), Abstention> {
     let times = |tag: &SeenTag| seen.iter().filter(|t| (t.family, t.id) == (tag.family, tag.id)).count();
     let (mut matches, mut ignored) = (Vec::new(), Vec::new());
@@ -120,9 +123,14 @@ fn match_tags<'a>(seen: &[SeenTag], scene: &'a Scene) -> Result<(Vec<Match<'a>>,
             Some(known) if times(tag) == 1 => matches.push(Match {
                 tag: known,
                 corners_px: tag.corners_px,
+                is_whole: tag.is_whole,
             }),
             _ => ignored.push(tag.id),
         }
+    }
+    if matches.iter().filter(|m| m.is_whole).count() >= 2 {
+        ignored.extend(matches.iter().filter(|m| !m.is_whole).map(|m| m.tag.id));
+        matches.retain(|m| m.is_whole);
     }
     ignored.sort_unstable();
     ignored.dedup();

@@ -3,7 +3,7 @@
 use apriltag::{Detection, Detector, DetectorBuilder, Family, Image};
 use image::GrayImage;
 
-use super::{SeenTag, TagDetector};
+use super::{SeenTag, TagDetector, border};
 use crate::scene::TagFamily;
 
 /// More corrected bits than this and noise starts to look like tags.
@@ -54,7 +54,7 @@ impl TagDetector for AprilTagC {
             let sure = detections
                 .iter()
                 .filter(|d| d.hamming() <= MAX_HAMMING && d.decision_margin() >= MIN_DECISION_MARGIN);
-            found.extend(sure.filter_map(|d| seen(d, *family)));
+            found.extend(sure.filter_map(|d| seen(d, *family, grey)));
         }
         found
     }
@@ -89,12 +89,25 @@ fn c_image(grey: &GrayImage) -> Option<Image> {
 
 /// C AprilTag counts pixels from the *corner* of the first pixel and lists bottom-left, bottom-right, top-right, top-left
 /// (measured on the skyline session: either one left as it is costs 0.7° and 27 mm).
-fn seen(d: &Detection, family: TagFamily) -> Option<SeenTag> {
+fn seen(d: &Detection, family: TagFamily, grey: &GrayImage) -> Option<SeenTag> {
     let [bottom_left, bottom_right, top_right, top_left] = d.corners().map(|[x, y]| [x - 0.5, y - 0.5]);
     let corners_px = [top_left, top_right, bottom_right, bottom_left];
+    let is_whole = border::is_whole(grey, &corners_px, cells_across(family));
     Some(SeenTag {
         id: u32::try_from(d.id()).ok()?,
         family,
         corners_px,
+        is_whole,
     })
+}
+
+/// Width of the outline the corners lie on, in bit cells (`width_at_border` of the C library).
+fn cells_across(family: TagFamily) -> f64 {
+    match family {
+        TagFamily::Tag16h5 => 6.0,
+        TagFamily::Tag25h9 => 7.0,
+        TagFamily::Tag36h11 => 8.0,
+        TagFamily::TagStandard41h12 => 5.0,
+        TagFamily::TagStandard52h13 => 6.0,
+    }
 }

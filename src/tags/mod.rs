@@ -1,6 +1,7 @@
 //! Tag detectors: photo in, tag corners out.
 
 mod apriltag_c;
+mod border;
 
 use image::GrayImage;
 
@@ -16,6 +17,8 @@ pub struct SeenTag {
     /// Pixel corners (x, y) of the upright tag: top-left, top-right, bottom-right, bottom-left. Pixel (0, 0) is the centre of
     /// the top-left pixel.
     pub corners_px: [[f64; 2]; 4],
+    /// False when part of the tag's border is covered or outside the picture: a corner may then be many pixels off.
+    pub is_whole: bool,
 }
 
 /// Anything that finds tags in a photo.
