@@ -16,10 +16,17 @@ pub enum FileError {
 
 /// Reads a whole file.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
-    std::fs::read(path).map_err(|e| FileError::Read {
+    let failed = |reason: String| FileError::Read {
         path: path.to_owned(),
-        reason: plain(&e),
-    })
+        reason,
+    };
+    // Reading a named pipe would wait for ever.
+    match std::fs::metadata(path) {
+        Ok(about) if !about.is_file() => return Err(failed("it is not a file".into())),
+        Ok(_) => {}
+        Err(e) => return Err(failed(plain(&e))),
+    }
+    std::fs::read(path).map_err(|e| failed(plain(&e)))
 }
 
 /// Reads a whole UTF-8 text file.
@@ -33,31 +40,97 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// Writes a file under a temporary name beside its place, then renames it, so that a reader sees the old file or the whole
 /// new one. Missing parent folders are made.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let failed = |e: std::io::Error| FileError::Write {
-        path: path.to_owned(),
-        reason: plain(&e),
-    };
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(failed)?;
-    }
-    let temporary = temporary_name(path);
-    let written = std::fs::File::create(&temporary).and_then(|mut file| {
-        file.write_all(content)?;
-        file.sync_all()
-    });
-    written.and_then(|()| std::fs::rename(&temporary, path)).map_err(|e| {
-        // Only our own temporary file is removed; that it may not exist is no second error.
-        let _ = std::fs::remove_file(&temporary);
-        failed(e)
-    })
+    let waiting = Waiting::write(path, content)?;
+    waiting.take_place()
 }
 
-fn temporary_name(path: &Path) -> PathBuf {
-    let name = path
-        .file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    path.with_file_name(format!(".{name}.{}.partial", std::process::id()))
+/// Writes several files into a folder: all contents lie on the disk before the first takes its place.
+pub fn write_together(folder: &Path, contents: &[(String, String)]) -> Result<(), FileError> {
+    let waiting = contents
+        .iter()
+        .map(|(name, content)| Waiting::write(&folder.join(name), content.as_bytes()))
+        .collect::<Result<Vec<_>, _>>()?;
+    waiting.into_iter().try_for_each(Waiting::take_place)
+}
+
+/// Finds out, before long work, that a folder is or can be made there and takes files. Makes nothing.
+pub fn check_writable(folder: &Path) -> Result<(), FileError> {
+    let failed = |reason: String| FileError::Write {
+        path: folder.to_owned(),
+        reason,
+    };
+    let there = folder
+        .ancestors()
+        .map(|f| if f.as_os_str().is_empty() { Path::new(".") } else { f })
+        .find(|f| f.exists());
+    match there {
+        Some(there) if there.is_dir() => Waiting::write(&there.join("probe"), b"").map(drop),
+        Some(file) => Err(failed(format!("{} is a file", file.display()))),
+        None => Err(failed("no part of the path exists".into())),
+    }
+}
+
+/// Removes a file; that there is none is fine.
+pub fn remove(path: &Path) -> Result<(), FileError> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::Write {
+            path: path.to_owned(),
+            reason: plain(&e),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// A whole file under a temporary name, removed unless it takes its place.
+struct Waiting {
+    temporary: PathBuf,
+    path: PathBuf,
+}
+
+impl Waiting {
+    fn write(path: &Path, content: &[u8]) -> Result<Waiting, FileError> {
+        let failed = |e: std::io::Error| FileError::Write {
+            path: path.to_owned(),
+            reason: plain(&e),
+        };
+        if path.is_dir() {
+            return Err(FileError::Write {
+                path: path.to_owned(),
+                reason: "a folder is in its place".into(),
+            });
+        }
+        let Some(name) = path.file_name() else {
+            return Err(FileError::Write {
+                path: path.to_owned(),
+                reason: "it is not a file name".into(),
+            });
+        };
+        if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).map_err(failed)?;
+        }
+        let temporary = path.with_file_name(format!(".{}.{}.partial", name.to_string_lossy(), std::process::id()));
+        let waiting = Waiting {
+            temporary,
+            path: path.to_owned(),
+        };
+        let mut file = std::fs::File::create(&waiting.temporary).map_err(failed)?;
+        file.write_all(content).and_then(|()| file.sync_all()).map_err(failed)?;
+        Ok(waiting)
+    }
+
+    fn take_place(self) -> Result<(), FileError> {
+        std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::Write {
+            path: self.path.clone(),
+            reason: plain(&e),
+        })
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        // After the rename there is nothing under this name; that it cannot be removed is no second error.
+        let _ = std::fs::remove_file(&self.temporary);
+    }
 }
 
 /// SHA-256 of some bytes, in lower-case hex.
@@ -93,5 +166,21 @@ mod tests {
         assert!(error.starts_with("cannot write"), "{error}");
         let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
         assert_eq!(left.len(), 1, "only the folder that was there before");
+    }
+
+    #[test]
+    fn files_written_together_appear_together_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let contents = ["a", "b"].map(|name| (name.to_owned(), name.to_owned()));
+        std::fs::create_dir(folder.path().join("b")).unwrap();
+        assert!(write_together(folder.path(), &contents).is_err());
+        assert_eq!(
+            std::fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "neither `a` nor a temporary file"
+        );
+        std::fs::remove_dir(folder.path().join("b")).unwrap();
+        write_together(folder.path(), &contents).unwrap();
+        assert_eq!(std::fs::read(folder.path().join("b")).unwrap(), b"b");
     }
 }

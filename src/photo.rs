@@ -6,6 +6,11 @@ use std::path::{Path, PathBuf};
 use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, RgbImage};
 
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
+use zune_jpeg::JpegDecoder;
+
 use crate::files;
 
 /// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
@@ -91,19 +96,56 @@ fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
     if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
         return Err(DecodeProblem::Truncated);
     }
-    let damaged = |e: image::ImageError| DecodeProblem::Damaged(e.to_string().replace('\n', " "));
-    let mut decoder = ImageReader::with_format(Cursor::new(bytes), format)
+    let (mut picture, orientation) = match format {
+        ImageFormat::Jpeg => decode_jpeg(bytes)?,
+        _ => decode_png(bytes)?,
+    };
+    picture.apply_orientation(orientation);
+    Ok(picture.into_rgb8())
+}
+
+fn decode_png(bytes: &[u8]) -> Result<(DynamicImage, Orientation), DecodeProblem> {
+    let mut decoder = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png)
         .into_decoder()
         .map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    let megapixels = u64::from(width) * u64::from(height) / 1_000_000;
-    if megapixels > MAX_MEGAPIXELS {
-        return Err(DecodeProblem::TooLarge(megapixels));
-    }
+    check_size(width.into(), height.into())?;
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    picture.apply_orientation(orientation);
-    Ok(picture.into_rgb8())
+    Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, orientation))
+}
+
+/// Strictly: by default the decoder fills what damaged data leaves open with grey.
+fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), DecodeProblem> {
+    let options = DecoderOptions::default()
+        .set_strict_mode(true)
+        .set_max_width(usize::MAX)
+        .set_max_height(usize::MAX)
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(damaged)?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    check_size(width as u64, height as u64)?;
+    let pixels = decoder.decode().map_err(damaged)?;
+    let picture =
+        RgbImage::from_raw(width as u32, height as u32, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
+    let orientation = decoder.exif().and_then(|exif| Orientation::from_exif_chunk(exif));
+    Ok((picture.into(), orientation.unwrap_or(Orientation::NoTransforms)))
+}
+
+fn check_size(width: u64, height: u64) -> Result<(), DecodeProblem> {
+    let megapixels = width * height / 1_000_000;
+    if megapixels > MAX_MEGAPIXELS {
+        Err(DecodeProblem::TooLarge(megapixels))
+    } else {
+        Ok(())
+    }
+}
+
+/// The first line of what a decoder says, without the internals it prints in braces.
+fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
+    let text = e.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    DecodeProblem::Damaged(line.split(" {").next().unwrap_or(line).to_owned())
 }
 
 /// True when the first picture of a JPEG file reaches its end-of-image marker (ITU-T T.81, annex B).
@@ -197,6 +239,30 @@ mod tests {
                 if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
             })
         })
+    }
+
+    /// Most damage inside a JPEG decodes into some other picture; what the strict decoder can notice is refused, where the
+    /// lenient one refuses none of these.
+    #[test]
+    fn damage_that_can_be_noticed_is_refused() {
+        let photo = concat!(env!("CARGO_MANIFEST_DIR"), "/captures/skyline/normal_000.jpg");
+        let bytes = std::fs::read(photo).unwrap();
+        let mut random = 1_u64;
+        let mut next = || {
+            random = random
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (random >> 33) as usize
+        };
+        let refused = (0..60).filter(|_| {
+            let mut copy = bytes.clone();
+            for _ in 0..20 {
+                let at = 700 + next() % (copy.len() - 702);
+                copy[at] = next() as u8;
+            }
+            decode(&copy).is_err()
+        });
+        assert!(refused.count() >= 6);
     }
 
     #[test]

@@ -302,10 +302,19 @@ fn runs_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
         score(&skyline(), &out, &["--recorded", "--record"]),
         &["--recorded", "--record"],
     );
-    refused(
-        program().args(["score", "--recorded"]).output().unwrap(),
-        &["<SESSIONS>...", "--out"],
-    );
+    let no_session = program()
+        .args(["score", "--recorded", "--out"])
+        .arg(&out)
+        .output()
+        .unwrap();
+    refused(no_session, &["no session is named"]);
+    let twice = program()
+        .arg("score")
+        .args([skyline(), skyline()])
+        .args(["--recorded", "--out"])
+        .arg(&out)
+        .output();
+    refused(twice.unwrap(), &["is named twice"]);
 
     let session = copy_of_skyline();
     std::fs::remove_file(session.path().join("recorded/fastestdet.json")).unwrap();
@@ -341,4 +350,91 @@ fn runs_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
         recorded(session.path(), &out),
         &["none of the 16 photos could be scored", "no tag"],
     );
+}
+
+/// Changes the stored session's `session.json` and scores it played back.
+fn score_changed(change: impl FnOnce(&mut Vec<Value>)) -> (Output, Value, tempfile::TempDir) {
+    let session = copy_of_skyline();
+    let path = session.path().join("session.json");
+    let mut file = read_json(&path);
+    change(file["photos"].as_array_mut().unwrap());
+    std::fs::write(&path, file.to_string()).unwrap();
+    std::fs::copy(session.path().join("normal_001.jpg"), session.path().join("copy.jpg")).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let output = recorded(session.path(), out.path());
+    assert!(output.status.success(), "{}", stderr(&output));
+    (output, read_json(&out.path().join("summary.json")), out)
+}
+
+#[test]
+fn what_weakens_the_figures_is_said() {
+    let caution = |change: fn(&mut Vec<Value>), words: &str| {
+        let (output, summary, out) = score_changed(change);
+        let cautions = summary["cautions"].to_string();
+        assert!(cautions.contains(words), "{cautions}");
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+        assert!(
+            std::fs::read_to_string(out.path().join("report.html"))
+                .unwrap()
+                .contains(words)
+        );
+    };
+    caution(
+        |photos| photos.truncate(10),
+        "different numbers of photos in 6 of 8 directions",
+    );
+    caution(|photos| drop(photos.drain(..8)), "no photo has the variant “normal”");
+    caution(|photos| photos[2]["file"] = "copy.jpg".into(), "byte-for-byte copies");
+    caution(
+        |photos| photos[2]["box_xyxy_px"] = serde_json::json!([5000, 5000, 6000, 6000]),
+        "could not be scored",
+    );
+    let (_, summary, _) = score_changed(|_| {});
+    assert_eq!(summary["cautions"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn a_recording_that_was_changed_is_refused() {
+    let out = tempfile::tempdir().unwrap();
+    for name in ["yolox_nano", "deimv2_atto"] {
+        let session = copy_of_skyline();
+        let results = session.path().join("recorded").join(format!("{name}.json"));
+        std::fs::copy(session.path().join("recorded/nanodet_m.json"), &results).unwrap();
+        assert_refused(
+            &recorded(session.path(), out.path()),
+            &[name, "not the recording", "--record"],
+        );
+        std::fs::write(&results, "[]").unwrap();
+        assert_refused(&recorded(session.path(), out.path()), &[name, "not the recording"]);
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, b"mine").unwrap();
+    assert_refused(&recorded(&skyline(), &file), &["cannot write", "is a file"]);
+    assert_eq!(std::fs::read(&file).unwrap(), b"mine");
+    // One of the files cannot take its place: none does.
+    let out = folder.path().join("out");
+    std::fs::create_dir_all(out.join("report.html")).unwrap();
+    assert_refused(
+        &recorded(&skyline(), &out),
+        &["cannot write", "report.html", "a folder is in its place"],
+    );
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
+}
+
+#[test]
+fn results_of_an_earlier_run_do_not_stay_beside_new_ones() {
+    let out = tempfile::tempdir().unwrap();
+    let run = |detector: &str| {
+        let output = score(&skyline(), out.path(), &["--recorded", "--detector", detector]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    };
+    run("fastestdet");
+    run("yolox_nano");
+    assert!(out.path().join("coco_results_yolox_nano.json").exists());
+    assert!(!out.path().join("coco_results_fastestdet.json").exists());
 }

@@ -15,7 +15,7 @@ struct CameraFile {
     image_width: u32,
     image_height: u32,
     camera_matrix: Matrix,
-    distortion_coefficients: Option<Matrix>,
+    distortion_coefficients: Matrix,
     distortion_model: Option<String>,
     #[serde(default)]
     fisheye_model: f64,
@@ -42,13 +42,17 @@ impl Camera {
         };
         let file: CameraFile = serde_saphyr::from_str(&plain_yaml(text)).map_err(|e| {
             let reason = e.to_string();
-            refuse(format!(
-                "not an OpenCV or ROS camera file ({})",
-                reason.lines().next().unwrap_or_default()
-            ))
+            refuse(format!("not an OpenCV or ROS camera file: {}", plain_reason(&reason)))
         })?;
         checked(file).map_err(refuse)
     }
+}
+
+/// The first line of what the parser says, without its own "error: line …" frame.
+fn plain_reason(reason: &str) -> &str {
+    let line = reason.lines().next().unwrap_or_default();
+    line.split_once("column ")
+        .map_or(line, |(_, rest)| rest.split_once(": ").map_or(rest, |(_, what)| what))
 }
 
 /// OpenCV writes `%YAML:1.0`, which is no YAML directive, and a tag that only OpenCV knows.
@@ -82,10 +86,14 @@ fn checked(file: CameraFile) -> Result<Camera, String> {
     if k.len() != 9 || fx <= 0.0 || fy <= 0.0 || skew != 0.0 || k[3] != 0.0 || k[6..] != [0.0, 0.0, 1.0] {
         return Err("camera_matrix must be [fx 0 cx; 0 fy cy; 0 0 1] with fx and fy above 0".into());
     }
-    let distortion = match file.distortion_coefficients {
-        Some(matrix) => numbers(matrix, "distortion_coefficients")?,
-        None => Vec::new(),
-    };
+    let distortion = numbers(file.distortion_coefficients, "distortion_coefficients")?;
+    // The lengths OpenCV knows: k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))).
+    if ![4, 5, 8, 12, 14].contains(&distortion.len()) {
+        return Err(format!(
+            "distortion_coefficients has {} numbers: OpenCV knows 4, 5 or 8",
+            distortion.len()
+        ));
+    }
     if distortion.len() > 8 && distortion[8..].iter().any(|v| *v != 0.0) {
         return Err("thin-prism and tilt coefficients are not supported: calibrate with at most 8".into());
     }

@@ -32,10 +32,10 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     writeln!(out, "\n2. Photos become camera poses and viewpoint bins")?;
     locate::table(&session, out)?;
     writeln!(out, "\n3. Detectors are scored on them")?;
-    let contestants = contestants(&session, &args.folder.folders(), out)?;
+    let contestants = contestants(&session, &args.folder.folders()?, out)?;
     let scores = score::score_with_progress(vec![session], contestants)?;
     let page = report::write(&args.out, &scores)?;
-    score::warn_of_left_out(&scores);
+    score::caution(&scores);
     writeln!(out, "\nreport:   {}\ntemplate: {}\n", page.display(), pdf.display())?;
     writeln!(out, "{}", report::summary_table(&scores))?;
     Ok(Outcome::Done)

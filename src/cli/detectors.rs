@@ -7,7 +7,7 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, progress};
-use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders};
+use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders, WeightsError};
 use crate::geometry::BoxPx;
 use crate::photo::Photo;
 
@@ -37,8 +37,14 @@ pub struct Folder {
 }
 
 impl Folder {
-    pub fn folders(self) -> WeightFolders {
-        WeightFolders::new(self.weights_folder)
+    /// The folders to look in; a named one must be there.
+    pub fn folders(&self) -> Result<WeightFolders, String> {
+        match &self.weights_folder {
+            Some(folder) if !folder.is_dir() => {
+                Err(format!("--detectors {}: there is no such folder", folder.display()))
+            }
+            named => Ok(WeightFolders::new(named.clone())),
+        }
     }
 }
 
@@ -103,7 +109,7 @@ pub fn chosen(names: &[String]) -> CommandResultOf<Vec<Manifest>> {
 type CommandResultOf<T> = Result<T, Box<dyn std::error::Error>>;
 
 fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
-    let folders = args.folder.folders();
+    let folders = args.folder.folders()?;
     if !args.json {
         writeln!(
             out,
@@ -112,17 +118,19 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
         )?;
     }
     for m in Manifest::all()? {
-        let path = folders.find(&m);
+        let checked = folders.checked(&m);
         if args.json {
             let line = serde_json::json!({
                 "name": m.name, "title": m.title, "licence": m.licence, "origin": m.origin, "url": m.weights.url,
-                "sha256": m.weights.sha256, "path": path,
+                "sha256": m.weights.sha256, "path": checked.ok(),
             });
             writeln!(out, "{line}")?;
         } else {
-            let place = path.map_or("not here: scaleproof detectors fetch".into(), |p| {
-                p.display().to_string()
-            });
+            let place = match checked {
+                Ok(path) => path.display().to_string(),
+                Err(WeightsError::WrongHash { path, .. }) => format!("not the described file: {}", path.display()),
+                Err(_) => "not here: scaleproof detectors fetch".into(),
+            };
             writeln!(
                 out,
                 "{:<14} {:<17} {:<13} {:<12} {place}",
@@ -137,7 +145,7 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
-    let folders = args.folder.folders();
+    let folders = WeightFolders::new(args.folder.weights_folder);
     for manifest in chosen(&args.names)? {
         let path = fetch_one(&manifest, &folders)?;
         writeln!(out, "{:<14} {}", manifest.name, path.display())?;
@@ -173,7 +181,10 @@ struct Line<'a> {
 }
 
 fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
-    let folders = args.folder.folders();
+    if !(0.0..=1.0).contains(&args.confidence) {
+        return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
+    }
+    let folders = args.folder.folders()?;
     let mut manifests = chosen(&args.detectors)?;
     if args.detectors.is_empty() {
         manifests.retain(|m| folders.find(m).is_some());

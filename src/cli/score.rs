@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome, detectors, progress};
 use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, WeightFolders};
+use crate::files::{self, FileError};
 use crate::report;
 use crate::score::{self, Contestant, ContestantError, ScoreError, Scores};
 use crate::session::Session;
@@ -14,8 +15,7 @@ use crate::session::Session;
 /// A photo that cannot be read or located is listed with its reason, and the others are scored.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Session folders (each with a session.json).
-    #[arg(required = true)]
+    /// Session folders (each with a session.json); name them before --detector.
     sessions: Vec<PathBuf>,
     /// Detector to score, see `scaleproof detectors list`; several may be named; all when none is.
     #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
@@ -34,23 +34,42 @@ pub struct Args {
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    if args.sessions.is_empty() {
+        return Err("no session is named: name the session folders first, then --detector and the others".into());
+    }
     let sessions = args
         .sessions
         .iter()
         .map(|s| Session::open(s))
         .collect::<Result<Vec<_>, _>>()?;
     let manifests = detectors::chosen(&args.detectors)?;
-    let folders = (!args.recorded).then(|| args.folder.folders());
+    let folders = if args.recorded {
+        None
+    } else {
+        Some(args.folder.folders()?)
+    };
     let contestants = contestants(&sessions, manifests, folders.as_ref())?;
+    check_places(&args, &sessions)?;
     let scores = score_with_progress(sessions, contestants)?;
+    let page = report::write(&args.out, &scores)?;
     if args.record {
         record(&scores)?;
     }
-    let page = report::write(&args.out, &scores)?;
-    warn_of_left_out(&scores);
+    caution(&scores);
     writeln!(out, "{}", report::summary_table(&scores))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
+}
+
+/// Finds out before the work that its results can be stored.
+fn check_places(args: &Args, sessions: &[Session]) -> Result<(), FileError> {
+    let recordings = sessions
+        .iter()
+        .filter(|_| args.record)
+        .map(|s| Contestant::recordings_of(&s.folder));
+    recordings
+        .chain([args.out.clone()])
+        .try_for_each(|folder| files::check_writable(&folder))
 }
 
 /// The named detectors, with the weights in `folders`, or played back from the sessions' recordings without any.
@@ -79,9 +98,13 @@ pub fn score_with_progress(sessions: Vec<Session>, contestants: Vec<Contestant>)
     scores
 }
 
-pub fn warn_of_left_out(scores: &Scores) {
+/// Says on standard error which photos were left out, and what to know before believing the figures.
+pub fn caution(scores: &Scores) {
     for photo in &scores.not_scored {
-        eprintln!("not scored: {}: {}", photo.file, photo.reason);
+        eprintln!("not scored: {}/{}: {}", photo.session, photo.file, photo.reason);
+    }
+    for caution in &scores.cautions {
+        eprintln!("note: {caution}");
     }
 }
 
@@ -92,6 +115,7 @@ fn record(scores: &Scores) -> Result<(), Box<dyn std::error::Error>> {
             let recording = Recording {
                 detector: contestant.manifest.name.clone(),
                 weights_sha256: contestant.manifest.weights.sha256.clone(),
+                results_sha256: String::new(),
                 scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
                 runtime: scores.runtime.clone().unwrap_or_default(),
                 score_floor: SCORE_FLOOR,
@@ -106,7 +130,7 @@ fn record(scores: &Scores) -> Result<(), Box<dyn std::error::Error>> {
             };
             let detections: Vec<_> = photos.iter().map(|p| p.detections[index].as_slice()).collect();
             let folder = Contestant::recordings_of(&session.folder);
-            Recorded::save(&folder, &contestant.manifest, &recording, &detections)?;
+            Recorded::save(&folder, &contestant.manifest, recording, &detections)?;
         }
     }
     Ok(())

@@ -52,6 +52,8 @@ pub struct Recording {
     pub detector: String,
     /// SHA-256 of the weights, hex.
     pub weights_sha256: String,
+    /// SHA-256 of the results file, hex: the two belong together.
+    pub results_sha256: String,
     /// Version of this program.
     pub scaleproof: String,
     /// Version and build of the ONNX Runtime.
@@ -77,6 +79,8 @@ pub enum RecordedError {
     File(#[from] files::FileError),
     #[error("{path} is not a recording of detections: {message}", path = path.display())]
     Syntax { path: PathBuf, message: String },
+    #[error("{path} is not the recording of {detector} that its provenance describes: record it again with --record", path = path.display())]
+    Changed { path: PathBuf, detector: String },
     #[error("{path} was recorded with other weights of {detector} (SHA-256 {found}…): record it again", path = path.display())]
     OtherWeights {
         path: PathBuf,
@@ -96,7 +100,7 @@ impl Recorded {
     /// Reads the recording of a detector from a folder.
     pub fn open(folder: &Path, manifest: &Manifest) -> Result<Recorded, RecordedError> {
         let (results_path, provenance_path) = paths(folder, &manifest.name);
-        let recording: Recording = parse(&provenance_path)?;
+        let recording: Recording = parse(&files::read_text(&provenance_path)?, &provenance_path)?;
         if recording.weights_sha256 != manifest.weights.sha256 {
             return Err(RecordedError::OtherWeights {
                 path: provenance_path,
@@ -104,7 +108,15 @@ impl Recorded {
                 found: recording.weights_sha256.chars().take(12).collect(),
             });
         }
-        let results: Vec<CocoResult> = parse(&results_path)?;
+        let text = files::read_text(&results_path)?;
+        let is_same = files::sha256_hex(text.as_bytes()) == recording.results_sha256;
+        if !is_same || recording.detector != manifest.name {
+            return Err(RecordedError::Changed {
+                path: results_path,
+                detector: manifest.name.clone(),
+            });
+        }
+        let results: Vec<CocoResult> = parse(&text, &results_path)?;
         let syntax = |message: String| RecordedError::Syntax {
             path: results_path.clone(),
             message,
@@ -128,7 +140,7 @@ impl Recorded {
                 }
                 (_, None) => {
                     return Err(syntax(format!(
-                        "a result of image {} has no valid box or category",
+                        "a result of image {} has no valid box, score or category",
                         r.image_id
                     )));
                 }
@@ -137,11 +149,11 @@ impl Recorded {
         Ok(Recorded { recording, by_photo })
     }
 
-    /// Writes a recording; `detections` are in the order of `recording.photos`.
+    /// Writes a recording; `detections` are in the order of `recording.photos`, and its `results_sha256` is filled in.
     pub fn save(
         folder: &Path,
         manifest: &Manifest,
-        recording: &Recording,
+        recording: Recording,
         detections: &[&[Detection]],
     ) -> Result<(), RecordedError> {
         let (results_path, provenance_path) = paths(folder, &manifest.name);
@@ -151,7 +163,11 @@ impl Recorded {
         };
         let photos = recording.photos.iter().map(|p| p.id).zip(detections.iter().copied());
         let results = coco_results(photos, manifest.labels).map_err(syntax)?;
-        let provenance = serde_json::to_string_pretty(recording).map_err(syntax)? + "\n";
+        let recording = Recording {
+            results_sha256: files::sha256_hex(results.as_bytes()),
+            ..recording
+        };
+        let provenance = serde_json::to_string_pretty(&recording).map_err(syntax)? + "\n";
         files::write_atomically(&results_path, results.as_bytes())?;
         files::write_atomically(&provenance_path, provenance.as_bytes())?;
         Ok(())
@@ -170,8 +186,8 @@ fn paths(folder: &Path, name: &str) -> (PathBuf, PathBuf) {
     )
 }
 
-fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, RecordedError> {
-    serde_json::from_str(&files::read_text(path)?).map_err(|e| RecordedError::Syntax {
+fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, RecordedError> {
+    serde_json::from_str(text).map_err(|e| RecordedError::Syntax {
         path: path.to_owned(),
         message: e.to_string(),
     })
@@ -179,6 +195,9 @@ fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, RecordedError
 
 fn detection(r: &CocoResult, labels: Labels) -> Option<Detection> {
     let [x, y, w, h] = r.bbox;
+    if !(0.0..=1.0).contains(&r.score) {
+        return None;
+    }
     Detection::new(
         labels.of_category(r.category_id)?,
         r.score,

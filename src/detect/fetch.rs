@@ -45,9 +45,9 @@ pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u
         path: part.clone(),
         reason: files::plain(&e),
     };
-    std::fs::create_dir_all(folder).map_err(failed)?;
     let have = std::fs::metadata(&part).map_or(0, |m| m.len());
     if let Some(response) = request(manifest, folder, have)? {
+        std::fs::create_dir_all(folder).map_err(failed)?;
         let resumed = response.status() == 206;
         let have = if resumed { have } else { 0 };
         let mut file = open_part(&part, resumed).map_err(failed)?;

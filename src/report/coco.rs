@@ -25,6 +25,7 @@ struct Image<'a> {
     width: u32,
     height: u32,
     variant: &'a str,
+    session: String,
 }
 
 #[derive(Serialize)]
@@ -63,20 +64,21 @@ pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
             description: "truth boxes of scale-model photos, projected through the pose".into(),
             version: env!("CARGO_PKG_VERSION"),
         },
-        images: scores.photos.iter().map(image).collect(),
+        images: scores.photos.iter().map(|p| image(scores, p)).collect(),
         annotations: scores.photos.iter().map(|p| annotation(p, class)).collect(),
         categories,
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-fn image(p: &ScoredPhoto) -> Image<'_> {
+fn image<'a>(scores: &Scores, p: &'a ScoredPhoto) -> Image<'a> {
     Image {
         id: p.id,
         file_name: &p.file,
         width: p.width,
         height: p.height,
         variant: &p.variant,
+        session: scores.sessions[p.session].name(),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::score::{Contestant, NotScored, ScoredPhoto, Scores, Verdict};
 #[derive(Serialize, Default)]
 struct Row<'a> {
     photo_id: Option<u64>,
+    session: String,
     file: &'a str,
     variant: &'a str,
     place: &'a str,
@@ -39,7 +40,7 @@ pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for photo in &scores.photos {
         for (index, contestant) in scores.contestants.iter().enumerate() {
-            writer.serialize(scored(photo, index, contestant))?;
+            writer.serialize(scored(scores, photo, index, contestant))?;
         }
     }
     for photo in &scores.not_scored {
@@ -48,11 +49,12 @@ pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-fn scored<'a>(photo: &'a ScoredPhoto, index: usize, contestant: &'a Contestant) -> Row<'a> {
+fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, contestant: &'a Contestant) -> Row<'a> {
     let (viewpoint, bin, outcome) = (photo.viewpoint, photo.bin, &photo.outcomes[index]);
     let other = other_label(photo, index, contestant);
     Row {
         photo_id: Some(photo.id),
+        session: scores.sessions[photo.session].name(),
         file: &photo.file,
         variant: &photo.variant,
         place: photo.place.as_deref().unwrap_or_default(),
@@ -81,6 +83,7 @@ fn scored<'a>(photo: &'a ScoredPhoto, index: usize, contestant: &'a Contestant) 
 
 fn not_scored(photo: &NotScored) -> Row<'_> {
     Row {
+        session: photo.session.clone(),
         file: &photo.file,
         variant: &photo.variant,
         status: "not scored",

@@ -9,7 +9,7 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
-use crate::detect::coco_results;
+use crate::detect::{Manifest, coco_results};
 use crate::files;
 use crate::score::{Contestant, ScoredPhoto, Scores};
 
@@ -26,7 +26,7 @@ pub enum ReportError {
 
 /// Writes every report file into a folder and returns the path of the page to open.
 ///
-/// All contents are made before the first byte is written; each file appears whole or not at all.
+/// All contents are made before the first byte is written, and the files appear together or not at all.
 pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
     let format = |e: serde_json::Error| ReportError::Format(e.to_string());
     let mut contents = vec![
@@ -41,12 +41,26 @@ pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
     for (index, contestant) in scores.contestants.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
         let results = coco_results(photos, contestant.labels()).map_err(format)?;
-        contents.push((format!("coco_results_{}.json", contestant.manifest.name), results));
+        contents.push((results_name(&contestant.manifest.name), results));
     }
-    for (name, content) in &contents {
-        files::write_atomically(&folder.join(name), content.as_bytes())?;
-    }
+    files::write_together(folder, &contents)?;
+    remove_stale(folder, &contents)?;
     Ok(folder.join("report.html"))
+}
+
+/// Removes the COCO results an earlier run left for detectors that are not in this one: their ids mean other photos now.
+fn remove_stale(folder: &Path, contents: &[(String, String)]) -> Result<(), ReportError> {
+    for manifest in Manifest::all().unwrap_or_default() {
+        let name = results_name(&manifest.name);
+        if contents.iter().all(|(kept, _)| *kept != name) {
+            files::remove(&folder.join(name))?;
+        }
+    }
+    Ok(())
+}
+
+fn results_name(detector: &str) -> String {
+    format!("coco_results_{detector}.json")
 }
 
 /// What another label on the model is called, with its confidence.

@@ -83,12 +83,8 @@ fn session(scores: &Scores, index: usize) -> SessionProvenance {
         .iter()
         .filter(|p| p.session == index)
         .map(|p| (p.file.clone(), p.sha256.clone()));
-    let name = session
-        .folder
-        .file_name()
-        .map_or(".".into(), |n| n.to_string_lossy().into_owned());
     SessionProvenance {
-        folder: name,
+        folder: session.name(),
         model: session.scene.model.name.clone(),
         scale: session.scene.model.scale,
         truth_envelope: "box",

@@ -11,6 +11,7 @@ use crate::score::{DEFINITIONS, NotScored, Scores, Summary};
 struct Page<'a> {
     photos_scored: usize,
     results: &'a [Summary],
+    cautions: &'a [String],
     not_scored: &'a [NotScored],
     definitions: BTreeMap<&'static str, &'static str>,
     provenance: Provenance,
@@ -20,6 +21,7 @@ pub(super) fn render(scores: &Scores) -> serde_json::Result<String> {
     let page = Page {
         photos_scored: scores.photos.len(),
         results: &scores.summaries,
+        cautions: &scores.cautions,
         not_scored: &scores.not_scored,
         definitions: DEFINITIONS.into_iter().collect(),
         provenance: provenance::of(scores),

@@ -1,5 +1,6 @@
 //! The file format `scene.toml`, and every reason to refuse one.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
@@ -127,14 +128,24 @@ fn checked_bins(bins: BinsTable) -> Result<Bins, String> {
     }
     Ok(Bins {
         azimuth_deg: step,
-        pitch_deg: checked_centres(bins.pitch_deg, "bins.pitch_deg")?,
-        distance_mm: checked_centres(bins.distance_mm, "bins.distance_mm")?,
+        pitch_deg: checked_centres(bins.pitch_deg, -90.0..=90.0, "bins.pitch_deg")?,
+        distance_mm: checked_centres(bins.distance_mm, 1.0..=1e6, "bins.distance_mm")?,
     })
 }
 
-fn checked_centres(mut centres: Vec<f64>, what: &str) -> Result<Vec<f64>, String> {
-    if centres.is_empty() || centres.iter().any(|c| !c.is_finite()) {
-        return Err(format!("{what} needs at least one number, e.g. [15]"));
+fn checked_centres(mut centres: Vec<f64>, range: RangeInclusive<f64>, what: &str) -> Result<Vec<f64>, String> {
+    if centres.is_empty() {
+        return Err(format!(
+            "{what} is empty: give at least one centre, e.g. [{}]",
+            range.start().max(15.0)
+        ));
+    }
+    if let Some(odd) = centres.iter().find(|c| !range.contains(c)) {
+        return Err(format!(
+            "{what} has {odd}: give numbers from {} to {}",
+            range.start(),
+            range.end()
+        ));
     }
     centres.sort_by(f64::total_cmp);
     centres.dedup();
@@ -241,7 +252,7 @@ up = [-0.5, 0.0, 0.866]
         for (from, to, reason) in [
             ("scale = 10", "scale = 0", "model.scale is 0"),
             ("azimuth_deg = 45", "azimuth_deg = 50", "does not divide 360"),
-            ("pitch_deg = [15]", "pitch_deg = []", "at least one number"),
+            ("pitch_deg = [15]", "pitch_deg = []", "at least one centre"),
             (
                 "up = [-0.5, 0.0, 0.866]",
                 "up = [0.0, 0.5, 0.866]",

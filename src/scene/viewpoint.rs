@@ -28,6 +28,14 @@ impl Viewpoint {
         }
     }
 
+    /// True for finite numbers in the ranges their fields state, and a camera that is not inside the target.
+    pub fn is_possible(&self) -> bool {
+        (0.0..360.0).contains(&self.azimuth_deg)
+            && (-90.0..=90.0).contains(&self.pitch_deg)
+            && self.distance_mm > 0.0
+            && self.distance_mm.is_finite()
+    }
+
     /// The camera centre in the model frame, mm: the inverse of [`Viewpoint::of_camera`].
     pub fn camera_centre_mm(&self, target_mm: Point3<f64>) -> Point3<f64> {
         let (azimuth, pitch) = (self.azimuth_deg.to_radians(), self.pitch_deg.to_radians());

@@ -1,6 +1,7 @@
 //! Photos, poses and detections become numbers: truth boxes, matching, AP, rates, drops.
 
 mod ap;
+mod caution;
 mod contestant;
 mod outcome;
 mod photo;

@@ -42,6 +42,8 @@ pub struct ScoredPhoto {
 /// A photo that could not be scored.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NotScored {
+    /// Name of the session's folder.
+    pub session: String,
     pub file: String,
     pub variant: String,
     /// A sentence.

@@ -3,7 +3,7 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
-use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, summary, truth};
+use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary, truth};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
 use crate::locate::{self, Located};
@@ -19,11 +19,13 @@ pub enum ScoreError {
     NoSession,
     #[error("{a} and {b} have different bins or model classes: score them in separate runs")]
     DifferentScenes { a: String, b: String },
+    #[error("the session {folder} is named twice: each photo counts once")]
+    SessionTwice { folder: String },
     #[error(
         "{file} has no recorded detections of {detector}: run without --recorded, or record them again with --record"
     )]
     NotRecorded { file: String, detector: String },
-    #[error("none of the {photos} photos could be scored; the first: {file}: {reason}")]
+    #[error("none of the {photos} photos could be scored; {file}, for one: {reason}")]
     NothingScored {
         photos: usize,
         file: String,
@@ -45,6 +47,8 @@ pub struct Scores {
     pub not_scored: Vec<NotScored>,
     /// Per contestant and variant, contestants first.
     pub summaries: Vec<Summary>,
+    /// What a reader must know before believing the figures, as sentences.
+    pub cautions: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every contestant was played back.
     pub runtime: Option<String>,
 }
@@ -92,6 +96,7 @@ pub fn score(
             reason,
         });
     }
+    let cautions = caution::cautions(&photos, &not_scored, &sessions);
     let summaries = summary::summaries(&photos, &contestants, &sessions[0].scene.bins);
     let runtime = runtime.map(Runtime::provenance);
     Ok(Scores {
@@ -100,6 +105,7 @@ pub fn score(
         photos,
         not_scored,
         summaries,
+        cautions,
         runtime,
     })
 }
@@ -130,6 +136,15 @@ fn jobs(sessions: &[Session]) -> Vec<Job<'_>> {
 
 fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
     let first = sessions.first().ok_or(ScoreError::NoSession)?;
+    let places: Vec<_> = sessions
+        .iter()
+        .map(|s| s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone()))
+        .collect();
+    if let Some(i) = (1..places.len()).find(|i| places[..*i].contains(&places[*i])) {
+        return Err(ScoreError::SessionTwice {
+            folder: sessions[i].folder.display().to_string(),
+        });
+    }
     let alike = |s: &&Session| s.scene.bins == first.scene.bins && s.scene.model.class == first.scene.model.class;
     match sessions.iter().find(|s| !alike(s)) {
         None => Ok(()),
@@ -171,6 +186,7 @@ impl Worker {
     fn photo(&mut self, job: &Job, contestants: &[Contestant]) -> Result<Result<ScoredPhoto, NotScored>, ScoreError> {
         let left_out = |reason: String| {
             Ok(Err(NotScored {
+                session: job.session.name(),
                 file: job.entry.file.clone(),
                 variant: job.entry.variant.clone(),
                 reason,
@@ -193,6 +209,9 @@ impl Worker {
             .entry
             .box_xyxy_px
             .map(|b| b.clipped(photo.width().into(), photo.height().into()));
+        if given.is_some_and(|b| !b.is_solid()) {
+            return Err("box_xyxy_px lies outside the picture: is it another photo's?".into());
+        }
         if let (Some(truth), Some(_)) = (given, job.entry.viewpoint) {
             return Ok(Place { located: None, truth });
         }
@@ -277,11 +296,13 @@ fn detections(
     Ok(found.to_vec())
 }
 
-/// A JPEG small enough to embed once per photo in the report.
+/// A JPEG small enough to embed once per photo in the report; never larger than the photo.
 fn preview(photo: &Photo) -> Vec<u8> {
-    const WIDTH: u32 = 480;
-    let height = (photo.height() * WIDTH / photo.width().max(1)).max(1);
-    let small = imageops::resize(&photo.rgb, WIDTH, height, FilterType::Triangle);
+    const LONGEST_SIDE: f64 = 480.0;
+    let (width, height) = (f64::from(photo.width()), f64::from(photo.height()));
+    let scale = (LONGEST_SIDE / width.max(height)).min(1.0);
+    let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
+    let small = imageops::resize(&photo.rgb, width, height, FilterType::Triangle);
     let mut jpeg = Vec::new();
     // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.
     match JpegEncoder::new_with_quality(&mut jpeg, 78).encode_image(&small) {

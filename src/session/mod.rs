@@ -1,7 +1,7 @@
 //! A stored set of photos: `session.json`, with the scene and the camera it names.
 
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +101,14 @@ impl Session {
         })
     }
 
+    /// The name of the session's folder.
+    pub fn name(&self) -> String {
+        let folder = self.folder.canonicalize().unwrap_or_else(|_| self.folder.clone());
+        folder
+            .file_name()
+            .map_or_else(|| ".".into(), |n| n.to_string_lossy().into_owned())
+    }
+
     /// The path of a photo.
     pub fn photo_path(&self, entry: &PhotoEntry) -> PathBuf {
         self.folder.join(&entry.file)
@@ -109,7 +117,13 @@ impl Session {
 
 fn syntax(path: &Path, e: &serde_json::Error) -> SessionError {
     let text = e.to_string();
-    let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
+    let message = match text.split(" at line ").next().unwrap_or(&text) {
+        // serde's own words for a list where an object belongs.
+        inside if inside.contains("expected struct") => {
+            "an object {…} with the keys of a session belongs here".to_owned()
+        }
+        message => message.to_owned(),
+    };
     SessionError::Syntax {
         path: path.to_owned(),
         line: e.line(),
@@ -126,20 +140,42 @@ fn check_photos(photos: &[PhotoEntry]) -> Result<(), String> {
         if !files.insert(&photo.file) {
             return Err(format!("{} is listed twice: each photo counts once", photo.file));
         }
-        if photo.variant.trim().is_empty() {
-            return Err(format!(
-                "{} has no variant: name the texture on the model, e.g. normal",
-                photo.file
-            ));
-        }
-        if photo.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
-            return Err(format!(
-                "box_xyxy_px of {} is empty: give [x1, y1, x2, y2] in pixels",
-                photo.file
-            ));
-        }
+        check_photo(photo)?;
     }
     Ok(())
+}
+
+fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
+    let (file, variant) = (&photo.file, &photo.variant);
+    if !Path::new(file)
+        .components()
+        .all(|part| matches!(part, Component::Normal(_)))
+    {
+        return Err(format!(
+            "{file} is not a path below the session's folder: copy the photo there"
+        ));
+    }
+    if variant.trim().is_empty() {
+        return Err(format!(
+            "{file} has no variant: name the texture on the model, e.g. normal"
+        ));
+    }
+    if variant.trim() != variant || variant.chars().any(char::is_control) {
+        return Err(format!(
+            "the variant {variant:?} of {file} has blanks around it or control characters: remove them"
+        ));
+    }
+    if photo.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
+        return Err(format!(
+            "box_xyxy_px of {file} is empty: give [x1, y1, x2, y2] in pixels"
+        ));
+    }
+    match photo.viewpoint {
+        Some(v) if !v.is_possible() => Err(format!(
+            "the viewpoint of {file} is impossible: azimuth_deg is in [0, 360), pitch_deg in [-90, 90], distance_mm above 0"
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn file_name(path: &Path) -> String {
@@ -153,7 +189,7 @@ mod tests {
     use super::*;
 
     const SCENE: &str = "[model]\nname='m'\nscale=10\nclass='car'\nsize_mm=[400,180,120]\n[bins]\nazimuth_deg=45\npitch_deg=[15]\ndistance_mm=[800]\n";
-    const CAMERA: &str = "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]}\n";
+    const CAMERA: &str = "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]}\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n";
 
     fn opened(photos: &str) -> Result<Session, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -189,6 +225,16 @@ mod tests {
             (
                 a.replace("}", ",\"box_xyxy_px\":[5,5,5,9]}"),
                 "box_xyxy_px of a.jpg is empty",
+            ),
+            (a.replace("normal", "normal "), "blanks around it"),
+            (a.replace("a.jpg", "../a.jpg"), "not a path below"),
+            (a.replace("a.jpg", "/a.jpg"), "not a path below"),
+            (
+                a.replace(
+                    "}",
+                    ",\"viewpoint\":{\"azimuth_deg\":400,\"pitch_deg\":0,\"distance_mm\":9}}",
+                ),
+                "viewpoint of a.jpg is impossible",
             ),
             (a.replace("variant", "varient"), "line 2: unknown field `varient`"),
         ] {

@@ -31,7 +31,7 @@ pub(super) fn render(scores: &Scores) -> String {
                     (recorded_banner(scores))
                 }
                 main {
-                    section { h2 { "Result" } (figures::headline(scores)) }
+                    section { h2 { "Result" } (figures::headline(scores)) (notes::cautions(scores)) }
                     section { h2 { "By viewing direction" } (polar::row(scores)) (figures::by_azimuth(scores)) }
                     section { h2 { "Photos" } (contact::sheets(scores)) }
                     (notes::not_scored(scores))

@@ -5,6 +5,12 @@ use maud::{Markup, html};
 use crate::report::provenance;
 use crate::score::{DEFINITIONS, Scores};
 
+pub(super) fn cautions(scores: &Scores) -> Markup {
+    html! {
+        @for caution in &scores.cautions { p.banner { "Note: " (caution) "." } }
+    }
+}
+
 pub(super) fn not_scored(scores: &Scores) -> Markup {
     html! {
         @if !scores.not_scored.is_empty() {
@@ -12,10 +18,10 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
                 h2 { "Photos not scored" }
                 div.scroll {
                     table {
-                        thead { tr { th { "photo" } th { "texture" } th { "reason" } } }
+                        thead { tr { th { "photo" } th { "session" } th { "texture" } th { "reason" } } }
                         tbody {
                             @for n in &scores.not_scored {
-                                tr { td { (n.file) } td.text { (n.variant) } td.wrap { (n.reason) } }
+                                tr { td { (n.file) } td.text { (n.session) } td.text { (n.variant) } td.wrap { (n.reason) } }
                             }
                         }
                     }

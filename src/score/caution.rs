@@ -1,0 +1,83 @@
+//! What a reader must know before believing the figures: said in the terminal, on the report and in `summary.json`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{BASE_VARIANT, NotScored, ScoredPhoto};
+use crate::session::Session;
+
+/// Every caution of a run, as sentences.
+pub(super) fn cautions(photos: &[ScoredPhoto], not_scored: &[NotScored], sessions: &[Session]) -> Vec<String> {
+    let mut cautions = Vec::new();
+    cautions.extend(no_base(photos));
+    cautions.extend(copies(photos));
+    cautions.extend(uneven_directions(photos));
+    cautions.extend(left_out(not_scored));
+    cautions.extend(several_models(sessions));
+    cautions
+}
+
+fn no_base(photos: &[ScoredPhoto]) -> Option<String> {
+    let has_base = photos.iter().any(|p| p.variant == BASE_VARIANT);
+    (!has_base).then(|| format!("no photo has the variant “{BASE_VARIANT}”, so no drop can be given"))
+}
+
+/// Copies are scored, but a copy is no second observation.
+fn copies(photos: &[ScoredPhoto]) -> Option<String> {
+    let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
+    let mut copies = photos
+        .iter()
+        .filter_map(|p| seen.insert(&p.sha256, p).map(|first| (first, p)));
+    let (first, copy) = copies.next()?;
+    let count = 1 + copies.count();
+    Some(format!(
+        "{count} photos are byte-for-byte copies of others (the first: {} of {}); the intervals count them as independent",
+        copy.file, first.file
+    ))
+}
+
+/// A drop between textures that were not photographed from the same directions mixes texture with direction.
+fn uneven_directions(photos: &[ScoredPhoto]) -> Vec<String> {
+    let mut counts: BTreeMap<&str, BTreeMap<i64, usize>> = BTreeMap::new();
+    for photo in photos {
+        // Milli-degrees: a key that can be compared.
+        let bin = photo.bin.map_or(-1, |b| (b.azimuth_deg * 1000.0).round() as i64);
+        *counts.entry(&photo.variant).or_default().entry(bin).or_default() += 1;
+    }
+    let Some(base) = counts.get(BASE_VARIANT) else {
+        return Vec::new();
+    };
+    let others = counts
+        .iter()
+        .filter(|(variant, bins)| **variant != BASE_VARIANT && *bins != base);
+    others
+        .map(|(variant, bins)| {
+            let all: BTreeSet<&i64> = base.keys().chain(bins.keys()).collect();
+            let uneven = all.iter().filter(|bin| base.get(**bin) != bins.get(**bin)).count();
+            format!(
+                "“{variant}” and “{BASE_VARIANT}” have different numbers of photos in {uneven} of {} directions: the drop over all photos \
+                 mixes texture with direction; compare direction by direction",
+                all.len()
+            )
+        })
+        .collect()
+}
+
+fn left_out(not_scored: &[NotScored]) -> Option<String> {
+    let count = not_scored.len();
+    (count > 0)
+        .then(|| format!("{count} photos could not be scored and are in no figure; they are listed with their reasons"))
+}
+
+fn several_models(sessions: &[Session]) -> Option<String> {
+    let models: BTreeSet<String> = sessions
+        .iter()
+        .map(|s| {
+            format!(
+                "{} (1:{}, {:?} mm)",
+                s.scene.model.name, s.scene.model.scale, s.scene.model.size_mm
+            )
+        })
+        .collect();
+    let list = models.iter().cloned().collect::<Vec<_>>().join(", ");
+    (models.len() > 1).then(|| format!("the sessions show different models, pooled in every figure: {list}"))
+}
