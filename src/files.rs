@@ -33,23 +33,65 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// Writes a file under a temporary name beside its place, then renames it, so that a reader sees the old file or the whole
 /// new one. Missing parent folders are made.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let failed = |e: std::io::Error| FileError::Write {
-        path: path.to_owned(),
-        reason: plain(&e),
-    };
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(failed)?;
-    }
     let temporary = temporary_name(path);
-    let written = std::fs::File::create(&temporary).and_then(|mut file| {
-        file.write_all(content)?;
-        file.sync_all()
-    });
-    written.and_then(|()| std::fs::rename(&temporary, path)).map_err(|e| {
+    let renamed = || std::fs::rename(&temporary, path).map_err(|e| not_written(path, &e));
+    stage(path, content).and_then(|()| renamed()).inspect_err(|_| {
         // Only our own temporary file is removed; that it may not exist is no second error.
         let _ = std::fs::remove_file(&temporary);
-        failed(e)
     })
+}
+
+/// Writes several files, or none: every one is whole under its temporary name before the first gets its own.
+pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+    let mut staged: Vec<PathBuf> = Vec::new();
+    let result = files.iter().try_for_each(|(path, content)| {
+        refuse_folder(path)?;
+        staged.push(temporary_name(path));
+        stage(path, content)
+    });
+    let result = result.and_then(|()| {
+        let mut pairs = files.iter().zip(&staged);
+        pairs.try_for_each(|((path, _), temporary)| std::fs::rename(temporary, path).map_err(|e| not_written(path, &e)))
+    });
+    if result.is_err() {
+        // Only our own temporary files are removed; that some do not exist is no second error.
+        staged
+            .iter()
+            .for_each(|temporary| drop(std::fs::remove_file(temporary)));
+    }
+    result
+}
+
+/// A folder under a file's name would be found out only when other files are in place already.
+fn refuse_folder(path: &Path) -> Result<(), FileError> {
+    if path.is_dir() {
+        let reason = "a folder has that name".into();
+        return Err(FileError::Write {
+            path: path.to_owned(),
+            reason,
+        });
+    }
+    Ok(())
+}
+
+/// Writes a file under its temporary name; missing parent folders are made.
+fn stage(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    let write = || {
+        if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)?;
+        }
+        let mut file = std::fs::File::create(temporary_name(path))?;
+        file.write_all(content)?;
+        file.sync_all()
+    };
+    write().map_err(|e| not_written(path, &e))
+}
+
+fn not_written(path: &Path, e: &std::io::Error) -> FileError {
+    FileError::Write {
+        path: path.to_owned(),
+        reason: plain(e),
+    }
 }
 
 fn temporary_name(path: &Path) -> PathBuf {
