@@ -44,11 +44,11 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     waiting.take_place()
 }
 
-/// Writes several files into a folder: all contents lie on the disk before the first takes its place.
-pub fn write_together(folder: &Path, contents: &[(String, String)]) -> Result<(), FileError> {
-    let waiting = contents
+/// Writes several files, or none: every one is whole under its temporary name before the first takes its place.
+pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+    let waiting = files
         .iter()
-        .map(|(name, content)| Waiting::write(&folder.join(name), content.as_bytes()))
+        .map(|(path, content)| Waiting::write(path, content))
         .collect::<Result<Vec<_>, _>>()?;
     waiting.into_iter().try_for_each(Waiting::take_place)
 }
@@ -171,16 +171,16 @@ mod tests {
     #[test]
     fn files_written_together_appear_together_or_not_at_all() {
         let folder = tempfile::tempdir().unwrap();
-        let contents = ["a", "b"].map(|name| (name.to_owned(), name.to_owned()));
+        let contents = ["a", "b"].map(|name| (folder.path().join(name), name.as_bytes().to_vec()));
         std::fs::create_dir(folder.path().join("b")).unwrap();
-        assert!(write_together(folder.path(), &contents).is_err());
+        assert!(write_all_atomically(&contents).is_err());
         assert_eq!(
             std::fs::read_dir(folder.path()).unwrap().count(),
             1,
             "neither `a` nor a temporary file"
         );
         std::fs::remove_dir(folder.path().join("b")).unwrap();
-        write_together(folder.path(), &contents).unwrap();
+        write_all_atomically(&contents).unwrap();
         assert_eq!(std::fs::read(folder.path().join("b")).unwrap(), b"b");
     }
 }

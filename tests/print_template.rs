@@ -1,114 +1,58 @@
-//! Prints templates, renders the PDF with poppler at 300 dpi, and measures the picture.
+//! Prints templates, renders the PDF with poppler at 600 dpi, and measures the picture.
 
 #[path = "print_template/measure.rs"]
 mod measure;
+#[path = "print_template/render.rs"]
+mod render;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
 use image::{Rgb, RgbImage};
 use lopdf::{Document, Object};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the_whole, assert_rulers};
 use proptest::prelude::*;
+use render::{done, oblong_pattern, pages, pattern_file, scaleproof, usual_request};
 use scaleproof::pattern::Pattern;
-use scaleproof::print::paper::{Orientation, Paper};
+use scaleproof::print::paper::{Orientation, Paper, Stock};
+use scaleproof::print::printer::Printer;
 use scaleproof::print::template::{LayoutRequest, Region, layout};
-
-fn scaleproof(args: &[&str]) -> Output {
-    Command::new(assert_cmd::cargo::cargo_bin!("scaleproof"))
-        .args(args)
-        .output()
-        .unwrap()
-}
 
 fn print(pattern: Pattern, tile_mm: f64, request: LayoutRequest, paper: &str) -> Printed {
     let folder = tempfile::tempdir().unwrap();
-    let [png, pdf] = ["p.png", "t.pdf"].map(|name| folder.path().join(name));
-    std::fs::write(&png, pattern.to_png().unwrap()).unwrap();
+    let (png, pdf) = (pattern_file(&pattern, folder.path()), folder.path().join("t.pdf"));
     let LayoutRequest {
         size_mm: (width, height),
         overlap_mm,
+        bleed_mm,
         margin_mm,
         ..
     } = request;
     let (from, to) = (png.display(), pdf.display());
-    let command = format!(
+    done(&format!(
         "print template --pattern {from} --tile-mm {tile_mm} --size-mm {width}x{height} --paper {paper} \
-         --overlap-mm {overlap_mm} --margin-mm {margin_mm} -o {to}"
-    );
-    let output = scaleproof(&command.split(' ').collect::<Vec<_>>());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+         --overlap-mm {overlap_mm} --bleed-mm {bleed_mm} --margin-mm {margin_mm} -o {to}"
+    ));
+    println!("{} bytes", std::fs::metadata(&pdf).unwrap().len());
+    assert!(std::fs::metadata(&pdf).unwrap().len() < 300_000);
     Printed {
         cell_mm: tile_mm / f64::from(pattern.columns()),
         size_mm: request.size_mm,
         layout: layout(&request).unwrap(),
-        pdf: std::fs::read(&pdf).unwrap(),
-        pages: render(&pdf, folder.path()),
+        dpi: 600.0,
+        tolerance_mm: 0.05,
+        pages: pages(&pdf, 2, 600.0, folder.path()),
         pattern,
     }
 }
 
-/// The template of the issue: 600×300 mm of a 16×16 pattern on A4.
-fn on_a4() -> Printed {
-    print(Pattern::random(16, 1).unwrap(), 118.0, on_a4_request(), "a4")
-}
-
-/// One A3 page of a pattern that is not square.
-fn on_a3() -> Printed {
-    let request = LayoutRequest {
-        size_mm: (260.0, 370.0),
-        paper: Paper::A3,
-        ..on_a4_request()
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("p.png");
-    let wide = Pattern::random(9, 4).unwrap();
-    image::imageops::crop_imm(wide.cells(), 0, 0, 9, 5)
-        .to_image()
-        .save(&path)
-        .unwrap();
-    print(Pattern::load(&path).unwrap(), 61.7, request, "a3")
-}
-
-fn on_a4_request() -> LayoutRequest {
-    let size_mm = (600.0, 300.0);
-    LayoutRequest {
-        size_mm,
-        paper: Paper::A4,
-        orientation: Orientation::Auto,
-        overlap_mm: 8.0,
-        margin_mm: 5.0,
-    }
-}
-
-fn render(pdf: &Path, folder: &Path) -> Vec<RgbImage> {
-    render_at("300", pdf, folder)
-}
-
-fn render_at(dpi: &str, pdf: &Path, folder: &Path) -> Vec<RgbImage> {
-    let stem = folder.join("page");
-    let run = Command::new("pdftoppm")
-        .args(["-r", dpi, "-png"])
-        .arg(pdf)
-        .arg(&stem)
-        .status();
-    let status = run.expect("this test renders the PDF with pdftoppm: install poppler-utils");
-    assert!(status.success(), "pdftoppm failed on {}", pdf.display());
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
-    files.retain(|path| path.file_name().unwrap().to_string_lossy().starts_with("page-"));
-    files.sort();
-    files.iter().map(|path| image::open(path).unwrap().to_rgb8()).collect()
-}
-
+/// 600×300 mm of a 16×16 pattern on A4.
 #[test]
 fn the_a4_template_measures_what_it_says() {
-    let printed = on_a4();
+    let printed = print(Pattern::random(16, 1).unwrap(), 118.0, usual_request(), "a4");
     assert_eq!(printed.pages.len(), 6);
     for page in &printed.pages {
-        assert_eq!(page.dimensions(), (3508, 2481), "A4 landscape at 300 dpi");
+        assert_eq!(page.dimensions(), (7016, 4961), "A4 landscape at 600 dpi");
     }
     assert_edges(&printed, 300);
     assert_rulers(&printed);
@@ -116,16 +60,63 @@ fn the_a4_template_measures_what_it_says() {
     assert_pieces_make_the_whole(&printed);
 }
 
+/// One A3 page of a pattern that is not square.
 #[test]
 fn a_whole_a3_page_measures_what_it_says() {
-    let printed = on_a3();
+    let folder = tempfile::tempdir().unwrap();
+    let request = LayoutRequest {
+        size_mm: (260.0, 370.0),
+        paper: Paper::A3.into(),
+        ..usual_request()
+    };
+    let printed = print(oblong_pattern(folder.path()), 61.7, request, "a3");
     assert_eq!(printed.pages.len(), 1);
-    assert_eq!(printed.pages[0].dimensions(), (3508, 4961), "A3 portrait at 300 dpi");
+    assert_eq!(printed.pages[0].dimensions(), (7016, 9922), "A3 portrait at 600 dpi");
     assert_edges(&printed, 1000);
     assert_rulers(&printed);
     assert_cell_centres(&printed);
-    assert!(printed.pdf.len() < 300_000);
-    println!("A3: {} bytes", printed.pdf.len());
+}
+
+/// A large bleed and overlap, and cells that are cut everywhere.
+#[test]
+fn a_roll_measures_what_it_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let request = LayoutRequest {
+        size_mm: (300.0, 250.0),
+        paper: Stock::Roll { width_mm: 210.0 },
+        overlap_mm: 12.5,
+        bleed_mm: 4.0,
+        ..usual_request()
+    };
+    let printed = print(oblong_pattern(folder.path()), 61.7, request, "roll210");
+    assert_eq!((printed.layout.rows, printed.layout.columns), (1, 2));
+    assert_eq!(printed.layout.frame.page.height_mm, 301.0);
+    assert_edges(&printed, 100);
+    assert_rulers(&printed);
+    assert_cell_centres(&printed);
+    assert_pieces_make_the_whole(&printed);
+}
+
+/// Cells are printed, not paper, wherever a sheet is cut: a millimetre beyond every edge of every trim.
+#[test]
+fn beyond_every_cut_the_pattern_goes_on() {
+    let request = LayoutRequest {
+        bleed_mm: 3.0,
+        ..usual_request()
+    };
+    for sheet in &layout(&request).unwrap().sheets {
+        let last = |i: usize, n: usize| i + 1 == n;
+        let (trim, printed) = (sheet.trim, sheet.printed);
+        let beyond = [
+            (sheet.column == 0, trim.left_mm - printed.left_mm),
+            (sheet.row == 0, printed.top_mm - trim.top_mm),
+            (last(sheet.column, 3), printed.right_mm - trim.right_mm),
+            (last(sheet.row, 2), trim.bottom_mm - printed.bottom_mm),
+        ];
+        for (outer, mm) in beyond {
+            assert!(!outer || (mm - 3.0).abs() < 1e-9, "sheet {}: {mm} mm", sheet.id());
+        }
+    }
 }
 
 /// A plain pattern shows any hairline between cells, blocks or repeats, at a resolution that fits no cell.
@@ -135,33 +126,21 @@ fn there_are_no_seams_between_cells() {
     let [png, pdf] = ["plain.png", "t.pdf"].map(|name| folder.path().join(name));
     RgbImage::from_pixel(7, 7, Rgb([0, 40, 80])).save(&png).unwrap();
     for tile_mm in ["2.9", "31.3"] {
-        let args = [
-            "print",
-            "template",
-            "--size-mm",
-            "150x200",
-            "--tile-mm",
-            tile_mm,
-            "--pattern",
-        ];
-        let paths = [png.to_str().unwrap(), "-o", pdf.to_str().unwrap()];
-        assert!(scaleproof(&[&args[..], &paths].concat()).status.success());
-        let page = &render_at("61", &pdf, folder.path())[0];
-        let printed = layout(&LayoutRequest {
+        let (from, to) = (png.display(), pdf.display());
+        done(&format!(
+            "print template --size-mm 150x200 --tile-mm {tile_mm} --pattern {from} -o {to}"
+        ));
+        let page = &pages(&pdf, 2, 61.0, folder.path())[0];
+        let request = LayoutRequest {
             size_mm: (150.0, 200.0),
-            ..on_a4_request()
-        })
-        .unwrap()
-        .sheets[0]
-            .printed;
+            ..usual_request()
+        };
+        let printed = layout(&request).unwrap().sheets[0].printed;
         let px = |mm: f64| (mm / 25.4 * 61.0) as u32;
         for y in px(297.0 - printed.top_mm) + 2..px(297.0 - printed.bottom_mm) - 1 {
             for x in px(printed.left_mm) + 2..px(printed.right_mm) - 1 {
-                assert_eq!(
-                    page.get_pixel(x, y).0,
-                    [0, 40, 80],
-                    "tile {tile_mm} mm, pixel ({x}, {y})"
-                );
+                let seen = page.get_pixel(x, y).0;
+                assert_eq!(seen, [0, 40, 80], "tile {tile_mm} mm, pixel ({x}, {y})");
             }
         }
     }
@@ -182,47 +161,150 @@ fn the_file_tells_viewers_not_to_scale_it_and_has_its_trim() {
         .unwrap();
     assert_eq!(preferences.get(b"PrintScaling").unwrap().as_name().unwrap(), b"None");
     assert!(preferences.get(b"PickTrayByPDFSize").unwrap().as_bool().unwrap());
-    let plans = layout(&on_a4_request()).unwrap().sheets;
-    for (page, plan) in document.page_iter().zip(&plans) {
+    let plans = layout(&usual_request()).unwrap().sheets;
+    assert_eq!(document.page_iter().count(), 1 + plans.len(), "instructions first");
+    for (page, plan) in document.page_iter().skip(1).zip(&plans) {
         let page = document.get_object(page).unwrap().as_dict().unwrap();
         let corners = |key: &[u8]| -> Vec<f64> {
             let mm = |o: &Object| f64::from(o.as_float().unwrap()) * 25.4 / 72.0;
             page.get(key).unwrap().as_array().unwrap().iter().map(mm).collect()
         };
-        let t = plan.trim;
+        let edges = |r: scaleproof::print::sheet::RectMm| [r.left_mm, r.bottom_mm, r.right_mm, r.top_mm];
         let close = |a: Vec<f64>, b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.001);
         assert!(close(corners(b"MediaBox"), [0.0, 0.0, 297.0, 210.0]));
-        assert!(close(
-            corners(b"TrimBox"),
-            [t.left_mm, t.bottom_mm, t.right_mm, t.top_mm]
-        ));
+        assert!(close(corners(b"TrimBox"), edges(plan.trim)));
+        assert!(close(corners(b"BleedBox"), edges(plan.printed)));
     }
+}
+
+/// Fonts are part of the file, and other programs find the file in order.
+#[test]
+fn fonts_are_embedded_and_the_file_is_valid() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.pdf");
+    export_example(&path);
+    let run = Command::new("pdffonts").arg(&path).output();
+    let table = String::from_utf8(run.expect("install poppler-utils").stdout).unwrap();
+    let fonts: Vec<&str> = table.lines().skip(2).collect();
+    assert_eq!(fonts.len(), 1, "{table}");
+    assert!(fonts[0].starts_with("LATINA+DejaVuSans"), "{table}");
+    let columns: Vec<&str> = fonts[0].split_whitespace().collect();
+    assert_eq!(columns[1..5], ["TrueType", "WinAnsi", "yes", "yes"], "{table}");
+    match Command::new("qpdf").arg("--check").arg(&path).output() {
+        Ok(check) => assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stdout)),
+        Err(_) => println!("qpdf is not installed: not checked with it"),
+    }
+}
+
+/// What a person reads is in the file as text: letters on both sides of every seam, the blanks, the arrows, the date.
+#[test]
+fn the_text_says_how_to_assemble() {
+    let folder = tempfile::tempdir().unwrap();
+    let pdf = folder.path().join("t.pdf");
+    let png = pattern_file(&Pattern::random(16, 1).unwrap(), folder.path());
+    let (from, to) = (png.display(), pdf.display());
+    let usual = format!("print template --pattern {from} --tile-mm 118 --size-mm 600x300 -o {to}");
+    let text = |page: usize| {
+        let number = page.to_string();
+        let run = Command::new("pdftotext")
+            .args(["-f", &number, "-l", &number])
+            .arg(&pdf)
+            .arg("-")
+            .output();
+        String::from_utf8(run.expect("install poppler-utils").stdout).unwrap()
+    };
+    done(&usual);
+    for words in [
+        "How to assemble",
+        "x measured",
+        "y measured",
+        "--x-mm",
+        "B3",
+        "no printer correction",
+    ] {
+        assert!(text(1).contains(words), "{words} is not in: {}", text(1));
+    }
+    // Sheets A1, A2, A3, B1, B2, B3 on pages 2 to 7.
+    for (page, seams) in [
+        (2, "A C"),
+        (3, "A B D"),
+        (4, "B E"),
+        (5, "C F"),
+        (6, "D F G"),
+        (7, "E G"),
+    ] {
+        let words = text(page);
+        let mut letters: Vec<&str> = words
+            .lines()
+            .map(str::trim)
+            .filter(|l| l.len() == 1 && *l >= "A")
+            .collect();
+        letters.sort_unstable();
+        assert_eq!(letters.join(" "), seams, "page {page}: {words}");
+        assert!(words.contains("UP") && words.contains("FRONT"), "{words}");
+    }
+    done(&format!("{usual} --date 2026-11-21 --front none"));
+    assert!(
+        text(2).contains("2026-11-21") && !text(2).contains("FRONT"),
+        "{}",
+        text(2)
+    );
+}
+
+#[test]
+fn a_hundred_sheets_take_less_than_five_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = pattern_file(&Pattern::random(16, 1).unwrap(), folder.path());
+    let (from, to) = (png.display(), folder.path().join("t.pdf"));
+    let start = std::time::Instant::now();
+    done(&format!(
+        "print template --pattern {from} --tile-mm 118 --size-mm 2590x1590 --orientation landscape -o {}",
+        to.display()
+    ));
+    let took = start.elapsed();
+    let count = Document::load(&to).unwrap().page_iter().count();
+    println!(
+        "{count} pages in {took:.2?}, {} bytes",
+        std::fs::metadata(&to).unwrap().len()
+    );
+    assert_eq!(count, 101);
+    assert!(took.as_secs_f64() < 5.0, "{took:?}");
 }
 
 /// Makes the example that ships, by the commands of its README.
 fn export_example(pdf: &Path) {
     let pattern = pdf.with_file_name("random16.png");
-    let [pattern, pdf] = [&pattern, pdf].map(|path| path.to_str().unwrap());
-    let commands = [
-        format!("pattern random --cells 16 --seed 1 -o {pattern}"),
-        format!("print template --pattern {pattern} --tile-mm 118 --size-mm 600x300 --paper a4 -o {pdf}"),
-    ];
-    for command in commands {
-        let output = scaleproof(&command.split(' ').collect::<Vec<_>>());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
+    let (pattern, pdf) = (pattern.display(), pdf.display());
+    done(&format!("pattern random --cells 16 --seed 1 -o {pattern}"));
+    done(&format!(
+        "print template --pattern {pattern} --tile-mm 118 --size-mm 600x300 --paper a4 -o {pdf}"
+    ));
 }
 
 #[test]
-fn the_same_input_gives_the_same_bytes_as_the_shipped_example() {
+fn the_same_input_gives_the_same_bytes_as_the_shipped_examples() {
     let folder = tempfile::tempdir().unwrap();
     let made = folder.path().join("random16_118mm_a4.pdf");
     export_example(&made);
     let first = std::fs::read(&made).unwrap();
     export_example(&made);
     assert!(first == std::fs::read(&made).unwrap(), "two runs differ");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (pattern, svg, printer) = (path("random16.png"), path("random16_118mm.svg"), path("printer.toml"));
+    done(&format!(
+        "print template --pattern {pattern} --tile-mm 118 --size-mm 180x120 -o {svg}"
+    ));
+    done(&format!("print check -o {}", path("check_a4.pdf")));
+    done(&format!("print verify --x-mm 99.3 --y-mm 99.8 -o {printer}"));
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("print_templates");
-    for name in ["random16.png", "random16_118mm_a4.pdf"] {
+    for name in [
+        "random16.png",
+        "random16_118mm_a4.pdf",
+        "random16_118mm-assembly.svg",
+        "random16_118mm-A1.svg",
+        "check_a4.pdf",
+        "printer.toml",
+    ] {
         let (ours, theirs) = (folder.path().join(name), shipped.join(name));
         assert!(
             std::fs::read(ours).unwrap() == std::fs::read(&theirs).unwrap(),
@@ -248,8 +330,15 @@ const REFUSALS: &[(&str, &str, &str)] = &[
     ("--paper", "b7", "is not known"),
     ("--margin-mm", "60", "too small"),
     ("--margin-mm", "-1", "margin cannot be -1"),
-    ("--overlap-mm", "190", "leaves nothing"),
+    ("--overlap-mm", "190", "leave nothing"),
     ("--overlap-mm", "nan", "overlap cannot be NaN"),
+    ("--bleed-mm", "-1", "bleed cannot be -1"),
+    ("--bleed-mm", "90", "a bleed of 90 mm leave nothing"),
+    ("--paper", "roll90", "too small"),
+    ("--paper", "roll", "is not known"),
+    ("--date", "2026-02-30", "is no date"),
+    ("--printer", "absent.toml", "cannot be used"),
+    ("--printer", "good.png", "cannot be used"),
     ("--scale", "0", "scale cannot be 0"),
     ("--pattern", "absent.png", "no such file"),
     ("--pattern", "text.png", "is not a PNG"),
@@ -267,7 +356,7 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
     RgbImage::new(640, 480).save(path("photo.png")).unwrap();
     let before = std::fs::read_dir(folder.path()).unwrap().count();
     for (option, value, word) in REFUSALS {
-        let value = if *option == "--pattern" {
+        let value = if ["--pattern", "--printer"].contains(option) {
             path(value)
         } else {
             (*value).to_owned()
@@ -288,7 +377,7 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
             kept.chain([(*option, value)])
                 .flat_map(|(name, value)| [name.to_owned(), value]),
         );
-        let output = scaleproof(&args.iter().map(String::as_str).collect::<Vec<_>>());
+        let output = scaleproof(&args.join(" "));
         let said = String::from_utf8(output.stderr).unwrap();
         println!("{}", said.trim_end());
         assert_eq!(output.status.code(), Some(2), "{option}: {said}");
@@ -311,9 +400,13 @@ proptest! {
         paper in prop::sample::select(vec![Paper::A4, Paper::A3, Paper::LETTER, Paper::TABLOID]),
         orientation in prop::sample::select(vec![Orientation::Auto, Orientation::Portrait, Orientation::Landscape]),
         overlap_mm in 0.0..40.0f64,
+        bleed_mm in 0.0..15.0f64,
+        stretch in (96.0..104.0f64, 96.0..104.0f64),
         margin_mm in 0.0..12.0f64,
     ) {
-        let request = LayoutRequest { size_mm, paper, orientation, overlap_mm, margin_mm };
+        let printer = Printer::measured(stretch.0, stretch.1).unwrap();
+        let paper = Stock::Cut(paper);
+        let request = LayoutRequest { size_mm, paper, orientation, overlap_mm, bleed_mm, margin_mm, printer };
         let made = layout(&request).unwrap();
         prop_assert_eq!(made.sheets.len(), made.rows * made.columns);
         for (i, sheet) in made.sheets.iter().enumerate() {
@@ -327,10 +420,10 @@ proptest! {
             prop_assert!(sheet.column > 0 || left_mm == 0.0);
             prop_assert!(sheet.row > 0 || top_mm == 0.0);
             let strip = (sheet.carried.right_mm - right_mm, sheet.carried.bottom_mm - bottom_mm);
-            let expected = |more: bool| if more { overlap_mm } else { 0.0 };
+            let expected = |more: bool| if more { overlap_mm } else { bleed_mm };
             prop_assert!((strip.0 - expected(sheet.column + 1 < made.columns)).abs() < 1e-6);
             prop_assert!((strip.1 - expected(sheet.row + 1 < made.rows)).abs() < 1e-6);
-            let (printed, usable, printable) = (sheet.printed, made.usable, made.printable);
+            let (printed, usable, printable) = (sheet.printed, made.frame.usable, made.frame.printable);
             prop_assert!(printed.left_mm >= usable.left_mm - 1e-6 && printed.right_mm <= usable.right_mm + 1e-6);
             prop_assert!(printed.bottom_mm >= usable.bottom_mm - 1e-6 && printed.top_mm <= usable.top_mm + 1e-6);
             prop_assert!(usable.left_mm > printable.left_mm && usable.right_mm < printable.right_mm);

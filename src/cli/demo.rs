@@ -8,7 +8,8 @@ use crate::detect::{Manifest, Runtime, WeightFolders};
 use crate::files;
 use crate::pattern::Pattern;
 use crate::print::paper::{Orientation, Paper};
-use crate::print::template::{LayoutRequest, TemplateRequest};
+use crate::print::printer::Printer;
+use crate::print::template::{Front, LayoutRequest, TemplateRequest};
 use crate::report;
 use crate::score::Contestant;
 use crate::session::Session;
@@ -47,15 +48,19 @@ fn print_template(folder: &Path, out: &mut dyn Write) -> Result<PathBuf, Box<dyn
     files::write_atomically(&folder.join("random16.png"), &pattern.to_png()?)?;
     let layout = LayoutRequest {
         size_mm: (600.0, 300.0),
-        paper: Paper::A4,
+        paper: Paper::A4.into(),
         orientation: Orientation::Auto,
         overlap_mm: 8.0,
+        bleed_mm: 2.0,
         margin_mm: 5.0,
+        printer: Printer::EXACT,
     };
     let request = TemplateRequest {
         tile_mm: 118.0,
         scale: 10.0,
         pattern_name: "random16.png".into(),
+        front: Front::Left,
+        date: None,
         layout,
     };
     let pdf = folder.join("template.pdf");

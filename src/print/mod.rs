@@ -1,19 +1,28 @@
-//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`].
+//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`] or [`svg`].
 //!
-//! One file per kind of print ([`template`] is the first); what they share ([`paper`], [`ruler`], [`lettering`]) stands beside
-//! them.
+//! One file per kind of print ([`template`], [`check`]); what they share ([`paper`], [`frame`], [`ruler`], [`lettering`],
+//! [`printer`]) stands beside them.
 
+pub mod check;
+pub mod date;
+pub mod frame;
 pub mod lettering;
 pub mod paper;
 pub mod pdf;
+pub mod printer;
 pub mod ruler;
 pub mod sheet;
+pub mod svg;
 pub mod template;
+
+use std::path::PathBuf;
 
 /// Why nothing was printed. Each variant is a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PrintError {
-    #[error("paper '{text}' is not known; use a4, a3, letter, tabloid or WIDTHxHEIGHT in mm, as in 210x297")]
+    #[error(
+        "paper '{text}' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610"
+    )]
     UnknownPaper { text: String },
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
     UnknownSize { text: String },
@@ -33,15 +42,29 @@ pub enum PrintError {
         needed_mm: String,
     },
     #[error(
-        "an overlap of {overlap_mm} mm leaves nothing of the {usable_mm} mm a sheet can carry; use less overlap or larger paper"
+        "an overlap of {overlap_mm} mm and a bleed of {bleed_mm} mm leave nothing of the {usable_mm} mm a sheet can carry; use less \
+         of both or larger paper"
     )]
-    OverlapTooLarge { overlap_mm: f64, usable_mm: String },
+    OverlapTooLarge {
+        overlap_mm: f64,
+        bleed_mm: f64,
+        usable_mm: String,
+    },
     #[error("this needs more than {most} sheets; use larger paper, less overlap or a smaller size")]
     TooManySheets { most: usize },
     #[error(
         "a cell would be {cell_mm:.3} mm, smaller than the {least_mm} mm a printer can show; use a larger tile or fewer cells"
     )]
     CellTooSmall { cell_mm: f64, least_mm: f64 },
+    #[error("'{text}' is no date; write YYYY-MM-DD, as in 2026-11-21")]
+    BadDate { text: String },
+    #[error(
+        "100 mm that measure {measured_mm} mm along {axis} are more than 5 % off: the print was scaled; print the check page again \
+         at 100 % (no fit to page) and measure both rulers in mm"
+    )]
+    ImplausiblePrinter { axis: &'static str, measured_mm: f64 },
+    #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`", path = path.display())]
+    BadPrinterFile { path: PathBuf, reason: String },
     #[error("the PDF could not be put together: {reason}")]
     Pdf { reason: String },
 }

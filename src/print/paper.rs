@@ -75,6 +75,36 @@ impl FromStr for Paper {
     }
 }
 
+/// What lies in the printer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stock {
+    /// Cut sheets.
+    Cut(Paper),
+    /// A roll: its width is fixed, a page is as long as needed.
+    Roll { width_mm: f64 },
+}
+
+impl From<Paper> for Stock {
+    fn from(paper: Paper) -> Self {
+        Self::Cut(paper)
+    }
+}
+
+impl FromStr for Stock {
+    type Err = PrintError;
+
+    /// A [`Paper`], or `roll` and a width in millimetres, as in `roll610`.
+    fn from_str(text: &str) -> Result<Self, PrintError> {
+        let Some(width) = text.to_ascii_lowercase().strip_prefix("roll").map(str::to_owned) else {
+            return Ok(Self::Cut(text.parse()?));
+        };
+        match width.trim().parse() {
+            Ok(width_mm) if width_mm > 0.0 && width_mm <= MAX_SIDE_MM => Ok(Self::Roll { width_mm }),
+            _ => Err(PrintError::UnknownPaper { text: text.to_owned() }),
+        }
+    }
+}
+
 /// Which way round the paper is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Orientation {
@@ -101,6 +131,15 @@ fn two_lengths(text: &str) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rolls_have_a_width() {
+        assert_eq!("Roll610".parse(), Ok(Stock::Roll { width_mm: 610.0 }));
+        assert_eq!("a4".parse(), Ok(Stock::Cut(Paper::A4)));
+        for nonsense in ["roll", "roll0", "roll-3", "rollnan", "roll9000", "rolled"] {
+            assert!(nonsense.parse::<Stock>().is_err(), "{nonsense}");
+        }
+    }
 
     #[test]
     fn papers_have_names_or_sizes() {

@@ -1,22 +1,22 @@
 //! Sheets → PDF, by `printpdf`, in true size. The same sheets give the same bytes: no date, no random ids.
 
+mod font;
+
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
 use lopdf::{Dictionary, Document, Object, StringFormat};
 use printpdf::{
-    BuiltinFont, Color, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode,
-    PdfDocument, PdfFontHandle, PdfPage, PdfSaveOptions, Point, Pt, Rect, TextItem, TextMatrix, WindingOrder, XObject,
-    XObjectId, XObjectTransform,
+    Color, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode, PdfDocument,
+    PdfFontHandle, PdfPage, PdfSaveOptions, Point, Pt, Rect, TextItem, TextMatrix, WindingOrder, XObject, XObjectId,
+    XObjectTransform,
 };
 
 use super::PrintError;
 use super::lettering;
 use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
 use crate::files;
-
-const FONT: BuiltinFont = BuiltinFont::Helvetica;
 
 /// Writes the sheets as the pages of one PDF.
 ///
@@ -64,13 +64,13 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
         ("DisplayDocTitle", Object::Boolean(true)),
     ]);
     document.catalog_mut()?.set("ViewerPreferences", preferences);
+    font::embed(document);
     let pages: Vec<_> = document.page_iter().collect();
     for (page, sheet) in pages.into_iter().zip(sheets) {
         // printpdf writes a box as x, y, width, height; a PDF wants two corners.
-        document
-            .get_object_mut(page)?
-            .as_dict_mut()?
-            .set("TrimBox", corners(sheet.trim));
+        let page = document.get_object_mut(page)?.as_dict_mut()?;
+        page.set("TrimBox", corners(sheet.trim));
+        page.set("BleedBox", corners(sheet.bleed));
     }
     let info = Dictionary::from_iter([
         ("Title", lopdf::text_string(title)),
@@ -265,7 +265,7 @@ fn text_ops(at: PointMm, size_mm: f64, anchor: Anchor, text: &str, colour: Rgb) 
         Op::StartTextSection,
         Op::SetFillColor { col: color(colour) },
         Op::SetFont {
-            font: PdfFontHandle::Builtin(FONT),
+            font: PdfFontHandle::Builtin(font::STAND_IN),
             size: pt(size_mm),
         },
         Op::SetTextMatrix {

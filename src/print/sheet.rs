@@ -87,7 +87,7 @@ pub enum Mark {
         dash_mm: Option<(f64, f64)>,
         colour: Rgb,
     },
-    /// One line of Helvetica; `size_mm` is the em.
+    /// One line of text; `size_mm` is the em.
     Text {
         at: PointMm,
         size_mm: f64,
@@ -135,5 +135,7 @@ pub struct Sheet {
     pub height_mm: f64,
     /// Where the finished piece is cut out.
     pub trim: RectMm,
+    /// How far the content runs, beyond the cut too; encloses `trim`.
+    pub bleed: RectMm,
     pub marks: Vec<Mark>,
 }

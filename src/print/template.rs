@@ -1,13 +1,18 @@
 //! The tiled template: a repeated pattern at true size, spread over sheets that are cut, overlapped and glued.
 
+mod cover;
 mod furniture;
 mod layout;
+mod seams;
 
 use std::sync::Arc;
 
 pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
+pub use seams::Seams;
 
 use super::PrintError;
+use super::date::Date;
+use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use crate::pattern::Pattern;
 
@@ -28,7 +33,37 @@ pub struct TemplateRequest {
     pub scale: f64,
     /// How the captions call the pattern: its file name.
     pub pattern_name: String,
+    pub front: Front,
+    /// Named in the caption when given; there is no clock, so that the same input gives the same bytes.
+    pub date: Option<Date>,
     pub layout: LayoutRequest,
+}
+
+/// Which edge of the template points to the model's front.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Front {
+    /// As on the model's left side.
+    #[default]
+    Left,
+    /// As on the model's right side.
+    Right,
+    /// As on roof and hood.
+    Up,
+    Down,
+    /// On the front and the rear, which have none.
+    None,
+}
+
+impl Front {
+    fn direction(self) -> Option<(f64, f64)> {
+        match self {
+            Self::Left => Some((-1.0, 0.0)),
+            Self::Right => Some((1.0, 0.0)),
+            Self::Up => Some((0.0, 1.0)),
+            Self::Down => Some((0.0, -1.0)),
+            Self::None => None,
+        }
+    }
 }
 
 /// A template ready to be written, and how it was spread over the paper.
@@ -37,8 +72,17 @@ pub struct Template {
     pub layout: Layout,
     /// Width and height of a cell.
     pub cell_mm: f64,
-    /// One per [`Layout::sheets`], in the same order.
-    pub sheets: Vec<Sheet>,
+    /// How to assemble, with the scale check; then one page per [`Layout::sheets`], in the same order. Drawn as the printer
+    /// needs it.
+    pub pages: Vec<Sheet>,
+}
+
+impl Template {
+    /// A name for each page, where it becomes a file of its own.
+    pub fn page_names(&self) -> Vec<String> {
+        let ids = self.layout.sheets.iter().map(SheetPlan::id);
+        ["assembly".to_owned()].into_iter().chain(ids).collect()
+    }
 }
 
 /// Draws the sheets of a template. The pattern's top-left cell starts at the template's top-left corner.
@@ -50,25 +94,21 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
     let layout = layout(&request.layout)?;
     let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
     let captions = furniture::Captions::new(pattern, request, cell_mm);
-    let sheets = layout
-        .sheets
-        .iter()
-        .map(|plan| {
-            let mut marks = vec![stamp.on(plan)];
-            marks.extend(furniture::all(&layout, plan, &captions));
-            Sheet {
-                width_mm: layout.page.width_mm,
-                height_mm: layout.page.height_mm,
-                trim: plan.trim,
-                marks,
-            }
-        })
-        .collect();
-    Ok(Template {
-        layout,
-        cell_mm,
-        sheets,
-    })
+    let sheet = |plan: &SheetPlan| {
+        let mut marks = vec![stamp.on(plan)];
+        marks.extend(furniture::all(&layout, plan, &captions));
+        Sheet {
+            width_mm: layout.frame.page.width_mm,
+            height_mm: layout.frame.page.height_mm,
+            trim: plan.trim,
+            bleed: plan.printed,
+            marks,
+        }
+    };
+    let sheets = layout.sheets.iter().map(sheet).collect();
+    let mut pages = printer::corrected(vec![cover::cover(&layout, &captions)], layout.cover.setup.stretch());
+    pages.extend(printer::corrected(sheets, layout.frame.setup.stretch()));
+    Ok(Template { layout, cell_mm, pages })
 }
 
 fn checked_cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, PrintError> {
@@ -157,9 +197,9 @@ fn repeats(repeat_mm: f64, size_mm: f64) -> u32 {
     (STAMP_MM.min(size_mm) / repeat_mm).ceil().max(1.0) as u32
 }
 
-/// The blocks of length `block_mm` that reach into a stretch of the template.
-fn blocks(from_mm: f64, to_mm: f64, block_mm: f64) -> std::ops::Range<u32> {
-    (from_mm / block_mm).floor() as u32..(to_mm / block_mm).ceil() as u32
+/// The blocks of length `block_mm` that reach into a stretch of the template; those before its edge have negative numbers.
+fn blocks(from_mm: f64, to_mm: f64, block_mm: f64) -> std::ops::Range<i32> {
+    (from_mm / block_mm).floor() as i32..(to_mm / block_mm).ceil() as i32
 }
 
 /// A cell that runs on a little to its right and below. Later cells and blocks cover what is not the cell's own, and the

@@ -43,7 +43,11 @@ pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
         let results = coco_results(photos, contestant.labels()).map_err(format)?;
         contents.push((results_name(&contestant.manifest.name), results));
     }
-    files::write_together(folder, &contents)?;
+    let files: Vec<_> = contents
+        .iter()
+        .map(|(name, content)| (folder.join(name), content.clone().into_bytes()))
+        .collect();
+    files::write_all_atomically(&files)?;
     remove_stale(folder, &contents)?;
     Ok(folder.join("report.html"))
 }

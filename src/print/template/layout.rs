@@ -3,35 +3,34 @@
 //! Two frames, both in millimetres. *Template frame*: origin at the template's top-left corner, x right, y **down**, as the
 //! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
 
+use super::seams::letters;
 use crate::print::PrintError;
+use crate::print::frame::{Frame, Setup};
 use crate::print::lettering::number;
-use crate::print::paper::{Orientation, Paper};
-use crate::print::ruler;
-use crate::print::sheet::{PointMm, RectMm};
+use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
+use crate::print::printer::Printer;
+use crate::print::sheet::RectMm;
 
 /// More sheets than this are a mistake in the numbers, not a plan.
 pub const MAX_SHEETS: usize = 400;
 
-/// Free strip around the pattern in which the crop marks stand.
-pub const CROP_STRIP_MM: f64 = 5.5;
-/// Height of the captions at the foot of the page.
-pub const FOOTER_MM: f64 = 13.0;
-/// Width of the block at the foot's right end that holds the sheet's id and the mini-map.
-pub const KEY_WIDTH_MM: f64 = 18.0;
-/// From the end of the horizontal ruler to the key block: half a label and some air.
-const RULER_END_MM: f64 = 3.0;
+/// Usable length of the page with the instructions on a roll.
+const ROLL_COVER_MM: f64 = 160.0;
 
 /// What the pages must carry and what they are printed on. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutRequest {
     /// Width and height of the whole template.
     pub size_mm: (f64, f64),
-    pub paper: Paper,
+    pub paper: Stock,
     pub orientation: Orientation,
     /// Width of the strip that a sheet shares with its right and its lower neighbour, for gluing.
     pub overlap_mm: f64,
+    /// How far the pattern runs on beyond the template's outer edge, so that a cut beside the line shows no paper.
+    pub bleed_mm: f64,
     /// Border of the paper that the printer cannot reach.
     pub margin_mm: f64,
+    pub printer: Printer,
 }
 
 /// A rectangle in the template frame.
@@ -53,7 +52,7 @@ pub struct SheetPlan {
     /// The part of the template that only this sheet shows once all are glued. These tile the template exactly:
     /// neighbours have bit-equal edges.
     pub own: Region,
-    /// `own` and the overlap under the right and the lower neighbour.
+    /// `own`, the overlap under the right and the lower neighbour, and the bleed beyond the template's edges.
     pub carried: Region,
     /// Where `own` sits on the paper (page frame): the sheet is cut here.
     pub trim: RectMm,
@@ -64,16 +63,10 @@ pub struct SheetPlan {
 /// A template spread over sheets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// The paper as it is used: portrait or landscape.
-    pub page: Paper,
-    /// The part of the page a printer can reach (page frame).
-    pub printable: RectMm,
-    /// The part of the page that may carry pattern (page frame); rulers, marks and captions stay outside it.
-    pub usable: RectMm,
-    /// Zero of the ruler along x (page frame); its ticks and labels hang below.
-    pub horizontal_ruler: PointMm,
-    /// Zero of the ruler along y (page frame); its ticks and labels stand to the left.
-    pub vertical_ruler: PointMm,
+    /// What all sheets have in common.
+    pub frame: Frame,
+    /// The page with the instructions: as the sheets, or a short piece of the roll.
+    pub cover: Frame,
     pub rows: usize,
     pub columns: usize,
     /// Row by row from the top left.
@@ -87,13 +80,12 @@ pub struct Layout {
 /// than [`MAX_SHEETS`] sheets.
 pub fn layout(request: &LayoutRequest) -> Result<Layout, PrintError> {
     check(request)?;
-    let (portrait, landscape) = (request.paper.portrait(), request.paper.landscape());
     let plan = match request.orientation {
-        Orientation::Portrait => plan(request, portrait)?,
-        Orientation::Landscape => plan(request, landscape)?,
-        Orientation::Auto => better(plan(request, portrait), plan(request, landscape))?,
+        Orientation::Portrait => plan(request, false)?,
+        Orientation::Landscape => plan(request, true)?,
+        Orientation::Auto => better(plan(request, false), plan(request, true))?,
     };
-    Ok(plan.into_layout(request))
+    plan.into_layout(request)
 }
 
 fn check(request: &LayoutRequest) -> Result<(), PrintError> {
@@ -106,7 +98,12 @@ fn check(request: &LayoutRequest) -> Result<(), PrintError> {
             return refuse(what, side, "a width and height above 0 mm");
         }
     }
-    for (what, strip) in [("overlap", request.overlap_mm), ("margin", request.margin_mm)] {
+    let strips = [
+        ("overlap", request.overlap_mm),
+        ("bleed", request.bleed_mm),
+        ("margin", request.margin_mm),
+    ];
+    for (what, strip) in strips {
         if !(strip >= 0.0 && strip.is_finite()) {
             return refuse(what, strip, "0 mm or more");
         }
@@ -116,74 +113,94 @@ fn check(request: &LayoutRequest) -> Result<(), PrintError> {
 
 /// A page and the number of sheets along each axis.
 struct Plan {
-    page: Paper,
-    printable: RectMm,
-    usable: RectMm,
+    frame: Frame,
     columns: usize,
     rows: usize,
 }
 
+impl Plan {
+    /// The fewest sheets, and of those the least paper: on a roll both ways round may do with one.
+    fn cost(&self) -> (usize, f64) {
+        let sheets = self.columns * self.rows;
+        let page = self.frame.page;
+        (sheets, page.width_mm * page.height_mm * sheets as f64)
+    }
+}
+
 fn better(portrait: Result<Plan, PrintError>, landscape: Result<Plan, PrintError>) -> Result<Plan, PrintError> {
     match (portrait, landscape) {
-        (Ok(p), Ok(l)) => Ok(if l.columns * l.rows < p.columns * p.rows { l } else { p }),
+        (Ok(p), Ok(l)) => Ok(if l.cost() < p.cost() { l } else { p }),
         (Ok(plan), Err(_)) | (Err(_), Ok(plan)) => Ok(plan),
         (Err(e), Err(_)) => Err(e),
     }
 }
 
-fn plan(request: &LayoutRequest, page: Paper) -> Result<Plan, PrintError> {
-    let (printable, usable) = areas(page, request.margin_mm)?;
-    let (across, down) = (usable.width_mm(), usable.height_mm());
-    if request.overlap_mm >= across.min(down) {
-        let usable_mm = format!("{} × {}", number(across), number(down));
+fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, PrintError> {
+    let setup = Setup {
+        margin_mm: request.margin_mm,
+        printer: request.printer,
+        turned,
+    };
+    let largest = match request.paper {
+        Stock::Cut(paper) if turned => paper.landscape(),
+        Stock::Cut(paper) => paper.portrait(),
+        Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
+    };
+    let frame = Frame::new(largest, setup)?;
+    let (columns, rows) = sheets(request, &frame)?;
+    let frame = match request.paper {
+        Stock::Cut(_) => frame,
+        Stock::Roll { width_mm } => {
+            let (total, count) = if turned {
+                (request.size_mm.0, columns)
+            } else {
+                (request.size_mm.1, rows)
+            };
+            let carried = carried_mm(total, count, request.overlap_mm, request.bleed_mm);
+            Frame::new(cut_from_roll(width_mm, carried, &setup), setup)?
+        }
+    };
+    Ok(Plan { frame, columns, rows })
+}
+
+/// How many sheets the template takes: (across, down).
+fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), PrintError> {
+    let (across, down) = (frame.usable.width_mm(), frame.usable.height_mm());
+    let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
+    // With both bleeds beside the overlap, every sheet is sure to have a piece of its own.
+    if overlap_mm + 2.0 * bleed_mm >= across.min(down) {
         return Err(PrintError::OverlapTooLarge {
-            overlap_mm: request.overlap_mm,
-            usable_mm,
+            overlap_mm,
+            bleed_mm,
+            usable_mm: format!("{} × {}", number(across), number(down)),
         });
     }
-    let columns = sheets_along(request.size_mm.0, across, request.overlap_mm);
-    let rows = sheets_along(request.size_mm.1, down, request.overlap_mm);
+    let columns = sheets_along(request.size_mm.0 + 2.0 * bleed_mm, across, overlap_mm);
+    let rows = sheets_along(request.size_mm.1 + 2.0 * bleed_mm, down, overlap_mm);
     // Compared before it becomes an integer: a template of 1e300 mm must not overflow.
     if columns * rows > MAX_SHEETS as f64 {
         return Err(PrintError::TooManySheets { most: MAX_SHEETS });
     }
-    Ok(Plan {
-        page,
-        printable,
-        usable,
-        columns: columns as usize,
-        rows: rows as usize,
-    })
+    Ok((columns as usize, rows as usize))
 }
 
-/// The printable and the usable area of a page (page frame).
-fn areas(page: Paper, margin_mm: f64) -> Result<(RectMm, RectMm), PrintError> {
-    let needed_width =
-        2.0 * margin_mm + ruler::DEPTH_MM + CROP_STRIP_MM + ruler::LENGTH_MM + RULER_END_MM + KEY_WIDTH_MM;
-    let needed_height = 2.0 * margin_mm + FOOTER_MM + ruler::DEPTH_MM + 2.0 * CROP_STRIP_MM + ruler::LENGTH_MM;
-    if page.width_mm < needed_width || page.height_mm < needed_height {
-        return Err(PrintError::PaperTooSmall {
-            paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
-            margin_mm,
-            needed_mm: format!("{} × {}", number(needed_width), number(needed_height)),
-        });
-    }
-    let printable = RectMm::new(
-        margin_mm,
-        margin_mm,
-        page.width_mm - margin_mm,
-        page.height_mm - margin_mm,
-    );
-    let usable = RectMm::new(
-        printable.left_mm + ruler::DEPTH_MM + CROP_STRIP_MM,
-        printable.bottom_mm + FOOTER_MM + ruler::DEPTH_MM + CROP_STRIP_MM,
-        printable.right_mm - CROP_STRIP_MM,
-        printable.top_mm - CROP_STRIP_MM,
-    );
-    Ok((printable, usable))
+fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
+    let (width_mm, height_mm) = if turned {
+        (length_mm, width_mm)
+    } else {
+        (width_mm, length_mm)
+    };
+    Paper { width_mm, height_mm }
 }
 
-/// The fewest sheets `n` with `n · usable − (n − 1) · overlap ≥ size`.
+/// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
+fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &Setup) -> Paper {
+    let (along_x, along_y) = setup.length_for(usable_mm);
+    let length = if setup.turned { along_x } else { along_y };
+    roll_page(width_mm, length.ceil().min(MAX_SIDE_MM), setup.turned)
+}
+
+/// The fewest sheets `n` with `n · usable − (n − 1) · overlap ≥ size`, both bleeds included in the size.
 fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
     // A millionth of a millimetre of slack, so that a template made to measure does not cost a sheet to rounding.
     let exact = (size_mm - overlap_mm) / (usable_mm - overlap_mm);
@@ -191,128 +208,147 @@ fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
 }
 
 impl Plan {
-    fn into_layout(self, request: &LayoutRequest) -> Layout {
-        let x = cuts(request.size_mm.0, self.columns, request.overlap_mm);
-        let y = cuts(request.size_mm.1, self.rows, request.overlap_mm);
-        let places = (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (row, column)));
-        let sheets = places
-            .map(|(row, column)| {
-                let own = Region {
-                    left_mm: x[column],
-                    top_mm: y[row],
-                    right_mm: x[column + 1],
-                    bottom_mm: y[row + 1],
+    fn into_layout(self, request: &LayoutRequest) -> Result<Layout, PrintError> {
+        let cover = match request.paper {
+            Stock::Cut(_) => self.frame,
+            Stock::Roll { width_mm } => {
+                let setup = Setup {
+                    turned: false,
+                    ..self.frame.setup
                 };
-                let carried = Region {
-                    right_mm: (own.right_mm + request.overlap_mm).min(request.size_mm.0),
-                    bottom_mm: (own.bottom_mm + request.overlap_mm).min(request.size_mm.1),
-                    ..own
-                };
-                let (trim, printed) = (self.on_page(own, own), self.on_page(own, carried));
-                SheetPlan {
-                    row,
-                    column,
-                    own,
-                    carried,
-                    trim,
-                    printed,
-                }
-            })
-            .collect();
-        let Self {
-            page,
-            printable,
-            usable,
-            columns,
-            rows,
-        } = self;
-        let horizontal_ruler = PointMm::new(usable.left_mm, usable.bottom_mm - CROP_STRIP_MM);
-        let vertical_ruler = PointMm::new(usable.left_mm - CROP_STRIP_MM, usable.bottom_mm);
-        Layout {
-            page,
-            printable,
-            usable,
-            horizontal_ruler,
-            vertical_ruler,
+                Frame::new(cut_from_roll(width_mm, ROLL_COVER_MM, &setup), setup)?
+            }
+        };
+        let Self { frame, columns, rows } = self;
+        Ok(Layout {
+            sheets: self.sheets(request),
+            frame,
+            cover,
             rows,
             columns,
-            sheets,
-        }
+        })
     }
 
-    /// Where a region sits on the page of the sheet whose own region is `own`: its top-left corner is that of the usable area.
-    fn on_page(&self, own: Region, region: Region) -> RectMm {
-        let x = |template_mm: f64| self.usable.left_mm + (template_mm - own.left_mm);
-        let y = |template_mm: f64| self.usable.top_mm - (template_mm - own.top_mm);
-        RectMm::new(
-            x(region.left_mm),
-            y(region.bottom_mm),
-            x(region.right_mm),
-            y(region.top_mm),
-        )
+    fn sheets(&self, request: &LayoutRequest) -> Vec<SheetPlan> {
+        let (overlap, bleed) = (request.overlap_mm, request.bleed_mm);
+        let x = cuts(request.size_mm.0, self.columns, overlap, bleed);
+        let y = cuts(request.size_mm.1, self.rows, overlap, bleed);
+        // A stretch of its own becomes what is printed: overlap towards a neighbour, bleed at the outer edge.
+        let before = |i: usize, from: f64| if i == 0 { from - bleed } else { from };
+        let after = |last: bool, to: f64| if last { to + bleed } else { to + overlap };
+        let places = (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (row, column)));
+        let sheet = |(row, column): (usize, usize)| {
+            let own = Region {
+                left_mm: x[column],
+                top_mm: y[row],
+                right_mm: x[column + 1],
+                bottom_mm: y[row + 1],
+            };
+            let carried = Region {
+                left_mm: before(column, own.left_mm),
+                top_mm: before(row, own.top_mm),
+                right_mm: after(column + 1 == self.columns, own.right_mm),
+                bottom_mm: after(row + 1 == self.rows, own.bottom_mm),
+            };
+            SheetPlan {
+                row,
+                column,
+                own,
+                carried,
+                trim: on_page(&self.frame, carried, own),
+                printed: on_page(&self.frame, carried, carried),
+            }
+        };
+        places.map(sheet).collect()
     }
 }
 
-/// Where the template is cut along one axis, from 0 to its size, so that every sheet carries equally much with its overlap.
-fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64) -> Vec<f64> {
-    let carried = (size_mm + (sheets - 1) as f64 * overlap_mm) / sheets as f64;
-    let inner = (0..sheets).map(|i| i as f64 * (carried - overlap_mm));
-    inner.chain([size_mm]).collect()
+/// Where a region sits on the page of the sheet that carries `carried`: that one's top-left corner is the usable area's.
+fn on_page(frame: &Frame, carried: Region, region: Region) -> RectMm {
+    let x = |template_mm: f64| frame.usable.left_mm + (template_mm - carried.left_mm);
+    let y = |template_mm: f64| frame.usable.top_mm - (template_mm - carried.top_mm);
+    RectMm::new(
+        x(region.left_mm),
+        y(region.bottom_mm),
+        x(region.right_mm),
+        y(region.top_mm),
+    )
+}
+
+/// What every one of `sheets` sheets carries along one axis, with its overlap and bleed.
+fn carried_mm(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> f64 {
+    (size_mm + 2.0 * bleed_mm + (sheets - 1) as f64 * overlap_mm) / sheets as f64
+}
+
+/// Where the template is cut along one axis, from 0 to its size, so that every sheet carries equally much.
+fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64> {
+    let step = carried_mm(size_mm, sheets, overlap_mm, bleed_mm) - overlap_mm;
+    let inner = (1..sheets).map(|i| i as f64 * step - bleed_mm);
+    [0.0].into_iter().chain(inner).chain([size_mm]).collect()
+}
+
+impl Layout {
+    /// Width and height of the whole template.
+    pub fn size_mm(&self) -> (f64, f64) {
+        self.sheets
+            .last()
+            .map_or((1.0, 1.0), |last| (last.own.right_mm, last.own.bottom_mm))
+    }
 }
 
 impl SheetPlan {
     /// Row letter and column number, as in `B2`. After row Z comes AA.
     pub fn id(&self) -> String {
-        format!("{}{}", row_letters(self.row), self.column + 1)
-    }
-}
-
-fn row_letters(row: usize) -> String {
-    let last = char::from(b'A' + (row % 26) as u8);
-    if row < 26 {
-        last.to_string()
-    } else {
-        format!("{}{last}", row_letters(row / 26 - 1))
+        format!("{}{}", letters(self.row), self.column + 1)
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
 
-    fn request(size_mm: (f64, f64)) -> LayoutRequest {
+    pub fn request(size_mm: (f64, f64)) -> LayoutRequest {
         LayoutRequest {
             size_mm,
-            paper: Paper::A4,
+            paper: Paper::A4.into(),
             orientation: Orientation::Auto,
             overlap_mm: 8.0,
+            bleed_mm: 2.0,
             margin_mm: 5.0,
+            printer: Printer::EXACT,
         }
     }
 
     #[test]
     fn the_fewest_sheets_win() {
-        let wide = layout(&request((260.0, 160.0))).unwrap();
-        assert_eq!((wide.sheets.len(), wide.page), (1, Paper::A4.landscape()));
-        let tall = layout(&request((160.0, 240.0))).unwrap();
-        assert_eq!((tall.sheets.len(), tall.page), (1, Paper::A4));
+        let wide = layout(&request((256.0, 156.0))).unwrap();
+        assert_eq!((wide.sheets.len(), wide.frame.page), (1, Paper::A4.landscape()));
+        let tall = layout(&request((156.0, 236.0))).unwrap();
+        assert_eq!((tall.sheets.len(), tall.frame.page), (1, Paper::A4));
     }
 
     #[test]
     fn a_template_made_to_measure_needs_one_sheet() {
-        let usable = layout(&request((10.0, 10.0))).unwrap().usable;
-        assert_eq!(
-            layout(&request((usable.width_mm(), usable.height_mm())))
-                .unwrap()
-                .sheets
-                .len(),
-            1
-        );
+        let usable = layout(&request((10.0, 10.0))).unwrap().frame.usable;
+        let size_mm = (usable.width_mm() - 4.0, usable.height_mm() - 4.0);
+        assert_eq!(layout(&request(size_mm)).unwrap().sheets.len(), 1);
     }
 
     #[test]
-    fn rows_have_letters() {
-        let letters: Vec<_> = [0, 1, 25, 26, 51, 52, 399].map(row_letters).into();
-        assert_eq!(letters, ["A", "B", "Z", "AA", "AZ", "BA", "OJ"]);
+    fn a_roll_is_used_the_way_that_wastes_less() {
+        let paper = Stock::Roll { width_mm: 610.0 };
+        let of = |size_mm| {
+            let made = layout(&LayoutRequest {
+                paper,
+                ..request(size_mm)
+            })
+            .unwrap();
+            (made.sheets.len(), made.frame.page.width_mm, made.frame.page.height_mm)
+        };
+        // 1800 + two bleeds + what the page takes (19.5) + two margins.
+        assert_eq!(of((1800.0, 500.0)), (1, 1834.0, 610.0));
+        assert_eq!(of((500.0, 1800.0)), (1, 610.0, 1847.0));
+        assert_eq!(of((30.0, 30.0)), (1, 610.0, 143.0));
+        assert_eq!(of((560.0, 9000.0)).0, 2);
     }
 }

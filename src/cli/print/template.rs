@@ -1,32 +1,18 @@
-//! `scaleproof print`: sheets for the printer.
+//! `scaleproof print template`: a repeated pattern, tiled.
 
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::{Subcommand, ValueEnum};
+use clap::ValueEnum;
 
-use super::{CommandResult, Outcome};
-use crate::files;
+use super::{CommandResult, Format, Outcome, printer, write_pages};
 use crate::pattern::Pattern;
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
-use crate::print::{lettering, paper, pdf};
-
-/// Print sheets in true millimetres
-#[derive(clap::Args)]
-pub struct Args {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(Subcommand)]
-enum What {
-    /// Spread a repeated pattern over sheets of paper, to be cut and glued
-    Template(TemplateArgs),
-}
+use crate::print::{lettering, paper};
 
 #[derive(clap::Args)]
-struct TemplateArgs {
+pub struct TemplateArgs {
     /// The pattern: a PNG with one pixel per cell
     #[arg(long, value_name = "PNG")]
     pattern: PathBuf,
@@ -36,24 +22,39 @@ struct TemplateArgs {
     /// Width and height of the whole template, in mm, as in 600x300
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size_mm: String,
-    /// a4, a3, letter, tabloid, or WxH in mm
+    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
-    /// The PDF to write
-    #[arg(short, long, value_name = "PDF")]
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     /// The model is 1:SCALE (named in the captions)
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,
     /// Strip that neighbouring sheets share for gluing, in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
     overlap_mm: f64,
+    /// How far the pattern runs on beyond the template's outer edge, in mm
+    #[arg(long, value_name = "MM", default_value_t = 2.0, allow_negative_numbers = true)]
+    bleed_mm: f64,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
     margin_mm: f64,
     /// Which way round the paper is used; auto needs the fewest sheets
     #[arg(long, value_enum, default_value_t = Orientation::Auto)]
     orientation: Orientation,
+    /// Which edge of the template points to the model's front
+    #[arg(long, value_enum, default_value_t = Front::Left)]
+    front: Front,
+    /// Take back the stretch of this printer: a file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// A day for the caption, as YYYY-MM-DD
+    #[arg(long, value_name = "DATE")]
+    date: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -61,6 +62,27 @@ enum Orientation {
     Auto,
     Portrait,
     Landscape,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Front {
+    Left,
+    Right,
+    Up,
+    Down,
+    None,
+}
+
+impl From<Front> for crate::print::template::Front {
+    fn from(choice: Front) -> Self {
+        match choice {
+            Front::Left => Self::Left,
+            Front::Right => Self::Right,
+            Front::Up => Self::Up,
+            Front::Down => Self::Down,
+            Front::None => Self::None,
+        }
+    }
 }
 
 impl From<Orientation> for paper::Orientation {
@@ -73,33 +95,38 @@ impl From<Orientation> for paper::Orientation {
     }
 }
 
-/// Runs `scaleproof print …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match args.what {
-        What::Template(args) => run_template(&args, out),
-    }
-}
-
-fn run_template(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
+pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     if same_file(&args.pattern, &args.output) {
-        return Err("the PDF would overwrite the pattern; give another output file".into());
+        return Err("the template would overwrite the pattern; give another output file".into());
     }
     let pattern = Pattern::load(&args.pattern)?;
-    let made = write_template(&pattern, &request(args)?, &args.output)?;
-    writeln!(out, "{}", summary(&args.output, &made))?;
+    let format = Format::of(args.format, &args.output);
+    let (made, first) = write(&pattern, &request(args)?, format, &args.output)?;
+    writeln!(out, "{}", summary(&first, &made))?;
     Ok(Outcome::Done)
 }
 
 /// Draws a template and writes it to a PDF.
 pub fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template, Box<dyn Error>> {
+    Ok(write(pattern, request, Format::Pdf, output)?.0)
+}
+
+/// Gives the first file as well: the only one of a PDF.
+fn write(
+    pattern: &Pattern,
+    request: &TemplateRequest,
+    format: Format,
+    output: &Path,
+) -> Result<(Template, PathBuf), Box<dyn Error>> {
     let made = template(pattern, request)?;
     let title = format!(
         "Template of {}, tile {} mm",
         request.pattern_name,
         lettering::number(request.tile_mm)
     );
-    files::write_atomically(output, &pdf::write(&title, &made.sheets)?)?;
-    Ok(made)
+    let written = write_pages(format, output, &title, (&made.page_names(), &made.pages))?;
+    let first = written.into_iter().next().unwrap_or_else(|| output.to_owned());
+    Ok((made, first))
 }
 
 fn request(args: &TemplateArgs) -> Result<TemplateRequest, Box<dyn Error>> {
@@ -108,7 +135,9 @@ fn request(args: &TemplateArgs) -> Result<TemplateRequest, Box<dyn Error>> {
         paper: args.paper.parse()?,
         orientation: args.orientation.into(),
         overlap_mm: args.overlap_mm,
+        bleed_mm: args.bleed_mm,
         margin_mm: args.margin_mm,
+        printer: printer(args.printer.as_deref())?,
     };
     let pattern_name = args
         .pattern
@@ -119,23 +148,22 @@ fn request(args: &TemplateArgs) -> Result<TemplateRequest, Box<dyn Error>> {
         tile_mm: args.tile_mm,
         scale: args.scale,
         pattern_name,
+        front: args.front.into(),
+        date: args.date.as_deref().map(str::parse).transpose()?,
         layout,
     })
 }
 
 pub fn summary(output: &Path, made: &Template) -> String {
-    let Template {
-        layout,
-        cell_mm,
-        sheets,
-    } = made;
-    let count = match sheets.len() {
+    let layout = &made.layout;
+    let count = match layout.sheets.len() {
         1 => "1 sheet".to_owned(),
         n => format!("{n} sheets ({} rows of {})", layout.rows, layout.columns),
     };
-    let [width, height, cell] = [layout.page.width_mm, layout.page.height_mm, *cell_mm].map(lettering::number);
+    let page = layout.frame.page;
+    let [width, height, cell] = [page.width_mm, page.height_mm, made.cell_mm].map(lettering::number);
     format!(
-        "{}: {count} of {width} × {height} mm, cells of {cell} mm; print at 100 %",
+        "{}: instructions and {count} of {width} × {height} mm, cells of {cell} mm; print at 100 %",
         output.display()
     )
 }

@@ -1,0 +1,49 @@
+//! `scaleproof print check`: the page that measures a printer.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandResult, Format, Outcome, printer, write_pages};
+use crate::print::check::{CheckRequest, check};
+
+#[derive(clap::Args)]
+pub struct CheckArgs {
+    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
+    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
+    paper: String,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// pdf, or svg; without it, what the file's name ends in, else pdf
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Border of the paper that the printer cannot reach, in mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
+    margin_mm: f64,
+    /// Try out the correction in this file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// A day for the caption, as YYYY-MM-DD
+    #[arg(long, value_name = "DATE")]
+    date: Option<String>,
+}
+
+pub fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
+    let request = CheckRequest {
+        paper: args.paper.parse()?,
+        margin_mm: args.margin_mm,
+        printer: printer(args.printer.as_deref())?,
+        date: args.date.as_deref().map(str::parse).transpose()?,
+    };
+    let sheets = check(&request)?;
+    let format = Format::of(args.format, &args.output);
+    let written = write_pages(format, &args.output, "Printer check", (&["check".to_owned()], &sheets))?;
+    for path in written {
+        writeln!(
+            out,
+            "{}: print at 100 %, measure, then scaleproof print verify",
+            path.display()
+        )?;
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,33 @@
+//! `scaleproof print verify`: from two measured lengths to a printer file.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandResult, Outcome, printer};
+use crate::files;
+use crate::print::printer::Printer;
+
+#[derive(clap::Args)]
+pub struct VerifyArgs {
+    /// What the 100 mm along the paper's short side (across a roll) measure, in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    x_mm: f64,
+    /// What the 100 mm along the paper's long side measure, in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    y_mm: f64,
+    /// The correction that the measured page was printed with, if any
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// The file to write
+    #[arg(short, long, value_name = "TOML", default_value = "printer.toml")]
+    output: PathBuf,
+}
+
+pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
+    let measured = Printer::measured(args.x_mm, args.y_mm)?;
+    let printer = printer(args.printer.as_deref())?.remeasured(&measured)?;
+    files::write_atomically(&args.output, printer.to_toml()?.as_bytes())?;
+    let output = args.output.display();
+    writeln!(out, "{output}: {}; print with --printer {output}", printer.caption())?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,79 @@
+//! A day for the captions, as the user gives it.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::PrintError;
+
+/// A day of the Gregorian calendar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Date {
+    year: u16,
+    month: u8,
+    day: u8,
+}
+
+impl FromStr for Date {
+    type Err = PrintError;
+
+    /// Reads `YYYY-MM-DD` (ISO 8601).
+    fn from_str(text: &str) -> Result<Self, PrintError> {
+        parse(text).ok_or_else(|| PrintError::BadDate { text: text.to_owned() })
+    }
+}
+
+impl fmt::Display for Date {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
+    }
+}
+
+fn parse(text: &str) -> Option<Date> {
+    let digits = |part: &str, count: usize| {
+        let plain = part.len() == count && part.bytes().all(|b| b.is_ascii_digit());
+        plain.then(|| part.parse::<u16>().ok()).flatten()
+    };
+    let mut parts = text.split('-');
+    let (year, month, day) = (parts.next()?, parts.next()?, parts.next()?);
+    let (year, month, day) = (digits(year, 4)?, digits(month, 2)?, digits(day, 2)?);
+    let exists = parts.next().is_none() && (1..=days(year, month)?).contains(&day);
+    exists.then_some(Date {
+        year,
+        month: month as u8,
+        day: day as u8,
+    })
+}
+
+fn days(year: u16, month: u16) -> Option<u16> {
+    let leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    match month {
+        1 | 3 | 5 | 7 | 8 | 10 | 12 => Some(31),
+        4 | 6 | 9 | 11 => Some(30),
+        2 => Some(if leap { 29 } else { 28 }),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_real_days_are_dates() {
+        for day in ["2026-11-21", "2024-02-29", "2000-02-29"] {
+            assert_eq!(day.parse::<Date>().unwrap().to_string(), day);
+        }
+        for nonsense in [
+            "2026-02-29",
+            "1900-02-29",
+            "2026-13-01",
+            "2026-1-1",
+            "21.11.2026",
+            "",
+            "2026-11-21-1",
+            "+026-11-21",
+        ] {
+            assert!(nonsense.parse::<Date>().is_err(), "{nonsense}");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! A template's first page: how to put the sheets together, their map, and the scale check that is filled in by hand.
+
+use super::furniture::{self, Captions};
+use super::layout::Layout;
+use crate::print::frame::Frame;
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
+use crate::print::sheet::{Anchor, Mark, RectMm, Sheet};
+
+const TITLE_MM: f64 = 5.0;
+const TEXT_MM: f64 = 2.8;
+const LEADING_MM: f64 = 4.0;
+const GAP_MM: f64 = 4.0;
+/// Height of the scale check above the horizontal ruler.
+const CHECK_MM: f64 = 20.0;
+/// Largest lettering on the map.
+const MAP_ID_MM: f64 = 6.0;
+const MAP_SEAM_MM: f64 = 3.2;
+/// The map is no larger than it takes to be read.
+const MAP_MOST_MM: f64 = 150.0;
+
+/// Wider text than this is hard to read, whatever the roll.
+const BODY_MOST_MM: f64 = 320.0;
+
+/// Draws the first page.
+pub fn cover(layout: &Layout, captions: &Captions) -> Sheet {
+    let frame = &layout.cover;
+    let area = frame.usable;
+    let title_size = TITLE_MM;
+    let title = format!("How to assemble: {}", captions.title(title_size, 0.5 * area.width_mm()));
+    let title_y = area.top_mm - CAP_HEIGHT * title_size;
+    let size_mm = fitting_size_mm(&title, title_size, area.width_mm());
+    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title)];
+    let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
+    let body = RectMm::new(area.left_mm, area.bottom_mm + CHECK_MM, right, title_y - GAP_MM);
+    let (steps_width, beside) = if body.width_mm() > 1.2 * body.height_mm() {
+        (0.5 * body.width_mm() - GAP_MM, true)
+    } else {
+        (body.width_mm(), false)
+    };
+    let (text, steps_end) = steps(layout, body, steps_width);
+    marks.extend(text);
+    let map_room = match beside {
+        true => RectMm::new(
+            body.left_mm + steps_width + 2.0 * GAP_MM,
+            body.bottom_mm,
+            body.right_mm,
+            body.top_mm,
+        ),
+        false => RectMm::new(body.left_mm, body.bottom_mm, body.right_mm, steps_end - GAP_MM),
+    };
+    marks.extend(map(layout, map_room));
+    marks.extend(scale_check(frame));
+    marks.extend(furniture::rulers(frame));
+    marks.extend(captions.marks(frame.printable));
+    let page = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
+    Sheet {
+        width_mm: page.right_mm,
+        height_mm: page.top_mm,
+        trim: page,
+        bleed: page,
+        marks,
+    }
+}
+
+/// The numbered instructions, and where they end.
+fn steps(layout: &Layout, body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
+    let mut marks = Vec::new();
+    let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
+    for (i, step) in instructions(layout).iter().enumerate() {
+        marks.push(Mark::text(
+            (body.left_mm, y),
+            TEXT_MM,
+            Anchor::Left,
+            format!("{}.", i + 1),
+        ));
+        for line in wrapped(step, TEXT_MM, width_mm - 2.0 * TEXT_MM) {
+            marks.push(Mark::text(
+                (body.left_mm + 2.0 * TEXT_MM, y),
+                TEXT_MM,
+                Anchor::Left,
+                line,
+            ));
+            y -= LEADING_MM;
+        }
+        y -= 0.2 * LEADING_MM;
+    }
+    (marks, y + LEADING_MM)
+}
+
+fn instructions(layout: &Layout) -> Vec<&'static str> {
+    let mut steps = vec!["Print at 100 %, without fit to page. Measure both rulers below before you cut anything."];
+    if layout.sheets.len() == 1 {
+        steps.push("Cut at the crop marks. The pattern runs on beyond them, so that no white edge is left.");
+    } else {
+        steps.push("Lay the sheets out as on the map. Seams that meet have the same letter.");
+        steps.push(
+            "Cut each sheet at the crop marks of its left and upper edge, and of every outer edge of the template.",
+        );
+        steps.push(
+            "Leave the strip beyond a dashed line: it goes under the next sheet. Glue that sheet with its cut edge on the \
+             dashed line and the crosses of both sheets in line.",
+        );
+        steps.push(
+            "Go row by row from the top left, and cut a sheet when it is its turn: its seam letters go with the scrap.",
+        );
+    }
+    steps.push("Glue the piece onto the model with its arrows pointing up and to the front.");
+    steps
+}
+
+/// All sheets with their ids and the letters of their seams.
+fn map(layout: &Layout, room: RectMm) -> Vec<Mark> {
+    let (width, height) = layout.size_mm();
+    let factor = (room.width_mm().min(MAP_MOST_MM) / width).min(room.height_mm().min(MAP_MOST_MM) / height);
+    let (wide, high) = (width * factor, height * factor);
+    let area = RectMm::new(room.left_mm, room.top_mm - high, room.left_mm + wide, room.top_mm);
+    let mut marks = furniture::map_grid(layout, area);
+    for plan in &layout.sheets {
+        let cell = furniture::map_cell(layout, area, plan);
+        let (x, y) = (
+            0.5 * (cell.left_mm + cell.right_mm),
+            0.5 * (cell.bottom_mm + cell.top_mm),
+        );
+        let (wide, high) = (cell.width_mm(), cell.height_mm());
+        let mut centred = |at: (f64, f64), most_mm: f64, largest: f64, text: String| {
+            let size_mm = fitting_size_mm(&text, largest.min(0.25 * high), most_mm);
+            marks.push(Mark::text(
+                (at.0, at.1 - 0.5 * CAP_HEIGHT * size_mm),
+                size_mm,
+                Anchor::Centre,
+                text,
+            ));
+        };
+        centred((x, y), 0.5 * wide, MAP_ID_MM, plan.id());
+        let seams = layout.seams(plan.row, plan.column);
+        // Beside the seam, on both of its sides.
+        let (aside, above) = ((0.1 * wide).min(MAP_SEAM_MM), (0.15 * high).min(MAP_SEAM_MM));
+        for (at, letter) in [
+            ((cell.left_mm + aside, y), seams.left),
+            ((cell.right_mm - aside, y), seams.right),
+            ((x, cell.top_mm - above), seams.above),
+            ((x, cell.bottom_mm + above), seams.below),
+        ] {
+            if let Some(letter) = letter {
+                centred(at, 0.15 * wide, MAP_SEAM_MM, letter);
+            }
+        }
+    }
+    marks
+}
+
+/// Two blanks, named as `print verify` names them: its x is the paper's short side, whichever way round the page is.
+fn scale_check(frame: &Frame) -> Vec<Mark> {
+    let area = frame.usable;
+    let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };
+    let lines = [
+        "Scale check. Measure both rulers to 0.1 mm and write down:".to_owned(),
+        format!(
+            "{horizontal} measured (lower ruler) ____________ mm     {vertical} measured (left ruler) ____________ mm"
+        ),
+        "then: scaleproof print verify --x-mm … --y-mm … -o printer.toml, and export again with --printer printer.toml"
+            .into(),
+    ];
+    let top = area.bottom_mm + CHECK_MM - LEADING_MM;
+    let place = |(i, line): (usize, String)| {
+        let size_mm = fitting_size_mm(&line, TEXT_MM, area.width_mm());
+        Mark::text(
+            (area.left_mm, top - i as f64 * 1.5 * LEADING_MM),
+            size_mm,
+            Anchor::Left,
+            line,
+        )
+    };
+    lines.into_iter().enumerate().map(place).collect()
+}

@@ -1,0 +1,78 @@
+//! Runs the program, and makes pictures of what it wrote.
+#![allow(dead_code)] // each test file uses its part
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use image::RgbImage;
+use scaleproof::pattern::Pattern;
+use scaleproof::print::paper::{Orientation, Paper};
+use scaleproof::print::printer::Printer;
+use scaleproof::print::template::LayoutRequest;
+
+pub fn scaleproof(command: &str) -> Output {
+    Command::new(assert_cmd::cargo::cargo_bin!("scaleproof"))
+        .args(command.split(' '))
+        .output()
+        .unwrap()
+}
+
+/// Runs a command that must succeed.
+pub fn done(command: &str) {
+    let output = scaleproof(command);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// The template of the README, and what the program takes when nothing is said.
+pub fn usual_request() -> LayoutRequest {
+    LayoutRequest {
+        size_mm: (600.0, 300.0),
+        paper: Paper::A4.into(),
+        orientation: Orientation::Auto,
+        overlap_mm: 8.0,
+        bleed_mm: 2.0,
+        margin_mm: 5.0,
+        printer: Printer::EXACT,
+    }
+}
+
+pub fn pattern_file(pattern: &Pattern, folder: &Path) -> PathBuf {
+    let path = folder.join("p.png");
+    std::fs::write(&path, pattern.to_png().unwrap()).unwrap();
+    path
+}
+
+/// A pattern of 9 by 5 cells.
+pub fn oblong_pattern(folder: &Path) -> Pattern {
+    let path = folder.join("oblong.png");
+    let wide = Pattern::random(9, 4).unwrap();
+    let cropped = image::imageops::crop_imm(wide.cells(), 0, 0, 9, 5).to_image();
+    cropped.save(&path).unwrap();
+    Pattern::load(&path).unwrap()
+}
+
+/// The pages of a PDF from `first` (counted from 1) on.
+pub fn pages(pdf: &Path, first: usize, dpi: f64, folder: &Path) -> Vec<RgbImage> {
+    let folder = tempfile::tempdir_in(folder).unwrap();
+    let run = Command::new("pdftoppm")
+        .args(["-r", &dpi.to_string(), "-f", &first.to_string()])
+        .arg(pdf)
+        .arg(folder.path().join("page"))
+        .status();
+    let status = run.expect("this test renders the PDF with pdftoppm: install poppler-utils");
+    assert!(status.success(), "pdftoppm failed on {}", pdf.display());
+    let entries = std::fs::read_dir(folder.path()).unwrap();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files.iter().map(|path| ppm(&std::fs::read(path).unwrap())).collect()
+}
+
+/// A binary PPM: "P6", width, height, 255, and the pixels. A PNG of an A3 page at 600 dpi takes ten times as long.
+fn ppm(bytes: &[u8]) -> RgbImage {
+    let mut fields = bytes.splitn(4, |b| b.is_ascii_whitespace());
+    let (magic, width, height) = (fields.next(), fields.next(), fields.next());
+    assert_eq!(magic, Some(&b"P6"[..]));
+    let number = |field: Option<&[u8]>| std::str::from_utf8(field.unwrap()).unwrap().parse::<u32>().unwrap();
+    let pixels = fields.next().unwrap().strip_prefix(b"255\n").unwrap();
+    RgbImage::from_raw(number(width), number(height), pixels.to_vec()).unwrap()
+}
