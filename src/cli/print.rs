@@ -1,5 +1,8 @@
 //! `scaleproof print`: sheets for the printer.
 
+mod board;
+mod tags;
+
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -23,6 +26,10 @@ pub struct Args {
 enum What {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(TemplateArgs),
+    /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
+    Tags(tags::TagsArgs),
+    /// Print a calibration board, and write the file that describes it
+    Board(board::BoardArgs),
 }
 
 #[derive(clap::Args)]
@@ -77,6 +84,8 @@ impl From<Orientation> for paper::Orientation {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => run_template(&args, out),
+        What::Tags(args) => tags::run(&args, out),
+        What::Board(args) => board::run(&args, out),
     }
 }
 

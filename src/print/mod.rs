@@ -1,13 +1,17 @@
 //! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`].
 //!
-//! One file per kind of print ([`template`] is the first); what they share ([`paper`], [`ruler`], [`lettering`]) stands beside
-//! them.
+//! One file or folder per kind of print ([`template`], [`tags`], [`board`]); what they share ([`page`], [`paper`], [`ruler`],
+//! [`lettering`], [`shapes`]) stands beside them.
 
+pub mod board;
 pub mod lettering;
+pub mod page;
 pub mod paper;
 pub mod pdf;
 pub mod ruler;
+pub mod shapes;
 pub mod sheet;
+pub mod tags;
 pub mod template;
 
 /// Why nothing was printed. Each variant is a sentence that says what to change.
