@@ -57,7 +57,7 @@ mod tests {
         /// Whatever the ring, its file says the same.
         #[test]
         fn a_written_scene_reads_back(
-            radius_mm in 700.0..2000.0_f64,
+            radius_mm in 1100.0..2500.0_f64,
             count in 3_u32..10,
             tag_mm in 20.0..90.0_f64,
             tilt_deg in 30.0..75.0_f64,
