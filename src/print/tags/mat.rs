@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use super::arrange::Arrangement;
 use super::tent::Tent;
 use super::{TagPrintError, image_of};
-use crate::print::lettering::{CAP_HEIGHT, number};
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use crate::print::shapes::{Outline, Placement, black_modules, stroke, stroked};
 use crate::print::sheet::{BLACK, PointMm, Rgb};
 use crate::scene::{Model, Scene, Tag};
@@ -88,7 +88,9 @@ impl Mat {
         self.shapes.push(Shape { outlines, colour: GREY });
         let size = format!("{} × {} mm", number(length), number(width));
         let text_mm = TITLE_MM.min(width / 8.0);
-        self.label((0.0, side / 2.0), text_mm, model.name.clone());
+        let name = printable(&model.name);
+        let name_mm = fitting_size_mm(&name, text_mm, 0.9 * length);
+        self.label((0.0, side / 2.0), name_mm, name);
         self.label((0.0, -side / 2.0), text_mm, size);
         self.label((front - 3.0 * text_mm, 0.0), text_mm, "FRONT".to_owned());
     }
