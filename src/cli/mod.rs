@@ -6,6 +6,7 @@ mod locate;
 mod pattern;
 mod print;
 mod progress;
+mod scene;
 mod score;
 
 use std::error::Error;
@@ -27,6 +28,7 @@ struct Cli {
 enum Command {
     Demo(demo::Args),
     Print(print::Args),
+    Scene(scene::Args),
     Pattern(pattern::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Demo(args) => demo::run(args, out),
         Command::Print(args) => print::run(args, out),
+        Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),

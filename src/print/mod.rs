@@ -1,18 +1,22 @@
 //! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`] or [`svg`].
 //!
-//! One file per kind of print ([`template`], [`check`]); what they share ([`paper`], [`frame`], [`ruler`], [`lettering`],
-//! [`printer`]) stands beside them.
+//! One file or folder per kind of print ([`template`], [`tags`], [`board`], [`check`]); what they share ([`page`], [`paper`],
+//! [`frame`], [`ruler`], [`lettering`], [`shapes`], [`printer`]) stands beside them.
 
+pub mod board;
 pub mod check;
 pub mod date;
 pub mod frame;
 pub mod lettering;
+pub mod page;
 pub mod paper;
 pub mod pdf;
 pub mod printer;
 pub mod ruler;
+pub mod shapes;
 pub mod sheet;
 pub mod svg;
+pub mod tags;
 pub mod template;
 
 use std::path::PathBuf;

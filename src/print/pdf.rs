@@ -9,8 +9,8 @@ use std::sync::Arc;
 use lopdf::{Dictionary, Document, Object, StringFormat};
 use printpdf::{
     Color, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode, PdfDocument,
-    PdfFontHandle, PdfPage, PdfSaveOptions, Point, Pt, Rect, TextItem, TextMatrix, WindingOrder, XObject, XObjectId,
-    XObjectTransform,
+    PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem, TextMatrix, WindingOrder,
+    XObject, XObjectId, XObjectTransform,
 };
 
 use super::PrintError;
@@ -190,6 +190,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
             text,
             colour,
         } => text_ops(*at, *size_mm, *anchor, text, *colour),
+        Mark::Area { outlines, colour } => area_ops(outlines, *colour),
         Mark::Stamped { stamp, at, clip } => {
             let id = stamps.id_of(stamp);
             let mut ops = vec![Op::SaveGraphicsState, rectangle(*clip, PaintMode::Clip)];
@@ -252,6 +253,25 @@ fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colo
             },
         },
     ]
+}
+
+fn area_ops(outlines: &[Vec<PointMm>], colour: Rgb) -> Vec<Op> {
+    let corner = |p: &PointMm| LinePoint {
+        p: Point {
+            x: pt(p.x_mm),
+            y: pt(p.y_mm),
+        },
+        bezier: false,
+    };
+    let ring = |outline: &Vec<PointMm>| PolygonRing {
+        points: outline.iter().map(corner).collect(),
+    };
+    let polygon = Polygon {
+        rings: outlines.iter().map(ring).collect(),
+        mode: PaintMode::Fill,
+        winding_order: WindingOrder::NonZero,
+    };
+    vec![Op::SetFillColor { col: color(colour) }, Op::DrawPolygon { polygon }]
 }
 
 fn text_ops(at: PointMm, size_mm: f64, anchor: Anchor, text: &str, colour: Rgb) -> Vec<Op> {

@@ -176,6 +176,12 @@ impl Stretch {
                 *at = self.point(*at);
                 *size_mm *= self.factors.0;
             }
+            Mark::Area { outlines, .. } => {
+                outlines
+                    .iter_mut()
+                    .flatten()
+                    .for_each(|corner| *corner = self.point(*corner));
+            }
             Mark::Stamped { stamp, at, clip } => {
                 *stamp = self.stamp(stamp, stamps);
                 at.iter_mut().for_each(|place| *place = self.point(*place));

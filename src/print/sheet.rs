@@ -95,6 +95,12 @@ pub enum Mark {
         text: String,
         colour: Rgb,
     },
+    /// A filled area: everything inside any of the closed outlines. It is painted in one go, so that outlines which share an
+    /// edge show no hairline; all run the same way round.
+    Area {
+        outlines: Vec<Vec<PointMm>>,
+        colour: Rgb,
+    },
     /// A stamp with its origin at each place, in order, cut off at `clip`.
     Stamped {
         stamp: Arc<Stamp>,

@@ -73,8 +73,22 @@ impl Page {
                 text,
                 colour,
             } => self.text(*at, *size_mm, *anchor, text, *colour),
+            Mark::Area { outlines, colour } => self.filled(outlines, *colour),
             Mark::Stamped { stamp, at, clip } => self.stamped(stamp, at, *clip),
         }
+    }
+
+    /// One path, so that outlines which share an edge show no hairline; SVG fills by the nonzero rule, as the PDF does.
+    fn filled(&mut self, outlines: &[Vec<PointMm>], colour: Rgb) {
+        let mut path = String::new();
+        for outline in outlines {
+            for (i, corner) in outline.iter().enumerate() {
+                let (x, y) = self.place(*corner);
+                let _ = write!(path, "{}{x} {y}", if i == 0 { 'M' } else { 'L' });
+            }
+            path.push('Z');
+        }
+        let _ = writeln!(self.content, "<path d=\"{path}\" fill=\"{}\"/>", hex(colour));
     }
 
     fn line(&mut self, ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) {

@@ -1,12 +1,16 @@
-//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`.
+//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or laid
+//! out by a preset ([`Ring`]).
 
 mod bins;
 mod file;
+mod ring;
 mod tag;
 mod viewpoint;
+mod write;
 
 pub use bins::{Bin, Bins};
 pub use file::SceneError;
+pub use ring::{Ring, RingError};
 pub use tag::{Tag, TagFamily};
 pub use viewpoint::Viewpoint;
 

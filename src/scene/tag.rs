@@ -37,6 +37,17 @@ impl TagFamily {
             TagFamily::TagStandard52h13 => 48714,
         }
     }
+
+    /// Width of a tag with the white ring it needs, for a `size_mm` of 1.
+    pub fn width_with_white(self) -> f64 {
+        match self {
+            TagFamily::Tag16h5 => 8.0 / 6.0,
+            TagFamily::Tag25h9 => 9.0 / 7.0,
+            TagFamily::Tag36h11 => 10.0 / 8.0,
+            TagFamily::TagStandard41h12 => 11.0 / 5.0,
+            TagFamily::TagStandard52h13 => 12.0 / 6.0,
+        }
+    }
 }
 
 /// One printed tag. Tag frame, the tag seen upright: x right, y up, z out of the paper.

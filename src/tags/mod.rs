@@ -1,13 +1,19 @@
-//! Tag detectors: photo in, tag corners out.
+//! Tag detectors: photo in, tag corners out. And the other way: what a tag or marker looks like.
 
 mod apriltag_c;
+mod aruco_markers;
 mod border;
+mod modules;
+mod tag_image;
 
 use image::GrayImage;
 
 use crate::scene::TagFamily;
 
 pub use apriltag_c::{AprilTagC, StartError};
+pub use aruco_markers::{DictionaryError, MarkerDictionary};
+pub use modules::Modules;
+pub use tag_image::TagImage;
 
 /// One tag found in a photo.
 #[derive(Debug, Clone, PartialEq)]

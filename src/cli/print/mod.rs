@@ -1,6 +1,8 @@
 //! `scaleproof print`: sheets for the printer.
 
+mod board;
 mod check;
+mod tags;
 mod template;
 mod verify;
 
@@ -16,6 +18,7 @@ use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
 use crate::print::{pdf, svg};
 
+use template::same_file;
 pub use template::{summary, write_template};
 
 /// Print sheets in true millimetres
@@ -29,6 +32,10 @@ pub struct Args {
 enum What {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
+    /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
+    Tags(tags::TagsArgs),
+    /// Print a calibration board, and write the file that describes it
+    Board(board::BoardArgs),
     /// One page that shows whether the printer keeps lengths
     Check(check::CheckArgs),
     /// Write down what the rulers measured, as printer.toml
@@ -39,6 +46,8 @@ enum What {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => template::run(&args, out),
+        What::Tags(args) => tags::run(&args, out),
+        What::Board(args) => board::run(&args, out),
         What::Check(args) => check::run(&args, out),
         What::Verify(args) => verify::run(&args, out),
     }

@@ -1,0 +1,102 @@
+//! `scaleproof print board`: a calibration board and the file that describes it.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use crate::cli::{CommandResult, Outcome};
+use crate::files;
+use crate::print::board::{BoardKind, BoardRequest, board};
+use crate::print::pdf;
+
+#[derive(clap::Args)]
+pub struct BoardArgs {
+    /// The kind of board
+    #[arg(long = "type", value_enum)]
+    kind: Kind,
+    /// Columns and rows, as in 9x7; of an AprilGrid, of tags
+    #[arg(long, value_name = "CxR", value_parser = columns_and_rows)]
+    squares: (u32, u32),
+    /// Side of a square in mm; of an AprilGrid, from one tag to the next
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    square_mm: f64,
+    /// Side of a marker or tag, black border included, in mm [default: 0.75 of a ChArUco square, 1/1.3 of an AprilGrid's]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    marker_mm: Option<f64>,
+    /// OpenCV's dictionary of the ChArUco markers [default: DICT_5X5_100]
+    #[arg(long, value_name = "NAME")]
+    dictionary: Option<String>,
+    /// a4, a3, letter, tabloid, or WxH in mm
+    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
+    paper: String,
+    /// The PDF to write
+    #[arg(short, long, value_name = "PDF")]
+    output: PathBuf,
+    /// The definition to write [default: beside the PDF, ending in .toml]
+    #[arg(long, value_name = "TOML")]
+    definition: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Chessboard with markers in its white squares, as OpenCV 4.6 and later lay it out
+    Charuco,
+    Chessboard,
+    /// Kalibr's grid of tag36h11
+    Aprilgrid,
+}
+
+impl From<Kind> for BoardKind {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Charuco => Self::Charuco,
+            Kind::Chessboard => Self::Chessboard,
+            Kind::Aprilgrid => Self::Aprilgrid,
+        }
+    }
+}
+
+fn columns_and_rows(text: &str) -> Result<(u32, u32), String> {
+    let read = |part: &str| part.trim().parse().ok();
+    let both = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(c, r)| Some((read(c)?, read(r)?)));
+    both.ok_or_else(|| "write columns and rows, as in 9x7".to_owned())
+}
+
+/// Runs `scaleproof print board`.
+pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
+    let definition_path = args
+        .definition
+        .clone()
+        .unwrap_or_else(|| args.output.with_extension("toml"));
+    if definition_path == args.output {
+        return Err("the definition would overwrite the PDF; give another --definition".into());
+    }
+    let made = board(&BoardRequest {
+        kind: args.kind.into(),
+        squares: args.squares,
+        square_mm: args.square_mm,
+        marker_mm: args.marker_mm,
+        dictionary: args.dictionary.clone(),
+        paper: args.paper.parse()?,
+    })?;
+    let line = made.definition.line();
+    let (bytes, text) = (
+        pdf::write(&line, std::slice::from_ref(&made.sheet))?,
+        made.definition.to_toml()?,
+    );
+    // Both or none: a board without its definition is taken back, unless it took the place of an older one.
+    let replaced = args.output.exists();
+    files::write_atomically(&args.output, &bytes)?;
+    if let Err(e) = files::write_atomically(&definition_path, text.as_bytes()) {
+        if !replaced {
+            std::fs::remove_file(&args.output)?;
+        }
+        return Err(e.into());
+    }
+    let (pdf, definition) = (args.output.display(), definition_path.display());
+    writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
+    Ok(Outcome::Done)
+}

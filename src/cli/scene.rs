@@ -1,0 +1,148 @@
+//! `scaleproof scene`: make a scene file.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::{Subcommand, ValueEnum};
+
+use super::{CommandResult, Outcome};
+use crate::files;
+use crate::scene::{Bins, Model, Ring, Scene, TagFamily};
+
+/// Make scene files
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Write a scene.toml for tags that `print tags` then prints
+    New(NewArgs),
+}
+
+#[derive(clap::Args)]
+struct NewArgs {
+    /// How the tags stand; ring: tent cards in a circle, the first before the model's front, and a flat tag between each two
+    #[arg(long, value_enum)]
+    preset: Preset,
+    /// Radius of the ring in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    radius_mm: f64,
+    /// Tent cards in the ring, and as many flat tags
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    tags: u32,
+    /// Outer edge of a tag's black border in mm
+    #[arg(long, value_name = "MM", default_value_t = 50.0, allow_negative_numbers = true)]
+    tag_mm: f64,
+    /// tag36h11, tag16h5, tag25h9, tagstandard41h12 or tagstandard52h13
+    #[arg(long, default_value = "tag36h11", value_parser = family)]
+    family: TagFamily,
+    /// Between the faces of the tent cards and the ground
+    #[arg(long, value_name = "DEG", default_value_t = 60.0, allow_negative_numbers = true)]
+    tilt_deg: f64,
+    /// Length, width and height of the printed model in mm, as in 455x186x128
+    #[arg(long, value_name = "LxWxH", value_parser = model_size, allow_hyphen_values = true)]
+    model_size_mm: [f64; 3],
+    /// What the model is called
+    #[arg(long, default_value = "model")]
+    name: String,
+    /// The label a detector should give
+    #[arg(long, default_value = "car")]
+    class: String,
+    /// The model is 1:SCALE
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    scale: f64,
+    /// Step of the azimuth bins in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 45.0, allow_negative_numbers = true)]
+    bins_azimuth_deg: f64,
+    /// Centres of the pitch bins in degrees
+    #[arg(
+        long,
+        value_name = "DEG,…",
+        value_delimiter = ',',
+        default_value = "0,15,30",
+        allow_hyphen_values = true
+    )]
+    bins_pitch_deg: Vec<f64>,
+    /// Centres of the distance bins in mm
+    #[arg(
+        long,
+        value_name = "MM,…",
+        value_delimiter = ',',
+        default_value = "500,1000,1500",
+        allow_hyphen_values = true
+    )]
+    bins_distance_mm: Vec<f64>,
+    /// The scene file to write
+    #[arg(short, long, value_name = "TOML")]
+    output: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Preset {
+    Ring,
+}
+
+fn family(text: &str) -> Result<TagFamily, String> {
+    let known = TagFamily::ALL.iter().find(|(_, name)| name.eq_ignore_ascii_case(text));
+    known.map(|(family, _)| *family).ok_or_else(|| {
+        let names: Vec<_> = TagFamily::ALL.iter().map(|(_, name)| *name).collect();
+        format!("use one of {}", names.join(", "))
+    })
+}
+
+fn model_size(text: &str) -> Result<[f64; 3], String> {
+    let numbers = text.split(['x', 'X', '×']).map(|part| part.trim().parse().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    numbers
+        .and_then(|sizes| sizes.try_into().ok())
+        .ok_or_else(|| "write length, width and height, as in 455x186x128".to_owned())
+}
+
+/// Runs `scaleproof scene …`.
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match args.what {
+        What::New(args) => run_new(args, out),
+    }
+}
+
+fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
+    let path = &args.output;
+    // A scene may have been measured and typed in by hand; that is not lost to a second `new`.
+    if path.exists() {
+        let sentence = format!("{} is there already; give another name or remove it", path.display());
+        return Err(sentence.into());
+    }
+    let Preset::Ring = args.preset;
+    let ring = Ring {
+        model: Model {
+            name: args.name,
+            scale: args.scale,
+            class: args.class,
+            size_mm: args.model_size_mm,
+        },
+        bins: Bins {
+            azimuth_deg: args.bins_azimuth_deg,
+            pitch_deg: args.bins_pitch_deg,
+            distance_mm: args.bins_distance_mm,
+        },
+        radius_mm: args.radius_mm,
+        count: args.tags,
+        tag_mm: args.tag_mm,
+        family: args.family,
+        tilt_deg: args.tilt_deg,
+    };
+    let text = ring.scene()?.to_toml();
+    // The reader's checks are the checks: scale, bins.
+    Scene::parse(&text, path)?;
+    files::write_atomically(path, text.as_bytes())?;
+    let (count, radius) = (args.tags, args.radius_mm);
+    writeln!(
+        out,
+        "{}: {count} tent cards and {count} flat tags on a ring of {radius} mm; print them with `scaleproof print tags`",
+        path.display()
+    )?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,139 @@
+//! Calibration boards on one sheet: ChArUco, chessboard, AprilGrid.
+
+mod definition;
+mod draw;
+
+pub use definition::Definition;
+
+use super::PrintError;
+use super::lettering::number;
+use super::page::Page;
+use super::paper::Paper;
+use super::shapes::Outline;
+use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
+use crate::tags::DictionaryError;
+
+/// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
+const MIN_MODULE_MM: f64 = 0.2;
+/// More columns or rows than this are a mistake in the numbers.
+const MOST_SQUARES: u32 = 100;
+/// White paper between the board and whatever else is on the page, besides what the page keeps free anyway.
+const QUIET_MM: f64 = 1.0;
+
+/// Why no board was printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BoardError {
+    #[error(transparent)]
+    Print(#[from] PrintError),
+    #[error(transparent)]
+    Dictionary(#[from] DictionaryError),
+    #[error("a board of {columns}×{rows} squares cannot be printed; give {least} to {MOST_SQUARES} each way")]
+    Squares { columns: u32, rows: u32, least: u32 },
+    #[error(
+        "a marker of {marker_mm} mm does not fit into a square of {square_mm} mm with white around it; use a smaller --marker-mm"
+    )]
+    MarkerTooLarge { marker_mm: f64, square_mm: f64 },
+    #[error("this board needs {needed} markers and {dictionary} has {count}; use fewer squares or a larger dictionary")]
+    NotEnoughMarkers {
+        needed: usize,
+        dictionary: &'static str,
+        count: usize,
+    },
+    #[error(
+        "the markers would have modules of {module_mm:.3} mm, smaller than the {MIN_MODULE_MM} mm a printer can show; make them larger"
+    )]
+    ModuleTooSmall { module_mm: f64 },
+    #[error("{option} means nothing on {board}; leave it out")]
+    NotForThisBoard { option: &'static str, board: &'static str },
+    #[error("tag {id} of tag36h11 could not be drawn by the AprilTag library")]
+    NoImage { id: u32 },
+    #[error("the board is {board_mm} mm and the paper has {free_mm} mm for it; use larger paper or smaller squares")]
+    TooLarge { board_mm: String, free_mm: String },
+    #[error("the definition could not be put together: {reason}")]
+    Definition { reason: String },
+}
+
+/// Which board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BoardKind {
+    Charuco,
+    Chessboard,
+    Aprilgrid,
+}
+
+/// What to print. Lengths in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoardRequest {
+    pub kind: BoardKind,
+    /// Columns and rows; of an AprilGrid, of tags.
+    pub squares: (u32, u32),
+    /// Side of a square; of an AprilGrid, from tag to tag.
+    pub square_mm: f64,
+    /// Outer edge of a marker's or tag's black border; `None` is the usual share of the square.
+    pub marker_mm: Option<f64>,
+    /// OpenCV's name of the ChArUco markers' dictionary; `None` is [`Definition::DICTIONARY`].
+    pub dictionary: Option<String>,
+    pub paper: Paper,
+}
+
+/// A board ready to be written.
+#[derive(Debug, Clone)]
+pub struct Board {
+    pub definition: Definition,
+    /// Where it lies (page frame).
+    pub area: RectMm,
+    pub sheet: Sheet,
+}
+
+/// Draws a board in the middle of one sheet.
+///
+/// # Errors
+/// Numbers that make no board, too few markers in the dictionary, a board larger than the paper.
+pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
+    let definition = Definition::of(request)?;
+    let (width, height) = definition.size_mm();
+    let (page, area) = placed(request.paper, width, height)?;
+    let corner = PointMm::new(area.left_mm, area.top_mm);
+    let outlines: Vec<Outline> = draw::black(&definition, corner)?;
+    let marks = vec![Mark::Area {
+        outlines,
+        colour: BLACK,
+    }];
+    let sheet = page.sheet(marks, &captions(&definition), definition.name());
+    Ok(Board {
+        definition,
+        area,
+        sheet,
+    })
+}
+
+/// The middle of the paper, upright or across.
+fn placed(paper: Paper, width: f64, height: f64) -> Result<(Page, RectMm), BoardError> {
+    let pages = Page::both_ways(paper)?;
+    let room = |page: &Page| {
+        (
+            page.usable.width_mm() - 2.0 * QUIET_MM,
+            page.usable.height_mm() - 2.0 * QUIET_MM,
+        )
+    };
+    let fits = |page: &&Page| width <= room(page).0 && height <= room(page).1;
+    let Some(page) = pages.iter().find(fits) else {
+        let (across, down) = pages.last().map(room).unwrap_or_default();
+        return Err(BoardError::TooLarge {
+            board_mm: format!("{} × {}", number(width), number(height)),
+            free_mm: format!("{} × {}", number(across), number(down)),
+        });
+    };
+    let left = page.usable.left_mm + (page.usable.width_mm() - width) / 2.0;
+    let bottom = page.usable.bottom_mm + (page.usable.height_mm() - height) / 2.0;
+    Ok((page.clone(), RectMm::new(left, bottom, left + width, bottom + height)))
+}
+
+fn captions(definition: &Definition) -> Vec<String> {
+    vec![
+        "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
+        "Glue the sheet to something flat and stiff; a board that bends spoils a calibration.".to_owned(),
+        definition.line(),
+        concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned(),
+    ]
+}

@@ -1,0 +1,172 @@
+//! The ground mat: what lies and stands on the table, seen from above. Geometry only; [`super::mat_sheet`] spreads it over paper.
+//!
+//! *Mat frame*: the mat seen from above, the model's front to the right; origin at the lower left corner, x right (the model's x),
+//! y up (the model's y), millimetres.
+
+use nalgebra::Point3;
+
+use super::arrange::Arrangement;
+use super::tent::Tent;
+use super::{TagPrintError, image_of};
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
+use crate::print::shapes::{Outline, Placement, black_modules, stroke, stroked};
+use crate::print::sheet::{BLACK, PointMm, Rgb};
+use crate::scene::{Model, Scene, Tag};
+
+const GREY: Rgb = [110, 110, 110];
+/// Free paper around everything.
+const BORDER_MM: f64 = 8.0;
+const LINE_MM: f64 = 0.4;
+const TEXT_MM: f64 = 4.0;
+const TITLE_MM: f64 = 8.0;
+const UP_MM: f64 = 4.0;
+/// Length and width of the arrow at the model's front.
+const ARROW_MM: f64 = 18.0;
+
+/// Everything on the mat, in painting order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mat {
+    pub size_mm: (f64, f64),
+    pub shapes: Vec<Shape>,
+    pub labels: Vec<Label>,
+}
+
+/// Convex outlines of one colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    pub outlines: Vec<Outline>,
+    pub colour: Rgb,
+}
+
+/// Centred text; `at` is the middle of its capitals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    pub at: PointMm,
+    pub size_mm: f64,
+    pub text: String,
+}
+
+impl Mat {
+    /// The mat of a scene: the model's outline, the flat tags, and an outline for each tent card.
+    ///
+    /// # Errors
+    /// A tag that cannot be drawn.
+    pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
+        let mut mat = Mat {
+            size_mm: (0.0, 0.0),
+            shapes: Vec::new(),
+            labels: Vec::new(),
+        };
+        mat.add_model(&scene.model);
+        for tag in &arrangement.flat {
+            mat.add_flat_tag(tag)?;
+        }
+        for (i, tent) in arrangement.tents.iter().enumerate() {
+            mat.add_tent(i + 1, tent);
+        }
+        mat.moved_to_its_corner();
+        Ok(mat)
+    }
+
+    fn add_model(&mut self, model: &Model) {
+        let [length, width, _] = model.size_mm;
+        let level = Placement {
+            centre: PointMm::new(0.0, 0.0),
+            right: [1.0, 0.0],
+            module_mm: 1.0,
+        };
+        let (front, side) = (length / 2.0, width / 2.0);
+        let mut outlines = stroked(&level.rectangle(-front, -side, front, side), LINE_MM);
+        let cross = |x: f64, y: f64| stroke(PointMm::new(-x, -y), PointMm::new(x, y), LINE_MM);
+        outlines.extend([cross(8.0, 0.0), cross(0.0, 8.0)]);
+        let arrow = [
+            (front + 2.0, -ARROW_MM / 3.0),
+            (front + 2.0 + ARROW_MM, 0.0),
+            (front + 2.0, ARROW_MM / 3.0),
+        ];
+        outlines.push(arrow.map(|(x, y)| PointMm::new(x, y)).to_vec());
+        self.shapes.push(Shape { outlines, colour: GREY });
+        let size = format!("{} × {} mm", number(length), number(width));
+        let text_mm = TITLE_MM.min(width / 8.0);
+        let name = printable(&model.name);
+        let name_mm = fitting_size_mm(&name, text_mm, 0.9 * length);
+        self.label((0.0, side / 2.0), name_mm, name);
+        self.label((0.0, -side / 2.0), text_mm, size);
+        self.label((front - 3.0 * text_mm, 0.0), text_mm, "FRONT".to_owned());
+    }
+
+    fn add_flat_tag(&mut self, tag: &Tag) -> Result<(), TagPrintError> {
+        let image = image_of(tag)?;
+        let half = image.width_mm(tag.size_mm) / 2.0;
+        let place = Placement {
+            centre: on_mat(&tag.centre_mm),
+            right: level_unit(tag.right.x, tag.right.y),
+            module_mm: tag.size_mm / image.border_modules() as f64,
+        };
+        let mut outlines = black_modules(image.modules(), &place);
+        outlines.push(place.up_mark(0.0, half, UP_MM));
+        self.shapes.push(Shape {
+            outlines,
+            colour: BLACK,
+        });
+        let below = place.at(0.0, -half - TEXT_MM);
+        self.label((below.x_mm, below.y_mm), TEXT_MM, format!("id {}", tag.id));
+        Ok(())
+    }
+
+    fn add_tent(&mut self, number: usize, tent: &Tent) {
+        let feet = tent.foot_mm();
+        let outline = feet.each_ref().map(on_mat);
+        self.shapes.push(Shape {
+            outlines: stroked(&outline, LINE_MM),
+            colour: GREY,
+        });
+        let [a_left, a_right, b_right, b_left] = feet;
+        let middle = nalgebra::center(&a_left, &b_right);
+        let size_mm = TITLE_MM.min(tent.base_mm / 4.0);
+        self.label((middle.x, middle.y), size_mm, format!("T{number}"));
+        for (tag, ends) in tent.tags.iter().zip([[a_left, a_right], [b_right, b_left]]) {
+            // Just inside the foot of the face that carries the tag.
+            let at = nalgebra::center(&ends[0], &ends[1]);
+            let at = at + (middle - at).normalize() * (1.2 * size_mm);
+            self.label((at.x, at.y), (0.5 * size_mm).max(2.0), format!("id {}", tag.id));
+        }
+    }
+
+    fn label(&mut self, (x, y): (f64, f64), size_mm: f64, text: String) {
+        let at = PointMm::new(x, y - 0.5 * CAP_HEIGHT * size_mm);
+        self.labels.push(Label { at, size_mm, text });
+    }
+
+    /// Moves the model frame to the mat frame.
+    fn moved_to_its_corner(&mut self) {
+        let points = || self.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten());
+        let ends = |value: fn(&PointMm) -> f64| {
+            points()
+                .map(value)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                    (low.min(v), high.max(v))
+                })
+        };
+        let (x, y) = (ends(|p| p.x_mm), ends(|p| p.y_mm));
+        let (left, bottom) = (x.0 - BORDER_MM, y.0 - BORDER_MM);
+        self.size_mm = (x.1 + BORDER_MM - left, y.1 + BORDER_MM - bottom);
+        let corners = self
+            .shapes
+            .iter_mut()
+            .flat_map(|shape| shape.outlines.iter_mut().flatten());
+        for point in corners.chain(self.labels.iter_mut().map(|label| &mut label.at)) {
+            point.x_mm -= left;
+            point.y_mm -= bottom;
+        }
+    }
+}
+
+fn on_mat(point: &Point3<f64>) -> PointMm {
+    PointMm::new(point.x, point.y)
+}
+
+fn level_unit(x: f64, y: f64) -> [f64; 2] {
+    let length = x.hypot(y);
+    [x / length, y / length]
+}

@@ -1,0 +1,79 @@
+//! A scene as the text of a `scene.toml`.
+
+use super::{Scene, Tag, TagFamily};
+
+impl Scene {
+    /// The file that [`Scene::parse`] reads back, places to a thousandth of a millimetre.
+    pub fn to_toml(&self) -> String {
+        let model = &self.model;
+        let [name, class] = [&model.name, &model.class].map(|text| toml::Value::from(text.as_str()).to_string());
+        let head = format!(
+            "# Millimetres; model frame: x to the front, y to the left, z up, origin on the ground under the model's centre.\n\n\
+             [model]\nname = {name}\nscale = {}\nclass = {class}\nsize_mm = {}\nenvelope = \"box\"\n\n\
+             [bins]\nazimuth_deg = {}\npitch_deg = {}\ndistance_mm = {}\n",
+            model.scale,
+            list(&model.size_mm, 3),
+            self.bins.azimuth_deg,
+            list(&self.bins.pitch_deg, 3),
+            list(&self.bins.distance_mm, 3),
+        );
+        self.tags.iter().fold(head, |text, tag| text + &table(tag))
+    }
+}
+
+fn table(tag: &Tag) -> String {
+    let family = TagFamily::ALL.iter().find(|(family, _)| *family == tag.family);
+    let family = family
+        .filter(|(family, _)| *family != TagFamily::default())
+        .map(|(_, name)| format!("family = \"{name}\"\n"));
+    format!(
+        "\n[[tag]]\nid = {}\n{}size_mm = {}\ncentre_mm = {}\nright = {}\nup = {}\n",
+        tag.id,
+        family.unwrap_or_default(),
+        tag.size_mm,
+        list(tag.centre_mm.coords.as_slice(), 3),
+        list(tag.right.as_slice(), 7),
+        list(tag.up.as_slice(), 7),
+    )
+}
+
+/// Numbers with as many decimals as they need, and no minus before a zero.
+fn list(values: &[f64], decimals: usize) -> String {
+    let unit = 10_f64.powi(decimals as i32);
+    let number = |value: &f64| format!("{:?}", (value * unit).round() / unit + 0.0);
+    format!("[{}]", values.iter().map(number).collect::<Vec<_>>().join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use proptest::prelude::*;
+
+    use super::super::{Bins, Model, Ring};
+    use super::*;
+
+    proptest! {
+        /// Whatever the ring, its file says the same.
+        #[test]
+        fn a_written_scene_reads_back(
+            radius_mm in 1100.0..2500.0_f64,
+            count in 3_u32..10,
+            tag_mm in 20.0..90.0_f64,
+            tilt_deg in 30.0..75.0_f64,
+            family in prop::sample::select(TagFamily::ALL.to_vec()),
+            name in "\\PC{0,12}",
+        ) {
+            let model = Model { name, scale: 10.0, class: "car".into(), size_mm: [455.0, 186.5, 128.0] };
+            let bins = Bins { azimuth_deg: 45.0, pitch_deg: vec![0.0, 15.0], distance_mm: vec![850.0] };
+            let scene = Ring { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
+            let back = Scene::parse(&scene.to_toml(), Path::new("scene.toml")).unwrap();
+            prop_assert_eq!((&scene.model, &scene.bins), (&back.model, &back.bins));
+            for (tag, read) in scene.tags.iter().zip(&back.tags) {
+                prop_assert_eq!((tag.id, tag.family, tag.size_mm), (read.id, read.family, read.size_mm));
+                prop_assert!((tag.centre_mm - read.centre_mm).norm() < 0.001);
+                prop_assert!(tag.right.angle(&read.right) < 1e-6 && tag.up.angle(&read.up) < 1e-6);
+            }
+        }
+    }
+}

@@ -1,0 +1,405 @@
+//! Prints the tags of scenes, renders the PDF with poppler, finds the tags again with the detector, folds the cards, and lays
+//! the mat together.
+
+mod common;
+#[path = "print_tags/fold.rs"]
+mod fold;
+#[path = "print_tags/paper.rs"]
+mod paper;
+
+use std::path::Path;
+
+use common::{assert_refused, home, program, stderr, stdout};
+use image::GrayImage;
+use paper::{A4, Page, distance, render};
+use scaleproof::print::paper::Paper;
+use scaleproof::print::sheet::Sheet;
+use scaleproof::print::tags::{TagRequest, arrange, tag_sheets};
+use scaleproof::scene::{Scene, TagFamily};
+
+/// Runs the program; it must succeed.
+fn run(folder: &Path, command: &str) -> String {
+    let output = program().current_dir(folder).args(command.split(' ')).output().unwrap();
+    assert!(output.status.success(), "{command}: {}", stderr(&output));
+    stdout(&output)
+}
+
+fn scene(path: &Path) -> Scene {
+    Scene::open(path).unwrap()
+}
+
+const RING: &str =
+    "scene new --preset ring --radius-mm 330 --tags 6 --tag-mm 40 --model-size-mm 455x186x128 -o ring.toml";
+
+/// Every family, tags of several sizes, at places and angles that make no tent and no mat.
+const ALL_FAMILIES: &str = "[model]\nname = \"m\"\nscale = 10\nclass = \"car\"\nsize_mm = [455, 186, 128]\n\
+    [bins]\nazimuth_deg = 45\npitch_deg = [0]\ndistance_mm = [900]\n";
+
+fn all_families() -> String {
+    let mut text = ALL_FAMILIES.to_owned();
+    for (family, name) in TagFamily::ALL {
+        for (n, size_mm) in [(0, 30.0), (7, 41.3), (family.count() - 1, 55.0)] {
+            text += &format!(
+                "[[tag]]\nid = {n}\nfamily = \"{name}\"\nsize_mm = {size_mm}\ncentre_mm = [0, 300, 90]\n\
+                 right = [1, 0, 0]\nup = [0, 0, 1]\n"
+            );
+        }
+    }
+    text
+}
+
+#[test]
+fn plain_cards_carry_the_right_tags_at_true_size() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), all_families()).unwrap();
+    run(folder.path(), "print tags --scene s.toml -o tags.pdf");
+    let scene = scene(&folder.path().join("s.toml"));
+    let (pages, families) = (render(&folder.path().join("tags.pdf"), 300, A4), scene.families());
+    let (mut found, mut worst) = (Vec::new(), 0.0_f64);
+    for page in pages {
+        for (family, id, corners) in page.tags(&families) {
+            let Some(tag) = scene.tag(family, id) else { continue };
+            found.push((family, id));
+            assert!(
+                corners[0][0] < corners[1][0] && corners[3][1] < corners[0][1],
+                "tag {id} is not upright"
+            );
+            for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+                let error = (distance(corners[a], corners[b]) - tag.size_mm).abs();
+                assert!(error < 0.1, "tag {id} of {family:?}: a side is {error:.3} mm off");
+                worst = worst.max(error);
+            }
+        }
+    }
+    found.sort();
+    let mut wanted: Vec<_> = scene.tags.iter().map(|tag| (tag.family, tag.id)).collect();
+    wanted.sort();
+    assert_eq!(found, wanted, "each tag once");
+    println!(
+        "{} tags of 5 families, sides within {worst:.3} mm at 300 dpi",
+        found.len()
+    );
+}
+
+/// Detects the printed tags, folds the sheet along its printed lines, stands it on its outline on the mat, and compares with
+/// the scene.
+fn assert_cards_fold_to_the_scene(folder: &Path, file: &Path) {
+    let scene = scene(file);
+    let pdf = folder.join("folded.pdf");
+    run(
+        folder,
+        &format!("print tags --scene {} -o {}", file.display(), pdf.display()),
+    );
+    let request = TagRequest {
+        paper: Paper::A4,
+        plain: false,
+    };
+    let (made, tents) = (tag_sheets(&scene, &request).unwrap(), arrange(&scene).tents);
+    let pages = render(&pdf, 300, A4);
+    assert_eq!(pages.len(), made.sheets.len());
+    let mut worst = (0.0_f64, 0.0_f64);
+    let mut cards = 0;
+    for (page, sheet) in pages.iter().zip(&made.sheets) {
+        for card in fold::Card::on(sheet) {
+            let tags = page.tags(&scene.families());
+            let on_card: Vec<_> = tags.iter().filter(|(_, _, corners)| card.holds(corners)).collect();
+            assert_eq!(on_card.len(), 2, "a card has two tags");
+            let tent = tents
+                .iter()
+                .find(|tent| tent.tags.iter().any(|tag| tag.id == on_card[0].1))
+                .unwrap();
+            for (family, id, corners) in on_card {
+                let tag = scene.tag(*family, *id).unwrap();
+                let (mm, deg) = fold::off(&card.folded(corners, &tent.foot_mm()), tag);
+                assert!(mm < 0.2 && deg < 0.2, "tag {id} is {mm:.3} mm and {deg:.3}° off");
+                worst = (worst.0.max(mm), worst.1.max(deg));
+            }
+            cards += 1;
+        }
+    }
+    assert_eq!(cards, tents.len());
+    println!(
+        "{}: {cards} cards folded, tags within {:.3} mm and {:.3}° of the scene",
+        file.file_name().unwrap().to_string_lossy(),
+        worst.0,
+        worst.1
+    );
+}
+
+#[test]
+fn folded_tent_cards_put_every_tag_where_the_stored_scene_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = home().join("captures/skyline/scene.toml");
+    let scene = scene(&file);
+    let arrangement = arrange(&scene);
+    assert_eq!(
+        (arrangement.flat.len(), arrangement.tents.len(), arrangement.cards.len()),
+        (8, 8, 0)
+    );
+    assert_cards_fold_to_the_scene(folder.path(), &file);
+}
+
+#[test]
+fn folded_tent_cards_put_every_tag_where_a_new_scene_says() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), RING);
+    run(
+        folder.path(),
+        &RING
+            .replace("ring.toml", "steep.toml --tilt-deg 73 --family tagstandard41h12")
+            .replace("40", "24"),
+    );
+    for name in ["ring.toml", "steep.toml"] {
+        assert_cards_fold_to_the_scene(folder.path(), &folder.path().join(name));
+    }
+}
+
+/// The mat on one huge sheet: every flat tag and the model's outline at their places.
+#[test]
+fn the_mat_has_everything_where_the_scene_says() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), RING);
+    run(folder.path(), "print tags --scene ring.toml --paper 900x900 -o mat.pdf");
+    let scene = scene(&folder.path().join("ring.toml"));
+    let pages = render(&folder.path().join("mat.pdf"), 150, (900.0, 900.0));
+    let mat = pages.last().unwrap();
+    let worst = worst_on_mat(mat, &scene, 0.1);
+    println!("flat tags on one sheet: corners within {worst:.3} mm of the scene at 150 dpi");
+}
+
+/// The corners' largest distance from the scene, with the mat's place on the page taken from the tags' mean; checks that the
+/// model's outline and the outlines of the tents are drawn there too.
+fn worst_on_mat(mat: &Page, scene: &Scene, allowed_mm: f64) -> f64 {
+    let tags = mat.tags(&scene.families());
+    let flat = arrange(scene).flat.len();
+    let pairs: Vec<_> = tags
+        .iter()
+        .flat_map(|(family, id, corners)| {
+            let tag = scene.tag(*family, *id).unwrap();
+            corners.iter().copied().zip(tag.corners_mm())
+        })
+        .collect();
+    assert_eq!(pairs.len(), 4 * flat, "every flat tag once");
+    let mean = |axis: usize| pairs.iter().map(|(seen, told)| seen[axis] - told[axis]).sum::<f64>() / pairs.len() as f64;
+    let origin = [mean(0), mean(1)];
+    let off =
+        |(seen, told): &([f64; 2], nalgebra::Point3<f64>)| distance(*seen, [origin[0] + told.x, origin[1] + told.y]);
+    let worst = pairs.iter().map(off).fold(0.0, f64::max);
+    assert!(worst < allowed_mm, "a corner is {worst:.3} mm off");
+    let [length, width, _] = scene.model.size_mm;
+    let mut marked = vec![
+        [length / 2.0, -width / 4.0],
+        [-length / 2.0, width / 3.0],
+        [length / 5.0, width / 2.0],
+    ];
+    for tent in arrange(scene).tents {
+        let [a, b, ..] = tent.foot_mm();
+        marked.push([0.7 * a.x + 0.3 * b.x, 0.7 * a.y + 0.3 * b.y]);
+    }
+    for [x, y] in marked {
+        let grey = mat.is_black([origin[0] + x, origin[1] + y]);
+        assert!(grey, "no outline at ({x:.1}, {y:.1})");
+        for (dx, dy) in [(-1.0, -1.0), (1.0, 1.0)] {
+            assert!(
+                !mat.is_black([origin[0] + x + dx, origin[1] + y + dy]),
+                "a blot at ({x:.1}, {y:.1})"
+            );
+        }
+    }
+    worst
+}
+
+/// The mat on A4, cut at the crop marks and laid together.
+#[test]
+fn the_sheets_of_the_mat_make_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), RING);
+    run(folder.path(), "print tags --scene ring.toml -o mat.pdf");
+    let scene = scene(&folder.path().join("ring.toml"));
+    let request = TagRequest {
+        paper: Paper::A4,
+        plain: false,
+    };
+    let sheets = tag_sheets(&scene, &request).unwrap().sheets;
+    let pages = render(&folder.path().join("mat.pdf"), 200, A4);
+    let tents = pages
+        .iter()
+        .zip(&sheets)
+        .position(|(_, sheet)| sheet.trim.left_mm > 6.0)
+        .unwrap();
+    let whole = laid_together(&pages[tents..], &sheets[tents..]);
+    let worst = worst_on_mat(&whole, &scene, 0.3);
+    println!(
+        "flat tags over {} glued sheets: corners within {worst:.3} mm of the scene",
+        sheets.len() - tents
+    );
+}
+
+/// The trimmed sheets edge to edge, row by row.
+fn laid_together(pages: &[Page], sheets: &[Sheet]) -> Page {
+    let dpi = pages[0].dpi;
+    let px = |mm: f64| (mm / 25.4 * dpi).round() as i64;
+    let side = sheets
+        .iter()
+        .map(|s| s.trim.width_mm() + s.trim.height_mm())
+        .sum::<f64>()
+        / 4.0;
+    let mut whole = GrayImage::from_pixel(px(side) as u32, px(side) as u32, image::Luma([255]));
+    let mut at = (0.0, 0.0);
+    for (i, (page, sheet)) in pages.iter().zip(sheets).enumerate() {
+        let trim = sheet.trim;
+        let (left, top) = (px(trim.left_mm), px(page.height_mm - trim.top_mm));
+        let (wide, high) = (px(trim.width_mm()), px(trim.height_mm()));
+        let cut = image::imageops::crop_imm(&page.picture, left as u32, top as u32, wide as u32, high as u32);
+        image::imageops::replace(&mut whole, &cut.to_image(), px(at.0), px(at.1));
+        at.0 += trim.width_mm();
+        // The last sheet of a row has no strip to its right: the next begins at the left again.
+        if sheets.get(i + 1).is_some_and(|_| is_last_of_row(sheets, i)) {
+            at = (0.0, at.1 + trim.height_mm());
+        }
+    }
+    Page {
+        height_mm: f64::from(whole.height()) / dpi * 25.4,
+        picture: whole,
+        dpi,
+    }
+}
+
+/// Ids run A1, A2, …, B1: read from the label in the corner.
+fn is_last_of_row(sheets: &[Sheet], i: usize) -> bool {
+    let row = |sheet: &Sheet| label(sheet).chars().nth(4);
+    row(&sheets[i]) != row(&sheets[i + 1])
+}
+
+fn label(sheet: &Sheet) -> String {
+    match sheet.marks.last() {
+        Some(scaleproof::print::sheet::Mark::Text { text, .. }) => text.clone(),
+        other => panic!("the last mark is the label, not {other:?}"),
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_shipped_examples() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in [
+        "scene new --preset ring --radius-mm 300 --tags 4 --tag-mm 50 --model-size-mm 300x140x100 --name example -o ring4.toml",
+        "print tags --scene ring4.toml --paper a3 -o ring4_tags_a3.pdf",
+        "print board --type charuco --squares 9x7 --square-mm 22 --marker-mm 16 -o charuco_9x7_22mm.pdf",
+        "print board --type chessboard --squares 10x7 --square-mm 20 -o chessboard_10x7_20mm.pdf",
+        "print board --type aprilgrid --squares 6x5 --square-mm 26 -o aprilgrid_6x5_20mm.pdf",
+    ] {
+        run(folder.path(), command);
+    }
+    for (shipped, name) in [
+        ("print_templates", "ring4.toml"),
+        ("print_templates", "ring4_tags_a3.pdf"),
+        ("print_templates", "charuco_9x7_22mm.pdf"),
+        ("calibration", "charuco_9x7_22mm.toml"),
+        ("calibration", "chessboard_10x7_20mm.toml"),
+        ("calibration", "aprilgrid_6x5_20mm.toml"),
+    ] {
+        let theirs = home().join(shipped).join(name);
+        assert!(
+            std::fs::read(folder.path().join(name)).unwrap() == std::fs::read(&theirs).unwrap(),
+            "{} is out of date: the README beside it says how to make it again",
+            theirs.display()
+        );
+    }
+}
+
+/// What is asked, and a word of the answer. `ring.toml` is there; `out.pdf` and `new.toml` must not be made.
+const REFUSALS: &[(&str, &str)] = &[
+    ("print tags --scene absent.toml -o out.pdf", "no such file"),
+    ("print tags --scene ring.toml -o ring.toml", "would overwrite the scene"),
+    ("print tags --scene empty.toml -o out.pdf", "the scene has no tags"),
+    ("print tags --scene tiny.toml -o out.pdf", "modules of 0.125 mm"),
+    ("print tags --scene huge.toml -o out.pdf", "the card of tag 3"),
+    (
+        "print tags --scene ring.toml --paper 150x150 -o out.pdf",
+        "tent card T1 (tags 6 and 7)",
+    ),
+    ("print tags --scene ring.toml --paper 90x90 -o out.pdf", "too small"),
+    ("print tags --scene ring.toml --paper b7 -o out.pdf", "is not known"),
+    (
+        "scene new --preset ring --radius-mm 0 --model-size-mm 455x186x128 -o new.toml",
+        "radius cannot be 0",
+    ),
+    (
+        "scene new --preset ring --radius-mm nan --model-size-mm 455x186x128 -o new.toml",
+        "radius cannot be NaN",
+    ),
+    (
+        "scene new --preset ring --radius-mm 280 --model-size-mm 455x186x128 -o new.toml",
+        "the model and the cards",
+    ),
+    (
+        "scene new --preset ring --radius-mm 330 --tags 12 --model-size-mm 455x186x128 -o new.toml",
+        "so many cards",
+    ),
+    (
+        "scene new --preset ring --radius-mm 900 --tags 2 --model-size-mm 455x186x128 -o new.toml",
+        "give 3 to 195",
+    ),
+    (
+        "scene new --preset ring --radius-mm 900 --tags 11 --family tag16h5 --model-size-mm 455x186x128 -o new.toml",
+        "has 30",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --tag-mm -5 --model-size-mm 455x186x128 -o new.toml",
+        "tag size cannot be -5",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --tilt-deg 85 --model-size-mm 455x186x128 -o new.toml",
+        "30 to 75",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --scale 0 --model-size-mm 455x186x128 -o new.toml",
+        "model.scale is 0",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --bins-azimuth-deg 50 --model-size-mm 455x186x128 -o new.toml",
+        "divide 360",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --model-size-mm 455x186 -o new.toml",
+        "as in 455x186x128",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --model-size-mm 455x0x128 -o new.toml",
+        "model width cannot be 0",
+    ),
+    (
+        "scene new --preset ring --radius-mm 400 --model-size-mm 455x186x128 -o ring.toml",
+        "is there already",
+    ),
+];
+
+#[test]
+fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), RING);
+    let tag = |size_mm: f64| {
+        format!(
+            "{ALL_FAMILIES}[[tag]]\nid = 3\nsize_mm = {size_mm}\ncentre_mm = [0, 300, 90]\nright = [1, 0, 0]\nup = [0, 0, 1]\n"
+        )
+    };
+    for (name, text) in [
+        ("empty.toml", ALL_FAMILIES.to_owned()),
+        ("tiny.toml", tag(1.0)),
+        ("huge.toml", tag(190.0)),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let files = || std::fs::read_dir(folder.path()).unwrap().count();
+    let before = files();
+    for (command, word) in REFUSALS {
+        let output = program()
+            .current_dir(folder.path())
+            .args(command.split(' '))
+            .output()
+            .unwrap();
+        println!("{}", stderr(&output).trim_end());
+        assert_refused(&output, &[word]);
+        assert_eq!(files(), before, "{command} left a file");
+    }
+}
