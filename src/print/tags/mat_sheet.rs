@@ -8,16 +8,12 @@ use crate::print::page::{MARGIN_MM, Page};
 use crate::print::paper::{Orientation, Paper};
 use crate::print::printer::Printer;
 use crate::print::shapes::clipped;
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, RectMm, Sheet};
-use crate::print::template::{LayoutRequest, SheetPlan, layout};
+use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Sheet};
+use crate::print::template::{Layout, LayoutRequest, SheetPlan, guides, layout};
 use crate::scene::Scene;
 
 /// What neighbouring sheets share for gluing.
 const OVERLAP_MM: f64 = 8.0;
-const CROP_LINE_MM: f64 = 0.15;
-const CROP_GAP_MM: f64 = 1.0;
-const CROP_LENGTH_MM: f64 = 3.5;
-const GHOST_LINE_MM: f64 = 0.3;
 
 /// The pages of the mat, row by row from the top left.
 pub fn sheets(mat: &Mat, scene: &Scene, paper: Paper) -> Result<Vec<Sheet>, TagPrintError> {
@@ -37,19 +33,19 @@ pub fn sheets(mat: &Mat, scene: &Scene, paper: Paper) -> Result<Vec<Sheet>, TagP
     };
     let page = Page::new(paper, orientation)?;
     let how_to = [
-        "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet.",
+        "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet; seams that meet have the same letter.",
         "Ground mat seen from above, the model's front to the right; stand the model and the tent cards on their outlines.",
     ];
     let sheet = |plan: &SheetPlan| {
         let label = format!("mat {} of {}×{}", plan.id(), layout.rows, layout.columns);
-        let mut sheet = page.sheet(marks(mat, plan), &captions(scene, how_to), &label);
+        let mut sheet = page.sheet(marks(mat, &layout, plan), &captions(scene, how_to), &label);
         (sheet.trim, sheet.bleed) = (plan.trim, plan.trim);
         sheet
     };
     Ok(layout.sheets.iter().map(sheet).collect())
 }
 
-fn marks(mat: &Mat, plan: &SheetPlan) -> Vec<Mark> {
+fn marks(mat: &Mat, layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
     // The plan's regions count from the mat's top left corner, y down.
     let on_page = |p: &PointMm| {
         PointMm::new(
@@ -88,49 +84,10 @@ fn marks(mat: &Mat, plan: &SheetPlan) -> Vec<Mark> {
             ));
         }
     }
-    marks.extend(crop_marks(plan));
-    marks.extend(ghost_lines(plan));
+    marks.extend(guides(layout, plan));
     marks
 }
 
 fn overlap(a: &RectMm, b: &RectMm) -> bool {
     a.left_mm < b.right_mm && b.left_mm < a.right_mm && a.bottom_mm < b.top_mm && b.bottom_mm < a.top_mm
-}
-
-/// Short lines outside the printed area that point at the edges of the trim.
-fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
-    let (trim, printed) = (plan.trim, plan.printed);
-    let spans = |low: f64, high: f64| {
-        [
-            (low - CROP_GAP_MM - CROP_LENGTH_MM, low - CROP_GAP_MM),
-            (high + CROP_GAP_MM, high + CROP_GAP_MM + CROP_LENGTH_MM),
-        ]
-    };
-    let upright = spans(printed.bottom_mm, printed.top_mm)
-        .map(|(from, to)| [trim.left_mm, trim.right_mm].map(|x| Mark::line((x, from), (x, to), CROP_LINE_MM)));
-    let level = spans(printed.left_mm, printed.right_mm)
-        .map(|(from, to)| [trim.bottom_mm, trim.top_mm].map(|y| Mark::line((from, y), (to, y), CROP_LINE_MM)));
-    upright.into_iter().chain(level).flatten().collect()
-}
-
-/// Dashes where the neighbouring sheets begin, wholly in the overlap.
-fn ghost_lines(plan: &SheetPlan) -> Vec<Mark> {
-    let (trim, printed) = (plan.trim, plan.printed);
-    let dashed = |from: (f64, f64), to: (f64, f64)| Mark::Line {
-        from: PointMm::new(from.0, from.1),
-        to: PointMm::new(to.0, to.1),
-        width_mm: GHOST_LINE_MM,
-        dash_mm: Some((2.0, 2.0)),
-        colour: BLACK,
-    };
-    let mut marks = Vec::new();
-    if printed.right_mm > trim.right_mm {
-        let x = trim.right_mm + 0.5 * GHOST_LINE_MM;
-        marks.push(dashed((x, printed.bottom_mm), (x, printed.top_mm)));
-    }
-    if printed.bottom_mm < trim.bottom_mm {
-        let y = trim.bottom_mm - 0.5 * GHOST_LINE_MM;
-        marks.push(dashed((printed.left_mm, y), (printed.right_mm, y)));
-    }
-    marks
 }

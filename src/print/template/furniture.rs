@@ -38,13 +38,19 @@ const MAP_LEAST_MM: f64 = 1.5;
 
 /// All marks of one sheet besides the pattern.
 pub fn all(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
-    let mut marks = ghost_lines(layout, plan);
-    marks.extend(crop_marks(plan));
-    marks.extend(sides(layout, plan));
+    let mut marks = guides(layout, plan);
     marks.extend(rulers(&layout.frame));
     marks.extend(captions.marks(layout.frame.printable));
     marks.extend(captions.arrows(&layout.frame));
     marks.extend(key(layout, plan));
+    marks
+}
+
+/// What leads the knife and the glue: ghost lines, crop marks, registration crosses, seam letters.
+pub fn guides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
+    let mut marks = ghost_lines(layout, plan);
+    marks.extend(crop_marks(plan));
+    marks.extend(sides(layout, plan));
     marks
 }
 
