@@ -37,6 +37,13 @@ impl Page {
     /// Every tag of some families: family, id, corners top-left, top-right, bottom-right, bottom-left of the upright tag.
     pub fn tags(&self, families: &[TagFamily]) -> Vec<(TagFamily, u32, [Mm; 4])> {
         let found = AprilTagC::new(families).unwrap().find(&self.picture);
+        for tag in &found {
+            assert!(
+                tag.is_whole,
+                "nothing covers tag {} of {:?} on the page",
+                tag.id, tag.family
+            );
+        }
         let on_page = found
             .into_iter()
             .map(|tag| (tag.family, tag.id, tag.corners_px.map(|px| self.mm(px))));
