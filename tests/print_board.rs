@@ -12,7 +12,9 @@ use opencv::core::{Mat, Point2f, Ptr, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 use paper::{A4, Mm, Page, distance, render};
 use scaleproof::print::board::{BoardKind, BoardRequest, Definition, board};
+use scaleproof::print::page::Media;
 use scaleproof::print::paper::Paper;
+use scaleproof::print::printer::Printer;
 use scaleproof::print::sheet::RectMm;
 
 const DICT_5X5_100: i32 = 5;
@@ -71,7 +73,10 @@ fn print(
         square_mm,
         marker_mm,
         dictionary: dictionary.map(str::to_owned),
-        paper: Paper::A4,
+        media: Media {
+            paper: Paper::A4,
+            printer: Printer::EXACT,
+        },
     };
     let mut pages = render(&folder.path().join("b.pdf"), 300, A4);
     assert_eq!(pages.len(), 1);
@@ -378,7 +383,7 @@ const REFUSALS: &[(&str, &str)] = &[
     ("--type circles --squares 9x7 --square-mm 22", "invalid value"),
     (
         "--type chessboard --squares 9x7 --square-mm 22 --definition b.pdf",
-        "would overwrite the PDF",
+        "give them different names",
     ),
 ];
 

@@ -12,7 +12,9 @@ use std::path::Path;
 use common::{assert_refused, home, program, stderr, stdout};
 use image::GrayImage;
 use paper::{A4, Page, distance, render};
+use scaleproof::print::page::Media;
 use scaleproof::print::paper::Paper;
+use scaleproof::print::printer::Printer;
 use scaleproof::print::sheet::Sheet;
 use scaleproof::print::tags::{TagRequest, arrange, tag_sheets};
 use scaleproof::scene::{Scene, TagFamily};
@@ -91,7 +93,10 @@ fn assert_cards_fold_to_the_scene(folder: &Path, file: &Path) {
         &format!("print tags --scene {} -o {}", file.display(), pdf.display()),
     );
     let request = TagRequest {
-        paper: Paper::A4,
+        media: Media {
+            paper: Paper::A4,
+            printer: Printer::EXACT,
+        },
         plain: false,
     };
     let (made, tents) = (tag_sheets(&scene, &request).unwrap(), arrange(&scene).tents);
@@ -217,7 +222,10 @@ fn the_sheets_of_the_mat_make_the_whole() {
     run(folder.path(), "print tags --scene ring.toml -o mat.pdf");
     let scene = scene(&folder.path().join("ring.toml"));
     let request = TagRequest {
-        paper: Paper::A4,
+        media: Media {
+            paper: Paper::A4,
+            printer: Printer::EXACT,
+        },
         plain: false,
     };
     let sheets = tag_sheets(&scene, &request).unwrap().sheets;
@@ -310,7 +318,7 @@ fn the_same_input_gives_the_shipped_examples() {
 /// What is asked, and a word of the answer. `ring.toml` is there; `out.pdf` and `new.toml` must not be made.
 const REFUSALS: &[(&str, &str)] = &[
     ("print tags --scene absent.toml -o out.pdf", "no such file"),
-    ("print tags --scene ring.toml -o ring.toml", "would overwrite the scene"),
+    ("print tags --scene ring.toml -o ring.toml", "would be overwritten"),
     ("print tags --scene empty.toml -o out.pdf", "the scene has no tags"),
     ("print tags --scene tiny.toml -o out.pdf", "modules of 0.125 mm"),
     ("print tags --scene huge.toml -o out.pdf", "the card of tag 3"),
@@ -402,4 +410,122 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
         assert_refused(&output, &[word]);
         assert_eq!(files(), before, "{command} left a file");
     }
+}
+
+#[test]
+fn corrected_tags_come_out_of_the_printer_in_true_size() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), all_families()).unwrap();
+    run(folder.path(), "print verify --x-mm 98 --y-mm 99 -o printer.toml");
+    run(
+        folder.path(),
+        "print tags --scene s.toml --printer printer.toml -o tags.pdf",
+    );
+    let scene = scene(&folder.path().join("s.toml"));
+    let families = scene.families();
+    let mut count = 0;
+    for page in render(&folder.path().join("tags.pdf"), 300, A4) {
+        // What this printer makes of the page: 98 % along the paper's short side, 99 % along the long one.
+        let upright = page.height_mm > 250.0;
+        let (x, y) = if upright { (0.98, 0.99) } else { (0.99, 0.98) };
+        for (family, id, corners) in page.tags(&families) {
+            let Some(tag) = scene.tag(family, id) else { continue };
+            count += 1;
+            let printed = corners.map(|[cx, cy]| [cx * x, cy * y]);
+            for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+                let error = (distance(printed[a], printed[b]) - tag.size_mm).abs();
+                assert!(error < 0.1, "tag {id} of {family:?}: a side is {error:.3} mm off");
+            }
+        }
+    }
+    assert_eq!(count, scene.tags.len());
+}
+
+#[test]
+fn a_correction_is_not_lost_by_measuring_a_corrected_page() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), "print verify --x-mm 99.3 --y-mm 99.8 -o printer.toml");
+    let before = std::fs::read(folder.path().join("printer.toml")).unwrap();
+    let again = "print verify --x-mm 100 --y-mm 100 -o printer.toml";
+    let output = program()
+        .current_dir(folder.path())
+        .args(again.split(' '))
+        .output()
+        .unwrap();
+    common::assert_refused(&output, &["printer.toml is there already", "--printer printer.toml"]);
+    assert_eq!(std::fs::read(folder.path().join("printer.toml")).unwrap(), before);
+    // The corrected page names the command that builds on the correction, and it keeps it.
+    let said = run(folder.path(), "print check --printer printer.toml -o check.pdf");
+    assert!(said.contains("--printer printer.toml -o printer.toml"), "{said}");
+    run(
+        folder.path(),
+        "print verify --x-mm 100 --y-mm 100 --printer printer.toml -o printer.toml",
+    );
+    let after = std::fs::read_to_string(folder.path().join("printer.toml")).unwrap();
+    assert!(after.contains("measured_x_mm = 99.3"), "{after}");
+}
+
+#[test]
+fn the_order_of_the_scene_does_not_change_what_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), RING);
+    let text = std::fs::read_to_string(folder.path().join("ring.toml")).unwrap();
+    let (head, tags) = text.split_at(text.find("[[tag]]").unwrap());
+    let mut tags: Vec<&str> = tags.split_inclusive("[[tag]]").collect();
+    // Outer faces first, then inner ones: a partner across the ring comes before the right one.
+    let last = tags.pop().unwrap();
+    let blocks: Vec<String> = tags
+        .iter()
+        .skip(1)
+        .chain([&last])
+        .map(|b| format!("[[tag]]{}", b.trim_end_matches("[[tag]]")))
+        .collect();
+    let (even, odd): (Vec<_>, Vec<_>) = blocks.iter().enumerate().partition(|(i, _)| i % 2 == 0);
+    let mixed: String = even
+        .into_iter()
+        .chain(odd)
+        .map(|(_, block)| format!("{}\n", block.trim_end()))
+        .collect();
+    std::fs::write(folder.path().join("mixed.toml"), format!("{head}{mixed}")).unwrap();
+    let (a, b) = (
+        scene(&folder.path().join("ring.toml")),
+        scene(&folder.path().join("mixed.toml")),
+    );
+    assert_eq!(a.tags.len(), b.tags.len());
+    assert_ne!(a.tags, b.tags);
+    let pairs = |scene: &Scene| -> std::collections::BTreeSet<[u32; 2]> {
+        let ids = |ids: [u32; 2]| [ids[0].min(ids[1]), ids[0].max(ids[1])];
+        arrange(scene)
+            .tents
+            .iter()
+            .map(|tent| ids([tent.tags[0].id, tent.tags[1].id]))
+            .collect()
+    };
+    assert_eq!(pairs(&a), pairs(&b));
+    assert_eq!(pairs(&a).len(), 6);
+}
+
+#[test]
+fn things_that_stand_on_each_other_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let flat = |id: u32, x: f64| {
+        format!("[[tag]]\nid = {id}\nsize_mm = 50\ncentre_mm = [{x}, 0, 0]\nright = [0, -1, 0]\nup = [1, 0, 0]\n")
+    };
+    let noted = |tags: &[String]| {
+        std::fs::write(folder.path().join("s.toml"), format!("{ALL_FAMILIES}{}", tags.concat())).unwrap();
+        run(folder.path(), "print tags --scene s.toml -o tags.pdf")
+    };
+    assert!(noted(&[flat(0, 400.0), flat(1, 420.0)]).contains("note: tag 0 and tag 1 overlap on the mat"));
+    assert!(noted(&[flat(0, 200.0)]).contains("note: the model and tag 0 overlap"));
+    assert!(!noted(&[flat(0, 400.0), flat(1, 470.0)]).contains("note:"));
+}
+
+#[test]
+fn tags_come_as_svg_too() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), RING);
+    run(folder.path(), "print tags --scene ring.toml -o tags.svg");
+    let first = std::fs::read_to_string(folder.path().join("tags-1.svg")).unwrap();
+    assert!(first.contains("<path d=\"M") && first.contains("width=\"210mm\"") || first.contains("width=\"297mm\""));
+    assert!(!folder.path().join("tags.svg").exists());
 }

@@ -153,7 +153,10 @@ fn head(plan: &CheckPlan) -> Vec<Mark> {
         "2. Measure with a steel ruler to 0.1 mm, from the middle of a line to the middle of a line.",
         "3. x is the lower ruler, y the left one. The square and the box must agree with them.",
         "4. The diagonals must be equally long; if not, the paper runs askew, which no correction takes back.",
-        "5. scaleproof print verify --x-mm … --y-mm … -o printer.toml; then print with --printer printer.toml.",
+        &format!(
+            "5. {}; then print with --printer printer.toml.",
+            plan.frame.setup.printer.verify_command()
+        ),
     ];
     let mut y = title_y - 1.6 * LEADING_MM;
     for line in steps.iter().flat_map(|step| wrapped(step, TEXT_MM, area.width_mm())) {

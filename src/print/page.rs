@@ -3,7 +3,7 @@
 use super::PrintError;
 use super::lettering::{fitting_size_mm, printable};
 use super::paper::{Orientation, Paper};
-use super::printer::Printer;
+use super::printer::{Printer, corrected_one};
 use super::ruler;
 use super::sheet::{Anchor, Mark, PointMm, RectMm, Sheet};
 use super::template::{LayoutRequest, layout};
@@ -16,6 +16,13 @@ const LEADING_MM: f64 = 3.3;
 const LABEL_MM: f64 = 5.0;
 const LABEL_WIDTH_MM: f64 = 24.0;
 
+/// What is printed on, and by what.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Media {
+    pub paper: Paper,
+    pub printer: Printer,
+}
+
 /// Where things go on a page (page frame).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
@@ -25,6 +32,8 @@ pub struct Page {
     pub usable: RectMm,
     horizontal_ruler: PointMm,
     vertical_ruler: PointMm,
+    /// Drawn over true length along x and y.
+    stretch: (f64, f64),
 }
 
 impl Page {
@@ -32,16 +41,16 @@ impl Page {
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn new(paper: Paper, orientation: Orientation) -> Result<Self, PrintError> {
+    pub fn new(media: Media, orientation: Orientation) -> Result<Self, PrintError> {
         // The areas are the tiled template's, so that all pages of this program look alike.
         let areas = layout(&LayoutRequest {
             size_mm: (1.0, 1.0),
-            paper: paper.into(),
+            paper: media.paper.into(),
             orientation,
             overlap_mm: 0.0,
             bleed_mm: 0.0,
             margin_mm: MARGIN_MM,
-            printer: Printer::EXACT,
+            printer: media.printer,
         })?
         .frame;
         Ok(Self {
@@ -50,6 +59,7 @@ impl Page {
             usable: areas.usable,
             horizontal_ruler: areas.horizontal_ruler,
             vertical_ruler: areas.vertical_ruler,
+            stretch: areas.setup.stretch(),
         })
     }
 
@@ -57,9 +67,9 @@ impl Page {
     ///
     /// # Errors
     /// Paper too small for the rulers either way.
-    pub fn both_ways(paper: Paper) -> Result<Vec<Self>, PrintError> {
-        let upright = Self::new(paper, Orientation::Portrait);
-        let across = Self::new(paper, Orientation::Landscape);
+    pub fn both_ways(media: Media) -> Result<Vec<Self>, PrintError> {
+        let upright = Self::new(media, Orientation::Portrait);
+        let across = Self::new(media, Orientation::Landscape);
         match (upright, across) {
             (Ok(upright), Ok(across)) => Ok(vec![upright, across]),
             (Ok(page), Err(_)) | (Err(_), Ok(page)) => Ok(vec![page]),
@@ -67,20 +77,27 @@ impl Page {
         }
     }
 
-    /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner.
+    /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it
+    /// comes out of the printer in true size.
     pub fn sheet(&self, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
+        self.cut_sheet(self.printable, marks, captions, label)
+    }
+
+    /// The same, cut out at `trim`.
+    pub fn cut_sheet(&self, trim: RectMm, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
         let mut all = marks;
         all.extend(ruler::horizontal(self.horizontal_ruler));
         all.extend(ruler::vertical(self.vertical_ruler));
         all.extend(self.captions(captions));
         all.push(self.label(label));
-        Sheet {
+        let sheet = Sheet {
             width_mm: self.paper.width_mm,
             height_mm: self.paper.height_mm,
-            trim: self.printable,
-            bleed: self.printable,
+            trim,
+            bleed: trim,
             marks: all,
-        }
+        };
+        corrected_one(sheet, self.stretch)
     }
 
     fn captions(&self, lines: &[String]) -> impl Iterator<Item = Mark> {

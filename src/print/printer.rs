@@ -69,6 +69,17 @@ impl Printer {
         (NOMINAL_MM / self.x_mm, NOMINAL_MM / self.y_mm)
     }
 
+    /// The command that belongs on a page whose rulers are to be measured. A corrected page is measured on top of its
+    /// correction, which would otherwise be lost.
+    pub fn verify_command(&self) -> String {
+        let known = if *self == Self::EXACT {
+            ""
+        } else {
+            " --printer printer.toml"
+        };
+        format!("scaleproof print verify --x-mm … --y-mm …{known} -o printer.toml")
+    }
+
     /// For the caption of a sheet.
     pub fn caption(&self) -> String {
         if *self == Self::EXACT {
@@ -146,6 +157,12 @@ pub fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
         sheet
     };
     sheets.into_iter().map(correct).collect()
+}
+
+/// [`corrected`] for one sheet that shares no stamps with others.
+pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
+    let fallback = sheet.clone();
+    corrected(vec![sheet], stretch).pop().unwrap_or(fallback)
 }
 
 struct Stretch {

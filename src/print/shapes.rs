@@ -115,6 +115,28 @@ fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> Outline {
     kept
 }
 
+/// Whether two convex outlines share more than a border, by the separating axis theorem.
+pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
+    /// Shared borders are no overlap, and rounding is no border.
+    const TOUCH_MM: f64 = 0.01;
+    let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {
+        let ends = outline.iter().zip(outline.iter().cycle().skip(1));
+        ends.map(|(p, q)| (q.x_mm - p.x_mm, q.y_mm - p.y_mm)).collect()
+    };
+    let mut axes = edges(a).into_iter().chain(edges(b)).filter(|(x, y)| x.hypot(*y) > 0.0);
+    axes.all(|(x, y)| {
+        let (nx, ny) = (-y / x.hypot(y), x / x.hypot(y));
+        let span = |outline: &[PointMm]| {
+            let along = outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny);
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            })
+        };
+        let ((low_a, high_a), (low_b, high_b)) = (span(a), span(b));
+        low_a < high_b - TOUCH_MM && low_b < high_a - TOUCH_MM
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,5 +174,21 @@ mod tests {
         };
         let black: f64 = black_modules(&modules, &place).iter().map(|o| area(o)).sum();
         assert!((black - 9.0 * 4.0).abs() < 1e-9, "{black}");
+    }
+
+    #[test]
+    fn only_outlines_that_share_ground_overlap() {
+        let square = |x: f64, y: f64| {
+            [(x, y), (x + 10.0, y), (x + 10.0, y + 10.0), (x, y + 10.0)].map(|(x, y)| PointMm::new(x, y))
+        };
+        let diamond =
+            |x: f64, y: f64| [(x, y - 5.0), (x + 5.0, y), (x, y + 5.0), (x - 5.0, y)].map(|(x, y)| PointMm::new(x, y));
+        assert!(overlap(&square(0.0, 0.0), &square(9.0, 9.0)));
+        assert!(!overlap(&square(0.0, 0.0), &square(10.0, 0.0)), "side by side");
+        assert!(
+            !overlap(&square(0.0, 0.0), &diamond(13.0, 13.0)),
+            "their boxes overlap, they do not"
+        );
+        assert!(overlap(&square(0.0, 0.0), &diamond(5.0, 5.0)), "one inside the other");
     }
 }

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
+use super::{Format, as_files, cut_paper, numbered, printer, write_files};
 use crate::cli::{CommandResult, Outcome};
-use crate::files;
 use crate::print::board::{BoardKind, BoardRequest, board};
-use crate::print::pdf;
+use crate::print::page::Media;
 
 #[derive(clap::Args)]
 pub struct BoardArgs {
@@ -30,9 +30,15 @@ pub struct BoardArgs {
     /// a4, a3, letter, tabloid, or WxH in mm
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
-    /// The PDF to write
-    #[arg(short, long, value_name = "PDF")]
+    /// Correct the sizes by this file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// pdf, or svg; without it, what the file's name ends in, else pdf
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     /// The definition to write [default: beside the PDF, ending in .toml]
     #[arg(long, value_name = "TOML")]
     definition: Option<PathBuf>,
@@ -71,32 +77,28 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
         .definition
         .clone()
         .unwrap_or_else(|| args.output.with_extension("toml"));
-    if definition_path == args.output {
-        return Err("the definition would overwrite the PDF; give another --definition".into());
-    }
     let made = board(&BoardRequest {
         kind: args.kind.into(),
         squares: args.squares,
         square_mm: args.square_mm,
         marker_mm: args.marker_mm,
         dictionary: args.dictionary.clone(),
-        paper: args.paper.parse()?,
+        media: Media {
+            paper: cut_paper(&args.paper)?,
+            printer: printer(args.printer.as_deref())?,
+        },
     })?;
     let line = made.definition.line();
-    let (bytes, text) = (
-        pdf::write(&line, std::slice::from_ref(&made.sheet))?,
-        made.definition.to_toml()?,
-    );
-    // Both or none: a board without its definition is taken back, unless it took the place of an older one.
-    let replaced = args.output.exists();
-    files::write_atomically(&args.output, &bytes)?;
-    if let Err(e) = files::write_atomically(&definition_path, text.as_bytes()) {
-        if !replaced {
-            std::fs::remove_file(&args.output)?;
-        }
-        return Err(e.into());
-    }
-    let (pdf, definition) = (args.output.display(), definition_path.display());
+    let format = Format::of(args.format, &args.output);
+    let mut files = as_files(
+        format,
+        &args.output,
+        &line,
+        (&numbered(1), std::slice::from_ref(&made.sheet)),
+    )?;
+    files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
+    write_files(&files, &[args.printer.as_deref()])?;
+    let (pdf, definition) = (files[0].0.display(), definition_path.display());
     writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
     Ok(Outcome::Done)
 }

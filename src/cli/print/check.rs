@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Format, Outcome, printer, write_pages};
+use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
@@ -37,12 +37,14 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     };
     let sheets = check(&request)?;
     let format = Format::of(args.format, &args.output);
-    let written = write_pages(format, &args.output, "Printer check", (&["check".to_owned()], &sheets))?;
-    for path in written {
+    let files = as_files(format, &args.output, "Printer check", (&["check".to_owned()], &sheets))?;
+    write_files(&files, &[args.printer.as_deref()])?;
+    for (path, _) in files {
         writeln!(
             out,
-            "{}: print at 100 %, measure, then scaleproof print verify",
-            path.display()
+            "{}: print at 100 %, measure, then {}",
+            path.display(),
+            request.printer.verify_command()
         )?;
     }
     Ok(Outcome::Done)

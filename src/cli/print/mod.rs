@@ -14,11 +14,11 @@ use clap::Subcommand;
 
 use super::{CommandResult, Outcome};
 use crate::files;
+use crate::print::paper::Paper;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
 use crate::print::{pdf, svg};
 
-use template::same_file;
 pub use template::{summary, write_template};
 
 /// Print sheets in true millimetres
@@ -70,15 +70,18 @@ impl Format {
     }
 }
 
-/// Writes all pages, or none. Gives the files written, the one to look at first in front.
-fn write_pages(
+/// A file to be written: where, and its bytes.
+type NewFile = (PathBuf, Vec<u8>);
+
+/// The pages as files: one PDF, or an SVG a page.
+fn as_files(
     format: Format,
     output: &Path,
     title: &str,
     pages: (&[String], &[Sheet]),
-) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+) -> Result<Vec<NewFile>, Box<dyn Error>> {
     let (names, sheets) = pages;
-    let written = match format {
+    Ok(match format {
         Format::Pdf => vec![(output.to_owned(), pdf::write(title, sheets)?)],
         Format::Svg => {
             let named = names.iter().zip(sheets);
@@ -88,15 +91,61 @@ fn write_pages(
             };
             named.map(file).collect()
         }
+    })
+}
+
+/// Writes all files, or none, and none over an input.
+fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<(), Box<dyn Error>> {
+    for (i, (path, _)) in files.iter().enumerate() {
+        if inputs.iter().flatten().any(|input| same_place(input, path)) {
+            return Err(format!(
+                "{} is an input, which would be overwritten; give another output file",
+                path.display()
+            )
+            .into());
+        }
+        if files[..i].iter().any(|(other, _)| same_place(other, path)) {
+            return Err(format!(
+                "two files would be written as {}; give them different names",
+                path.display()
+            )
+            .into());
+        }
+    }
+    Ok(files::write_all_atomically(files)?)
+}
+
+/// Whether two paths, of files that may not be there yet, name one place.
+fn same_place(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path
+            .parent()
+            .filter(|p| !p.as_os_str().is_empty())
+            .unwrap_or(Path::new("."));
+        path.canonicalize()
+            .ok()
+            .or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
     };
-    files::write_all_atomically(&written)?;
-    Ok(written.into_iter().map(|(path, _)| path).collect())
+    a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
+}
+
+/// `1`, `2`, … for pages without names of their own.
+fn numbered(count: usize) -> Vec<String> {
+    (1..=count).map(|n| n.to_string()).collect()
 }
 
 /// `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
 fn svg_path(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     output.with_file_name(format!("{}-{name}.svg", stem.unwrap_or_default()))
+}
+
+/// A sheet of paper; what is not tiled does not fit a roll.
+fn cut_paper(text: &str) -> Result<Paper, Box<dyn Error>> {
+    if text.starts_with("roll") {
+        return Err("tags and boards are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into());
+    }
+    Ok(text.parse()?)
 }
 
 fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {

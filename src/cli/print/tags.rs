@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::same_file;
+use super::{Format, as_files, cut_paper, numbered, printer, write_files};
 use crate::cli::{CommandResult, Outcome};
-use crate::files;
+use crate::print::lettering;
+use crate::print::page::Media;
 use crate::print::tags::{TagRequest, tag_sheets};
-use crate::print::{lettering, pdf};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -21,24 +21,40 @@ pub struct TagsArgs {
     /// Every tag as a plain card: no tent cards, no ground mat
     #[arg(long)]
     plain: bool,
-    /// The PDF to write
-    #[arg(short, long, value_name = "PDF")]
+    /// Correct the sizes by this file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    #[arg(long, value_enum)]
+    format: Option<Format>,
 }
 
 /// Runs `scaleproof print tags`.
 pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
-    if same_file(&args.scene, &args.output) {
-        return Err("the PDF would overwrite the scene; give another output file".into());
-    }
-    let request = TagRequest {
-        paper: args.paper.parse()?,
-        plain: args.plain,
+    let media = Media {
+        paper: cut_paper(&args.paper)?,
+        printer: printer(args.printer.as_deref())?,
     };
     let scene = Scene::open(&args.scene)?;
-    let made = tag_sheets(&scene, &request)?;
+    let made = tag_sheets(
+        &scene,
+        &TagRequest {
+            media,
+            plain: args.plain,
+        },
+    )?;
     let title = format!("Tags of {}", scene.model.name);
-    files::write_atomically(&args.output, &pdf::write(&title, &made.sheets)?)?;
+    let names = numbered(made.sheets.len());
+    let files = as_files(
+        Format::of(args.format, &args.output),
+        &args.output,
+        &title,
+        (&names, &made.sheets),
+    )?;
+    write_files(&files, &[Some(&args.scene), args.printer.as_deref()])?;
     let contents = made.contents.join(", ");
     writeln!(out, "{}: {contents}; print at 100 %", args.output.display())?;
     if let Some(lifted_mm) = made.lifted_mm {
@@ -47,6 +63,9 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
             out,
             "note: the scene has flat tags at a height of {height} mm; the mat puts them at 0"
         )?;
+    }
+    for crowd in &made.crowded {
+        writeln!(out, "note: {crowd}")?;
     }
     Ok(Outcome::Done)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
-use super::{CommandResult, Format, Outcome, printer, write_pages};
+use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::pattern::Pattern;
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
 use crate::print::{lettering, paper};
@@ -96,27 +96,29 @@ impl From<Orientation> for paper::Orientation {
 }
 
 pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
-    if same_file(&args.pattern, &args.output) {
-        return Err("the template would overwrite the pattern; give another output file".into());
-    }
     let pattern = Pattern::load(&args.pattern)?;
     let format = Format::of(args.format, &args.output);
-    let (made, first) = write(&pattern, &request(args)?, format, &args.output)?;
+    let (made, first) = write(
+        &pattern,
+        &request(args)?,
+        (format, &args.output),
+        &[Some(&args.pattern), args.printer.as_deref()],
+    )?;
     writeln!(out, "{}", summary(&first, &made))?;
     Ok(Outcome::Done)
 }
 
 /// Draws a template and writes it to a PDF.
 pub fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template, Box<dyn Error>> {
-    Ok(write(pattern, request, Format::Pdf, output)?.0)
+    Ok(write(pattern, request, (Format::Pdf, output), &[])?.0)
 }
 
 /// Gives the first file as well: the only one of a PDF.
 fn write(
     pattern: &Pattern,
     request: &TemplateRequest,
-    format: Format,
-    output: &Path,
+    (format, output): (Format, &Path),
+    inputs: &[Option<&Path>],
 ) -> Result<(Template, PathBuf), Box<dyn Error>> {
     let made = template(pattern, request)?;
     let title = format!(
@@ -124,8 +126,12 @@ fn write(
         request.pattern_name,
         lettering::number(request.tile_mm)
     );
-    let written = write_pages(format, output, &title, (&made.page_names(), &made.pages))?;
-    let first = written.into_iter().next().unwrap_or_else(|| output.to_owned());
+    let files = as_files(format, output, &title, (&made.page_names(), &made.pages))?;
+    write_files(&files, inputs)?;
+    let first = files
+        .into_iter()
+        .next()
+        .map_or_else(|| output.to_owned(), |(path, _)| path);
     Ok((made, first))
 }
 
@@ -166,9 +172,4 @@ pub fn summary(output: &Path, made: &Template) -> String {
         "{}: instructions and {count} of {width} × {height} mm, cells of {cell} mm; print at 100 %",
         output.display()
     )
-}
-
-/// Whether two paths name one existing file.
-pub(super) fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -24,6 +24,14 @@ pub struct VerifyArgs {
 }
 
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
+    // A page printed with a correction measures true; without naming it here, the correction would be taken for none.
+    if args.printer.is_none() && args.output.exists() {
+        let output = args.output.display();
+        return Err(format!(
+            "{output} is there already: add --printer {output} if the measured page was printed with it, else remove it or give another -o"
+        )
+        .into());
+    }
     let measured = Printer::measured(args.x_mm, args.y_mm)?;
     let printer = printer(args.printer.as_deref())?.remeasured(&measured)?;
     files::write_atomically(&args.output, printer.to_toml()?.as_bytes())?;

@@ -257,7 +257,10 @@ mod tests {
             square_mm: 26.0,
             marker_mm: None,
             dictionary: None,
-            paper: crate::print::paper::Paper::A4,
+            media: crate::print::page::Media {
+                paper: crate::print::paper::Paper::A4,
+                printer: crate::print::printer::Printer::EXACT,
+            },
         };
         for kind in [BoardKind::Aprilgrid, BoardKind::Charuco, BoardKind::Chessboard] {
             let definition = Definition::of(&BoardRequest {

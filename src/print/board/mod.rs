@@ -7,8 +7,8 @@ pub use definition::Definition;
 
 use super::PrintError;
 use super::lettering::number;
-use super::page::Page;
-use super::paper::Paper;
+use super::page::{Media, Page};
+use super::printer::Printer;
 use super::shapes::Outline;
 use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
 use crate::tags::DictionaryError;
@@ -73,7 +73,7 @@ pub struct BoardRequest {
     pub marker_mm: Option<f64>,
     /// OpenCV's name of the ChArUco markers' dictionary; `None` is [`Definition::DICTIONARY`].
     pub dictionary: Option<String>,
-    pub paper: Paper,
+    pub media: Media,
 }
 
 /// A board ready to be written.
@@ -92,14 +92,14 @@ pub struct Board {
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     let definition = Definition::of(request)?;
     let (width, height) = definition.size_mm();
-    let (page, area) = placed(request.paper, width, height)?;
+    let (page, area) = placed(request.media, width, height)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);
     let outlines: Vec<Outline> = draw::black(&definition, corner)?;
     let marks = vec![Mark::Area {
         outlines,
         colour: BLACK,
     }];
-    let sheet = page.sheet(marks, &captions(&definition), definition.name());
+    let sheet = page.sheet(marks, &captions(&definition, &request.media.printer), definition.name());
     Ok(Board {
         definition,
         area,
@@ -108,8 +108,8 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
 }
 
 /// The middle of the paper, upright or across.
-fn placed(paper: Paper, width: f64, height: f64) -> Result<(Page, RectMm), BoardError> {
-    let pages = Page::both_ways(paper)?;
+fn placed(media: Media, width: f64, height: f64) -> Result<(Page, RectMm), BoardError> {
+    let pages = Page::both_ways(media)?;
     let room = |page: &Page| {
         (
             page.usable.width_mm() - 2.0 * QUIET_MM,
@@ -129,11 +129,11 @@ fn placed(paper: Paper, width: f64, height: f64) -> Result<(Page, RectMm), Board
     Ok((page.clone(), RectMm::new(left, bottom, left + width, bottom + height)))
 }
 
-fn captions(definition: &Definition) -> Vec<String> {
+fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {
     vec![
         "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
         "Glue the sheet to something flat and stiff; a board that bends spoils a calibration.".to_owned(),
         definition.line(),
-        concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned(),
+        format!("{} · scaleproof {}", printer.caption(), env!("CARGO_PKG_VERSION")),
     ]
 }

@@ -1,7 +1,5 @@
 //! What each tag of a scene is printed on, by where it stands.
 
-use std::collections::VecDeque;
-
 use super::tent::Tent;
 use crate::scene::{Scene, Tag};
 
@@ -23,22 +21,33 @@ pub struct Arrangement<'a> {
     pub cards: Vec<&'a Tag>,
 }
 
-/// Sorts the tags of a scene. A tag's partner on a card is the first of the scene that fits.
+/// Sorts the tags of a scene. Of all pairs that could share a card the closest is made first, whatever the scene's order.
 pub fn arrange(scene: &Scene) -> Arrangement<'_> {
-    let (flat, rest): (Vec<&Tag>, Vec<&Tag>) = scene.tags.iter().partition(|tag| lies_flat(tag));
-    let (mut tents, mut cards) = (Vec::new(), Vec::new());
-    let mut waiting = VecDeque::from(rest);
-    while let Some(tag) = waiting.pop_front() {
-        let tent = |(i, other): (usize, &&Tag)| Tent::of(tag, other).map(|tent| (i, tent));
-        match waiting.iter().enumerate().find_map(tent) {
-            Some((i, tent)) => {
-                waiting.remove(i);
-                tents.push(tent);
-            }
-            None => cards.push(tag),
+    let (flat, mut rest): (Vec<&Tag>, Vec<&Tag>) = scene.tags.iter().partition(|tag| lies_flat(tag));
+    let mut pairs: Vec<(f64, usize, usize, Tent)> = Vec::new();
+    for (i, a) in rest.iter().enumerate() {
+        for (j, b) in rest.iter().enumerate().skip(i + 1) {
+            let apart_mm = (a.centre_mm - b.centre_mm).norm();
+            pairs.extend(Tent::of(a, b).map(|tent| (apart_mm, i, j, tent)));
         }
     }
-    Arrangement { flat, tents, cards }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut taken = vec![false; rest.len()];
+    let mut tents: Vec<(usize, Tent)> = Vec::new();
+    for (_, i, j, tent) in pairs {
+        if !taken[i] && !taken[j] {
+            (taken[i], taken[j]) = (true, true);
+            tents.push((i, tent));
+        }
+    }
+    tents.sort_by_key(|(first, _)| *first);
+    let mut taken = taken.into_iter();
+    rest.retain(|_| !taken.next().unwrap_or(false));
+    Arrangement {
+        flat,
+        tents: tents.into_iter().map(|(_, tent)| tent).collect(),
+        cards: rest,
+    }
 }
 
 fn lies_flat(tag: &Tag) -> bool {

@@ -2,7 +2,7 @@
 
 use super::{LINE_MM, TagPrintError, captions, family_name, image_of, on_pages, packed};
 use crate::print::lettering::{fitting_size_mm, number};
-use crate::print::paper::Paper;
+use crate::print::page::Media;
 use crate::print::shapes::{Placement, black_modules};
 use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, RectMm, Sheet};
 use crate::scene::{Scene, Tag};
@@ -14,14 +14,14 @@ const TEXT_MM: f64 = 3.0;
 const UP_MM: f64 = 3.0;
 
 /// The pages with one card for each tag.
-pub fn sheets(tags: &[&Tag], scene: &Scene, paper: Paper) -> Result<Vec<Sheet>, TagPrintError> {
+pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     let images = tags.iter().map(|tag| image_of(tag)).collect::<Result<Vec<_>, _>>()?;
     let width = |i: usize| images[i].width_mm(tags[i].size_mm);
     let sizes: Vec<_> = (0..tags.len()).map(|i| (width(i), width(i) + STRIP_MM)).collect();
     if sizes.is_empty() {
         return Ok(Vec::new());
     }
-    let (page, spots) = packed(&sizes, paper, |i| format!("the card of tag {}", tags[i].id), "")?;
+    let (page, spots) = packed(&sizes, media, |i| format!("the card of tag {}", tags[i].id), "")?;
     let drawn = spots.iter().zip(tags.iter().zip(&images));
     let drawn = drawn.map(|(spot, (tag, image))| marks(tag, image, spot.at)).collect();
     let pages = on_pages(&spots, drawn);
@@ -30,7 +30,13 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, paper: Paper) -> Result<Vec<Sheet>, 
         "Fix each card where the scene file says, with its triangle towards the tag's up direction.",
     ];
     let count = pages.len();
-    let sheet = |(i, marks)| page.sheet(marks, &captions(scene, how_to), &format!("cards {}/{count}", i + 1));
+    let sheet = |(i, marks)| {
+        page.sheet(
+            marks,
+            &captions(scene, media, how_to),
+            &format!("cards {}/{count}", i + 1),
+        )
+    };
     Ok(pages.into_iter().enumerate().map(sheet).collect())
 }
 

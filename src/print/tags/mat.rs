@@ -9,7 +9,7 @@ use super::arrange::Arrangement;
 use super::tent::Tent;
 use super::{TagPrintError, image_of};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
-use crate::print::shapes::{Outline, Placement, black_modules, stroke, stroked};
+use crate::print::shapes::{Outline, Placement, black_modules, overlap, stroke, stroked};
 use crate::print::sheet::{BLACK, PointMm, Rgb};
 use crate::scene::{Model, Scene, Tag};
 
@@ -29,6 +29,8 @@ pub struct Mat {
     pub size_mm: (f64, f64),
     pub shapes: Vec<Shape>,
     pub labels: Vec<Label>,
+    /// What each thing is called and the ground it needs, in the model frame: tags with their white ring.
+    footprints: Vec<(String, Outline)>,
 }
 
 /// Convex outlines of one colour.
@@ -56,6 +58,7 @@ impl Mat {
             size_mm: (0.0, 0.0),
             shapes: Vec::new(),
             labels: Vec::new(),
+            footprints: Vec::new(),
         };
         mat.add_model(&scene.model);
         for tag in &arrangement.flat {
@@ -68,6 +71,17 @@ impl Mat {
         Ok(mat)
     }
 
+    /// Things that stand on each other, or closer than a tag's white ring, as sentences.
+    pub fn crowded(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        for (i, (a, outline_a)) in self.footprints.iter().enumerate() {
+            let later = self.footprints[i + 1..].iter();
+            let over = later.filter(|(_, outline_b)| overlap(outline_a, outline_b));
+            found.extend(over.map(|(b, _)| format!("{a} and {b} overlap on the mat: move one of them in the scene")));
+        }
+        found
+    }
+
     fn add_model(&mut self, model: &Model) {
         let [length, width, _] = model.size_mm;
         let level = Placement {
@@ -76,7 +90,9 @@ impl Mat {
             module_mm: 1.0,
         };
         let (front, side) = (length / 2.0, width / 2.0);
-        let mut outlines = stroked(&level.rectangle(-front, -side, front, side), LINE_MM);
+        let ground = level.rectangle(-front, -side, front, side);
+        let mut outlines = stroked(&ground, LINE_MM);
+        self.footprints.push(("the model".to_owned(), ground));
         let cross = |x: f64, y: f64| stroke(PointMm::new(-x, -y), PointMm::new(x, y), LINE_MM);
         outlines.extend([cross(8.0, 0.0), cross(0.0, 8.0)]);
         let arrow = [
@@ -103,6 +119,8 @@ impl Mat {
             right: level_unit(tag.right.x, tag.right.y),
             module_mm: tag.size_mm / image.border_modules() as f64,
         };
+        self.footprints
+            .push((format!("tag {}", tag.id), place.rectangle(-half, -half, half, half)));
         let mut outlines = black_modules(image.modules(), &place);
         outlines.push(place.up_mark(0.0, half, UP_MM));
         self.shapes.push(Shape {
@@ -117,6 +135,7 @@ impl Mat {
     fn add_tent(&mut self, number: usize, tent: &Tent) {
         let feet = tent.foot_mm();
         let outline = feet.each_ref().map(on_mat);
+        self.footprints.push((format!("tent card T{number}"), outline.to_vec()));
         self.shapes.push(Shape {
             outlines: stroked(&outline, LINE_MM),
             colour: GREY,

@@ -4,9 +4,8 @@
 use super::mat::Mat;
 use super::{TagPrintError, captions};
 use crate::print::lettering::width_mm;
-use crate::print::page::{MARGIN_MM, Page};
-use crate::print::paper::{Orientation, Paper};
-use crate::print::printer::Printer;
+use crate::print::page::{MARGIN_MM, Media, Page};
+use crate::print::paper::Orientation;
 use crate::print::shapes::clipped;
 use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Sheet};
 use crate::print::template::{Layout, LayoutRequest, SheetPlan, guides, layout};
@@ -16,31 +15,34 @@ use crate::scene::Scene;
 const OVERLAP_MM: f64 = 8.0;
 
 /// The pages of the mat, row by row from the top left.
-pub fn sheets(mat: &Mat, scene: &Scene, paper: Paper) -> Result<Vec<Sheet>, TagPrintError> {
+pub fn sheets(mat: &Mat, scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     let layout = layout(&LayoutRequest {
         size_mm: mat.size_mm,
-        paper: paper.into(),
+        paper: media.paper.into(),
         orientation: Orientation::Auto,
         overlap_mm: OVERLAP_MM,
         bleed_mm: 0.0,
         margin_mm: MARGIN_MM,
-        printer: Printer::EXACT,
+        printer: media.printer,
     })?;
-    let orientation = if layout.frame.page == paper.portrait() {
+    let orientation = if layout.frame.page == media.paper.portrait() {
         Orientation::Portrait
     } else {
         Orientation::Landscape
     };
-    let page = Page::new(paper, orientation)?;
+    let page = Page::new(media, orientation)?;
     let how_to = [
         "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet; seams that meet have the same letter.",
         "Ground mat seen from above, the model's front to the right; stand the model and the tent cards on their outlines.",
     ];
     let sheet = |plan: &SheetPlan| {
         let label = format!("mat {} of {}×{}", plan.id(), layout.rows, layout.columns);
-        let mut sheet = page.sheet(marks(mat, &layout, plan), &captions(scene, how_to), &label);
-        (sheet.trim, sheet.bleed) = (plan.trim, plan.trim);
-        sheet
+        page.cut_sheet(
+            plan.trim,
+            marks(mat, &layout, plan),
+            &captions(scene, media, how_to),
+            &label,
+        )
     };
     Ok(layout.sheets.iter().map(sheet).collect())
 }

@@ -15,8 +15,8 @@ pub use tent::{FlatTag, Fold, Net, Panel, TILT_DEG, Tent};
 
 use super::PrintError;
 use super::lettering::number;
-use super::page::Page;
-use super::paper::Paper;
+use super::page::{Media, Page};
+
 use super::sheet::{Mark, RectMm, Sheet};
 use crate::scene::{Scene, Tag, TagFamily};
 use crate::tags::TagImage;
@@ -51,7 +51,7 @@ pub enum TagPrintError {
 /// What to print.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagRequest {
-    pub paper: Paper,
+    pub media: Media,
     /// Every tag as a plain card, whatever the scene does with it.
     pub plain: bool,
 }
@@ -65,6 +65,8 @@ pub struct TagSheets {
     pub contents: Vec<String>,
     /// Flat tags that the scene puts above the ground by more than it can be wrong by: the highest, in mm.
     pub lifted_mm: Option<f64>,
+    /// Things of the scene that stand on each other, or too close to be seen apart: a sentence each.
+    pub crowded: Vec<String>,
 }
 
 /// Draws the tags of a scene.
@@ -84,15 +86,17 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
         sheets: Vec::new(),
         contents: Vec::new(),
         lifted_mm: arrangement.lifted_mm(),
+        crowded: Vec::new(),
     };
-    let tents = tent_sheet::sheets(&arrangement.tents, scene, request.paper)?;
+    let tents = tent_sheet::sheets(&arrangement.tents, scene, request.media)?;
     made.add(tents, count(arrangement.tents.len(), "tent card"));
-    let cards = card::sheets(&arrangement.cards, scene, request.paper)?;
+    let cards = card::sheets(&arrangement.cards, scene, request.media)?;
     made.add(cards, count(arrangement.cards.len(), "plain card"));
     if !(arrangement.flat.is_empty() && arrangement.tents.is_empty()) {
         let mat = mat::Mat::new(scene, &arrangement)?;
         let size = format!("ground mat of {:.0} × {:.0} mm", mat.size_mm.0, mat.size_mm.1);
-        made.add(mat_sheet::sheets(&mat, scene, request.paper)?, size);
+        made.crowded = mat.crowded();
+        made.add(mat_sheet::sheets(&mat, scene, request.media)?, size);
     }
     Ok(made)
 }
@@ -137,13 +141,13 @@ fn family_name(family: TagFamily) -> &'static str {
 /// Paper too small for the rulers, or for thing `i`, which `name` puts into words.
 fn packed(
     sizes: &[(f64, f64)],
-    paper: Paper,
+    media: Media,
     name: impl Fn(usize) -> String,
     instead: &'static str,
 ) -> Result<(Page, Vec<pack::Spot>), TagPrintError> {
     let mut best: Option<(Page, Vec<pack::Spot>)> = None;
     let mut refused = None;
-    for page in Page::both_ways(paper)? {
+    for page in Page::both_ways(media)? {
         match pack::pack(sizes, page.usable) {
             Ok(spots) => {
                 let pages = |spots: &[pack::Spot]| spots.last().map_or(0, |spot| spot.page);
@@ -170,15 +174,16 @@ fn packed(
 }
 
 /// The lines at the foot of every page.
-fn captions(scene: &Scene, how_to: [&str; 2]) -> Vec<String> {
+fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
     vec![
         "Print at 100 % (no fit to page): both rulers must measure 100 mm.".to_owned(),
         how_to[0].to_owned(),
         how_to[1].to_owned(),
         format!(
-            "scene {} · scale 1:{} · scaleproof {}",
+            "scene {} · scale 1:{} · {} · scaleproof {}",
             scene.model.name,
             number(scene.model.scale),
+            media.printer.caption(),
             env!("CARGO_PKG_VERSION")
         ),
     ]

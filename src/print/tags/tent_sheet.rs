@@ -3,7 +3,7 @@
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::{LINE_MM, TagPrintError, captions, family_name, image_of, on_pages, packed};
 use crate::print::lettering::{fitting_size_mm, number};
-use crate::print::paper::Paper;
+use crate::print::page::Media;
 use crate::print::shapes::{Placement, black_modules};
 use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Sheet};
 use crate::scene::Scene;
@@ -15,7 +15,7 @@ const UP_MM: f64 = 4.0;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
 /// The pages with the cards of some tents; tent `i` is called T`i + 1`.
-pub fn sheets(tents: &[Tent], scene: &Scene, paper: Paper) -> Result<Vec<Sheet>, TagPrintError> {
+pub fn sheets(tents: &[Tent], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     if tents.is_empty() {
         return Ok(Vec::new());
     }
@@ -29,7 +29,7 @@ pub fn sheets(tents: &[Tent], scene: &Scene, paper: Paper) -> Result<Vec<Sheet>,
             tents[i].tags[1].id
         )
     };
-    let (page, spots) = packed(&sizes, paper, name, ", or print plain cards (--plain)")?;
+    let (page, spots) = packed(&sizes, media, name, ", or print plain cards (--plain)")?;
     let drawn = spots.iter().enumerate();
     let drawn = drawn.map(|(i, spot)| marks(i + 1, &tents[i], &nets[i], spot.at));
     let pages = on_pages(&spots, drawn.collect::<Result<_, _>>()?);
@@ -38,7 +38,13 @@ pub fn sheets(tents: &[Tent], scene: &Scene, paper: Paper) -> Result<Vec<Sheet>,
         "Stand each card on its outline on the ground mat, each tag on the side that carries its number.",
     ];
     let count = pages.len();
-    let sheet = |(i, marks)| page.sheet(marks, &captions(scene, how_to), &format!("tents {}/{count}", i + 1));
+    let sheet = |(i, marks)| {
+        page.sheet(
+            marks,
+            &captions(scene, media, how_to),
+            &format!("tents {}/{count}", i + 1),
+        )
+    };
     Ok(pages.into_iter().enumerate().map(sheet).collect())
 }
 
@@ -50,12 +56,11 @@ fn marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>
         marks.extend(face_text(number, flat, at));
     }
     marks.extend(base_text(number, tent, net, at));
-    marks.push(Mark::text(
-        (at.x_mm + net.width_mm / 2.0, at.y_mm + 0.5 * net.folds[0].y_mm - 1.0),
-        TEXT_MM,
-        Anchor::Centre,
-        "glue to the inside of the base",
-    ));
+    let tab = "glue to the inside of the base";
+    // The tab narrows towards its edge; its text keeps clear of the slants.
+    let tab_mm = fitting_size_mm(tab, TEXT_MM, 0.7 * net.width_mm);
+    let tab_at = (at.x_mm + net.width_mm / 2.0, at.y_mm + 0.5 * net.folds[0].y_mm - 1.0);
+    marks.push(Mark::text(tab_at, tab_mm, Anchor::Centre, tab));
     marks.extend(lines(net, at));
     Ok(marks)
 }

@@ -158,8 +158,10 @@ fn scale_check(frame: &Frame) -> Vec<Mark> {
         format!(
             "{horizontal} measured (lower ruler) ____________ mm     {vertical} measured (left ruler) ____________ mm"
         ),
-        "then: scaleproof print verify --x-mm … --y-mm … -o printer.toml, and export again with --printer printer.toml"
-            .into(),
+        format!(
+            "then: {}, and export again with --printer printer.toml",
+            frame.setup.printer.verify_command()
+        ),
     ];
     let top = area.bottom_mm + CHECK_MM - LEADING_MM;
     let place = |(i, line): (usize, String)| {
