@@ -67,7 +67,7 @@ fn a_corrected_template_comes_out_true_on_its_printer() {
         };
         let layout = layout(&request).unwrap();
         assert_eq!((layout.sheets.len(), layout.frame.setup.turned), (1, turned));
-        let drawn = pages(&pdf, 2, 600.0, folder.path());
+        let drawn = pages(&pdf, 2, 600.0);
         let (along_x, along_y) = if turned { (y_mm, x_mm) } else { (x_mm, y_mm) };
         let printed = Printed {
             cell_mm: 7.375,
@@ -104,7 +104,7 @@ fn the_check_page_measures_what_it_says() {
             date: None,
         });
         let plan = plan.unwrap();
-        let drawn = pages(&pdf, 1, 600.0, folder.path());
+        let drawn = pages(&pdf, 1, 600.0);
         assert_eq!(drawn.len(), 1);
         let page = stretched(&drawn[0], x_mm, y_mm);
         let top = plan.frame.page.height_mm;

@@ -1,5 +1,6 @@
 //! Prints templates, renders the PDF with poppler at 600 dpi, and measures the picture.
 
+mod common;
 #[path = "print_template/measure.rs"]
 mod measure;
 #[path = "print_template/render.rs"]
@@ -41,7 +42,7 @@ fn print(pattern: Pattern, tile_mm: f64, request: LayoutRequest, paper: &str) ->
         layout: layout(&request).unwrap(),
         dpi: 600.0,
         tolerance_mm: 0.05,
-        pages: pages(&pdf, 2, 600.0, folder.path()),
+        pages: pages(&pdf, 2, 600.0),
         pattern,
     }
 }
@@ -130,7 +131,7 @@ fn there_are_no_seams_between_cells() {
         done(&format!(
             "print template --size-mm 150x200 --tile-mm {tile_mm} --pattern {from} -o {to}"
         ));
-        let page = &pages(&pdf, 2, 61.0, folder.path())[0];
+        let page = &pages(&pdf, 2, 61.0)[0];
         let request = LayoutRequest {
             size_mm: (150.0, 200.0),
             ..usual_request()

@@ -89,13 +89,15 @@ fn contestants(
         if why_not.is_none() {
             why_not = detectors::fetch_one(&manifest, folders).err().map(|e| e.to_string());
         }
-        let is_live = folders.checked(&manifest).is_ok() && Runtime::load().is_ok();
-        if !is_live {
-            played_back.push(manifest.name.clone());
-        }
-        contestants.push(match is_live {
-            true => Contestant::live(manifest, folders, class)?,
-            false => Contestant::recorded(manifest, &[&session.folder], class)?,
+        let live = Runtime::load()
+            .is_ok()
+            .then(|| Contestant::live(manifest.clone(), folders, class));
+        contestants.push(match live {
+            Some(Ok(contestant)) => contestant,
+            _ => {
+                played_back.push(manifest.name.clone());
+                Contestant::recorded(manifest, &[&session.folder], class)?
+            }
         });
     }
     if !played_back.is_empty() {

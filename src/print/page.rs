@@ -1,12 +1,12 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
 use super::PrintError;
+use super::frame::Frame;
 use super::lettering::{fitting_size_mm, printable};
 use super::paper::{Orientation, Paper};
 use super::printer::{Printer, corrected_one};
-use super::ruler;
-use super::sheet::{Anchor, Mark, PointMm, RectMm, Sheet};
-use super::template::{LayoutRequest, layout};
+use super::sheet::{Anchor, Mark, RectMm, Sheet};
+use super::template::{LayoutRequest, layout, rulers};
 
 /// Border of the paper that office printers do not reach.
 pub const MARGIN_MM: f64 = 5.0;
@@ -23,18 +23,9 @@ pub struct Media {
     pub printer: Printer,
 }
 
-/// Where things go on a page (page frame).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Page {
-    pub paper: Paper,
-    pub printable: RectMm,
-    /// The free area; rulers and captions stay outside it.
-    pub usable: RectMm,
-    horizontal_ruler: PointMm,
-    vertical_ruler: PointMm,
-    /// Drawn over true length along x and y.
-    stretch: (f64, f64),
-}
+/// A page that is drawn on freely: its frame's usable area is for the content.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Page(pub Frame);
 
 impl Page {
     /// The areas of a paper used upright or across.
@@ -43,7 +34,7 @@ impl Page {
     /// Paper too small for the rulers.
     pub fn new(media: Media, orientation: Orientation) -> Result<Self, PrintError> {
         // The areas are the tiled template's, so that all pages of this program look alike.
-        let areas = layout(&LayoutRequest {
+        let one_page = layout(&LayoutRequest {
             size_mm: (1.0, 1.0),
             paper: media.paper.into(),
             orientation,
@@ -51,16 +42,8 @@ impl Page {
             bleed_mm: 0.0,
             margin_mm: MARGIN_MM,
             printer: media.printer,
-        })?
-        .frame;
-        Ok(Self {
-            paper: areas.page,
-            printable: areas.printable,
-            usable: areas.usable,
-            horizontal_ruler: areas.horizontal_ruler,
-            vertical_ruler: areas.vertical_ruler,
-            stretch: areas.setup.stretch(),
-        })
+        })?;
+        Ok(Self(one_page.frame))
     }
 
     /// Upright and across, as far as the paper allows; never empty.
@@ -80,39 +63,39 @@ impl Page {
     /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it
     /// comes out of the printer in true size.
     pub fn sheet(&self, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
-        self.cut_sheet(self.printable, marks, captions, label)
+        self.cut_sheet(self.0.printable, marks, captions, label)
     }
 
     /// The same, cut out at `trim`.
     pub fn cut_sheet(&self, trim: RectMm, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
+        let frame = &self.0;
         let mut all = marks;
-        all.extend(ruler::horizontal(self.horizontal_ruler));
-        all.extend(ruler::vertical(self.vertical_ruler));
+        all.extend(rulers(frame));
         all.extend(self.captions(captions));
         all.push(self.label(label));
         let sheet = Sheet {
-            width_mm: self.paper.width_mm,
-            height_mm: self.paper.height_mm,
+            width_mm: frame.page.width_mm,
+            height_mm: frame.page.height_mm,
             trim,
             bleed: trim,
             marks: all,
         };
-        corrected_one(sheet, self.stretch)
+        corrected_one(sheet, frame.setup.stretch())
     }
 
     fn captions(&self, lines: &[String]) -> impl Iterator<Item = Mark> {
-        let most_mm = self.printable.width_mm() - LABEL_WIDTH_MM;
+        let most_mm = self.0.printable.width_mm() - LABEL_WIDTH_MM;
         lines.iter().rev().enumerate().map(move |(i, line)| {
-            let baseline = self.printable.bottom_mm + 0.8 + i as f64 * LEADING_MM;
+            let baseline = self.0.printable.bottom_mm + 0.8 + i as f64 * LEADING_MM;
             let line = printable(line);
             let size_mm = fitting_size_mm(&line, CAPTION_MM, most_mm);
-            Mark::text((self.printable.left_mm, baseline), size_mm, Anchor::Left, line)
+            Mark::text((self.0.printable.left_mm, baseline), size_mm, Anchor::Left, line)
         })
     }
 
     fn label(&self, text: &str) -> Mark {
         let size_mm = fitting_size_mm(text, LABEL_MM, LABEL_WIDTH_MM - 2.0);
-        let at = (self.printable.right_mm, self.printable.bottom_mm + 0.8);
+        let at = (self.0.printable.right_mm, self.0.printable.bottom_mm + 0.8);
         Mark::text(at, size_mm, Anchor::Right, text)
     }
 }

@@ -143,26 +143,32 @@ pub fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
     if stretch == (1.0, 1.0) {
         return sheets;
     }
-    let mut stamps: Vec<(Arc<Stamp>, Arc<Stamp>)> = Vec::new();
-    let correct = |mut sheet: Sheet| {
-        let page = Stretch {
-            factors: stretch,
-            centre: PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm),
-        };
-        sheet.trim = page.area(sheet.trim);
-        sheet.bleed = page.area(sheet.bleed);
-        for mark in &mut sheet.marks {
-            page.apply(mark, &mut stamps);
-        }
-        sheet
-    };
-    sheets.into_iter().map(correct).collect()
+    let mut stamps = Vec::new();
+    sheets
+        .into_iter()
+        .map(|sheet| stretched(sheet, stretch, &mut stamps))
+        .collect()
 }
 
 /// [`corrected`] for one sheet that shares no stamps with others.
 pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
-    let fallback = sheet.clone();
-    corrected(vec![sheet], stretch).pop().unwrap_or(fallback)
+    if stretch == (1.0, 1.0) {
+        sheet
+    } else {
+        stretched(sheet, stretch, &mut Vec::new())
+    }
+}
+
+/// `stamps`: the stamps stretched so far, before and after.
+fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Sheet {
+    let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
+    let page = Stretch { factors, centre };
+    sheet.trim = page.area(sheet.trim);
+    sheet.bleed = page.area(sheet.bleed);
+    for mark in &mut sheet.marks {
+        page.apply(mark, stamps);
+    }
+    sheet
 }
 
 struct Stretch {

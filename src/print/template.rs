@@ -7,7 +7,7 @@ mod seams;
 
 use std::sync::Arc;
 
-pub use furniture::guides;
+pub use furniture::{guides, rulers};
 pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
 pub use seams::Seams;
 

@@ -78,7 +78,7 @@ fn image<'a>(scores: &Scores, p: &'a ScoredPhoto) -> Image<'a> {
         width: p.width,
         height: p.height,
         variant: &p.variant,
-        session: scores.sessions[p.session].name(),
+        session: scores.sessions[p.session].name.clone(),
     }
 }
 

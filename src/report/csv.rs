@@ -54,7 +54,7 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, contestant:
     let other = other_label(photo, index, contestant);
     Row {
         photo_id: Some(photo.id),
-        session: scores.sessions[photo.session].name(),
+        session: scores.sessions[photo.session].name.clone(),
         file: &photo.file,
         variant: &photo.variant,
         place: photo.place.as_deref().unwrap_or_default(),

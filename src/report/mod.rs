@@ -44,20 +44,19 @@ pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
         contents.push((results_name(&contestant.manifest.name), results));
     }
     let files: Vec<_> = contents
-        .iter()
-        .map(|(name, content)| (folder.join(name), content.clone().into_bytes()))
+        .into_iter()
+        .map(|(name, content)| (folder.join(name), content.into_bytes()))
         .collect();
     files::write_all_atomically(&files)?;
-    remove_stale(folder, &contents)?;
+    remove_stale(folder, &scores.contestants)?;
     Ok(folder.join("report.html"))
 }
 
 /// Removes the COCO results an earlier run left for detectors that are not in this one: their ids mean other photos now.
-fn remove_stale(folder: &Path, contents: &[(String, String)]) -> Result<(), ReportError> {
+fn remove_stale(folder: &Path, contestants: &[Contestant]) -> Result<(), ReportError> {
     for manifest in Manifest::all().unwrap_or_default() {
-        let name = results_name(&manifest.name);
-        if contents.iter().all(|(kept, _)| *kept != name) {
-            files::remove(&folder.join(name))?;
+        if contestants.iter().all(|c| c.manifest.name != manifest.name) {
+            files::remove(&folder.join(results_name(&manifest.name)))?;
         }
     }
     Ok(())

@@ -84,7 +84,7 @@ fn session(scores: &Scores, index: usize) -> SessionProvenance {
         .filter(|p| p.session == index)
         .map(|p| (p.file.clone(), p.sha256.clone()));
     SessionProvenance {
-        folder: session.name(),
+        folder: session.name.clone(),
         model: session.scene.model.name.clone(),
         scale: session.scene.model.scale,
         truth_envelope: "box",

@@ -186,7 +186,7 @@ impl Worker {
     fn photo(&mut self, job: &Job, contestants: &[Contestant]) -> Result<Result<ScoredPhoto, NotScored>, ScoreError> {
         let left_out = |reason: String| {
             Ok(Err(NotScored {
-                session: job.session.name(),
+                session: job.session.name.clone(),
                 file: job.entry.file.clone(),
                 variant: job.entry.variant.clone(),
                 reason,

@@ -54,42 +54,70 @@ pub struct Summary {
 
 /// Figures of every contestant on every variant, the base variant first, the others by name.
 pub(super) fn summaries(photos: &[ScoredPhoto], contestants: &[Contestant], bins: &Bins) -> Vec<Summary> {
-    let groups = variants(photos);
     let mut summaries = Vec::new();
     for (index, contestant) in contestants.iter().enumerate() {
-        let class = contestant.class;
-        let figures_of = |variant: &str, azimuth: Option<f64>| {
-            let group = photos.iter().filter(|p| p.variant == variant);
-            let group: Vec<_> = group
-                .filter(|p| azimuth.is_none() || p.bin.map(|b| b.azimuth_deg) == azimuth)
-                .collect();
-            figures(&group, index, class)
-        };
-        for variant in &groups {
-            let drop_of = |azimuth: Option<f64>| {
-                let base = (variant != BASE_VARIANT)
-                    .then(|| figures_of(BASE_VARIANT, azimuth))
-                    .flatten()?;
-                Some(drop(&base, &figures_of(variant, azimuth)?))
-            };
-            let Some(overall) = figures_of(variant, None) else {
-                continue;
-            };
-            let azimuth_bins = bins.azimuth_centres().into_iter().map(|azimuth_deg| BinFigures {
-                azimuth_deg,
-                figures: figures_of(variant, Some(azimuth_deg)),
-                drop: drop_of(Some(azimuth_deg)),
-            });
-            summaries.push(Summary {
-                detector: contestant.manifest.name.clone(),
-                variant: variant.clone(),
-                overall,
-                drop: drop_of(None),
-                azimuth_bins: azimuth_bins.collect(),
-            });
-        }
+        let groups: Vec<Group> = variants(photos)
+            .into_iter()
+            .filter_map(|v| Group::new(v, photos, index, contestant.class, bins))
+            .collect();
+        let base = groups.iter().find(|g| g.variant == BASE_VARIANT);
+        summaries.extend(groups.iter().map(|group| {
+            let base = base.filter(|base| base.variant != group.variant);
+            group.summary(contestant.manifest.name.clone(), base)
+        }));
     }
     summaries
+}
+
+/// The figures of one contestant on one variant.
+struct Group {
+    variant: String,
+    overall: Figures,
+    /// By azimuth bin, from the front on.
+    by_azimuth: Vec<(f64, Option<Figures>)>,
+}
+
+impl Group {
+    /// `None` without a photo of the variant.
+    fn new(variant: String, photos: &[ScoredPhoto], index: usize, class: usize, bins: &Bins) -> Option<Group> {
+        let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
+        let in_bin = |azimuth_deg: f64| -> Vec<&ScoredPhoto> {
+            photos
+                .iter()
+                .copied()
+                .filter(|p| p.bin.is_some_and(|b| b.azimuth_deg == azimuth_deg))
+                .collect()
+        };
+        let centres = bins.azimuth_centres().into_iter();
+        let by_azimuth = centres
+            .map(|azimuth_deg| (azimuth_deg, figures(&in_bin(azimuth_deg), index, class)))
+            .collect();
+        Some(Group {
+            overall: figures(&photos, index, class)?,
+            by_azimuth,
+            variant,
+        })
+    }
+
+    /// These figures, and their drop from the base's.
+    fn summary(&self, detector: String, base: Option<&Group>) -> Summary {
+        let azimuth_bins = self.by_azimuth.iter().enumerate().map(|(i, (azimuth_deg, figures))| {
+            let base = base.and_then(|b| b.by_azimuth[i].1.as_ref());
+            let drop = base.zip(figures.as_ref()).map(|(base, own)| drop(base, own));
+            BinFigures {
+                azimuth_deg: *azimuth_deg,
+                figures: *figures,
+                drop,
+            }
+        });
+        Summary {
+            detector,
+            variant: self.variant.clone(),
+            overall: self.overall,
+            drop: base.map(|base| drop(&base.overall, &self.overall)),
+            azimuth_bins: azimuth_bins.collect(),
+        }
+    }
 }
 
 /// The variants present, the base variant first.

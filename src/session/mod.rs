@@ -32,6 +32,8 @@ pub enum SessionError {
 /// A session with everything it refers to, except the photos' pixels.
 #[derive(Debug, Clone)]
 pub struct Session {
+    /// The name of the session's folder.
+    pub name: String,
     pub folder: PathBuf,
     pub scene: Scene,
     pub camera: Camera,
@@ -92,21 +94,15 @@ impl Session {
             .into_iter()
             .map(|p| Ok((file_name(p), files::sha256_hex(&files::read(p)?))))
             .collect::<Result<_, files::FileError>>()?;
+        let real = folder.canonicalize().unwrap_or_else(|_| folder.clone());
         Ok(Session {
+            name: file_name(&real),
             folder,
             scene,
             camera,
             photos: file.photos,
             hashes,
         })
-    }
-
-    /// The name of the session's folder.
-    pub fn name(&self) -> String {
-        let folder = self.folder.canonicalize().unwrap_or_else(|_| self.folder.clone());
-        folder
-            .file_name()
-            .map_or_else(|| ".".into(), |n| n.to_string_lossy().into_owned())
     }
 
     /// The path of a photo.

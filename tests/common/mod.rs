@@ -106,3 +106,19 @@ pub fn chromium(arguments: &[String]) -> Output {
     }
     panic!("no Chromium found: run the tests through ./run test, which installs it, or set CHROMIUM");
 }
+
+/// The pages of a PDF as pdftoppm pictures them, in order; `read` makes what is kept of each PPM or PGM file's bytes.
+pub fn pictured<T>(pdf: &Path, arguments: &[&str], read: impl Fn(&[u8]) -> T) -> Vec<T> {
+    let folder = tempfile::tempdir().unwrap();
+    let run = Command::new("pdftoppm")
+        .args(arguments)
+        .arg(pdf)
+        .arg(folder.path().join("page"))
+        .status();
+    let status = run.expect("this test renders the PDF with pdftoppm: install poppler-utils");
+    assert!(status.success(), "pdftoppm failed on {}", pdf.display());
+    let entries = std::fs::read_dir(folder.path()).unwrap();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files.iter().map(|path| read(&std::fs::read(path).unwrap())).collect()
+}

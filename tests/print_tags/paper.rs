@@ -1,12 +1,13 @@
 //! Renders a PDF with poppler and finds things on its pages in millimetres.
 #![allow(dead_code)] // each test file uses its part
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
 use image::GrayImage;
 use scaleproof::scene::TagFamily;
 use scaleproof::tags::{AprilTagC, TagDetector};
+
+use crate::common::pictured;
 
 /// The short and the long side of A4.
 pub const A4: (f64, f64) = (210.0, 297.0);
@@ -53,27 +54,15 @@ impl Page {
 
 /// The pages of a PDF on paper of some short and long side, upright or across.
 pub fn render(pdf: &Path, dpi: u32, (short_mm, long_mm): (f64, f64)) -> Vec<Page> {
-    let folder = tempfile::tempdir().unwrap();
-    let run = Command::new("pdftoppm")
-        .args(["-gray", "-r", &dpi.to_string()])
-        .arg(pdf)
-        .arg(folder.path().join("page"))
-        .status();
-    let status = run.expect("this test renders the PDF with pdftoppm: install poppler-utils");
-    assert!(status.success(), "pdftoppm failed on {}", pdf.display());
-    let entries = std::fs::read_dir(folder.path()).unwrap();
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    let page = |path: &PathBuf| {
-        let picture = pgm(&std::fs::read(path).unwrap());
+    pictured(pdf, &["-gray", "-r", &dpi.to_string()], |bytes| {
+        let picture = pgm(bytes);
         let across = picture.width() > picture.height();
         Page {
             picture,
             dpi: f64::from(dpi),
             height_mm: if across { short_mm } else { long_mm },
         }
-    };
-    files.iter().map(page).collect()
+    })
 }
 
 /// A binary PGM as pdftoppm writes it: `P5 width height 255` and the pixels.

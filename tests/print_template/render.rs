@@ -10,6 +10,8 @@ use scaleproof::print::paper::{Orientation, Paper};
 use scaleproof::print::printer::Printer;
 use scaleproof::print::template::LayoutRequest;
 
+use crate::common::pictured;
+
 pub fn scaleproof(command: &str) -> Output {
     Command::new(assert_cmd::cargo::cargo_bin!("scaleproof"))
         .args(command.split(' '))
@@ -52,19 +54,8 @@ pub fn oblong_pattern(folder: &Path) -> Pattern {
 }
 
 /// The pages of a PDF from `first` (counted from 1) on.
-pub fn pages(pdf: &Path, first: usize, dpi: f64, folder: &Path) -> Vec<RgbImage> {
-    let folder = tempfile::tempdir_in(folder).unwrap();
-    let run = Command::new("pdftoppm")
-        .args(["-r", &dpi.to_string(), "-f", &first.to_string()])
-        .arg(pdf)
-        .arg(folder.path().join("page"))
-        .status();
-    let status = run.expect("this test renders the PDF with pdftoppm: install poppler-utils");
-    assert!(status.success(), "pdftoppm failed on {}", pdf.display());
-    let entries = std::fs::read_dir(folder.path()).unwrap();
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    files.iter().map(|path| ppm(&std::fs::read(path).unwrap())).collect()
+pub fn pages(pdf: &Path, first: usize, dpi: f64) -> Vec<RgbImage> {
+    pictured(pdf, &["-r", &dpi.to_string(), "-f", &first.to_string()], ppm)
 }
 
 /// A binary PPM: "P6", width, height, 255, and the pixels. A PNG of an A3 page at 600 dpi takes ten times as long.

@@ -56,7 +56,7 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     )?;
     write_files(&files, &[Some(&args.scene), args.printer.as_deref()])?;
     let contents = made.contents.join(", ");
-    writeln!(out, "{}: {contents}; print at 100 %", args.output.display())?;
+    writeln!(out, "{}: {contents}; print at 100 %", files[0].0.display())?;
     if let Some(lifted_mm) = made.lifted_mm {
         let height = lettering::number(lifted_mm);
         writeln!(

@@ -112,8 +112,8 @@ fn placed(media: Media, width: f64, height: f64) -> Result<(Page, RectMm), Board
     let pages = Page::both_ways(media)?;
     let room = |page: &Page| {
         (
-            page.usable.width_mm() - 2.0 * QUIET_MM,
-            page.usable.height_mm() - 2.0 * QUIET_MM,
+            page.0.usable.width_mm() - 2.0 * QUIET_MM,
+            page.0.usable.height_mm() - 2.0 * QUIET_MM,
         )
     };
     let fits = |page: &&Page| width <= room(page).0 && height <= room(page).1;
@@ -124,9 +124,9 @@ fn placed(media: Media, width: f64, height: f64) -> Result<(Page, RectMm), Board
             free_mm: format!("{} × {}", number(across), number(down)),
         });
     };
-    let left = page.usable.left_mm + (page.usable.width_mm() - width) / 2.0;
-    let bottom = page.usable.bottom_mm + (page.usable.height_mm() - height) / 2.0;
-    Ok((page.clone(), RectMm::new(left, bottom, left + width, bottom + height)))
+    let left = page.0.usable.left_mm + (page.0.usable.width_mm() - width) / 2.0;
+    let bottom = page.0.usable.bottom_mm + (page.0.usable.height_mm() - height) / 2.0;
+    Ok((*page, RectMm::new(left, bottom, left + width, bottom + height)))
 }
 
 fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {

@@ -25,12 +25,7 @@ pub fn sheets(mat: &Mat, scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagP
         margin_mm: MARGIN_MM,
         printer: media.printer,
     })?;
-    let orientation = if layout.frame.page == media.paper.portrait() {
-        Orientation::Portrait
-    } else {
-        Orientation::Landscape
-    };
-    let page = Page::new(media, orientation)?;
+    let page = Page(layout.frame);
     let how_to = [
         "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet; seams that meet have the same letter.",
         "Ground mat seen from above, the model's front to the right; stand the model and the tent cards on their outlines.",

@@ -16,7 +16,6 @@ pub use tent::{FlatTag, Fold, Net, Panel, TILT_DEG, Tent};
 use super::PrintError;
 use super::lettering::number;
 use super::page::{Media, Page};
-
 use super::sheet::{Mark, RectMm, Sheet};
 use crate::scene::{Scene, Tag, TagFamily};
 use crate::tags::TagImage;
@@ -148,14 +147,14 @@ fn packed(
     let mut best: Option<(Page, Vec<pack::Spot>)> = None;
     let mut refused = None;
     for page in Page::both_ways(media)? {
-        match pack::pack(sizes, page.usable) {
+        match pack::pack(sizes, page.0.usable) {
             Ok(spots) => {
                 let pages = |spots: &[pack::Spot]| spots.last().map_or(0, |spot| spot.page);
                 if best.as_ref().is_none_or(|(_, held)| pages(&spots) < pages(held)) {
                     best = Some((page, spots));
                 }
             }
-            Err(thing) => refused = refused.or(Some((thing, page.usable))),
+            Err(thing) => refused = refused.or(Some((thing, page.0.usable))),
         }
     }
     match (best, refused) {
