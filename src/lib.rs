@@ -11,6 +11,7 @@ pub mod geometry;
 pub mod locate;
 pub mod pattern;
 pub mod photo;
+pub mod plot;
 pub mod print;
 pub mod report;
 pub mod scene;
