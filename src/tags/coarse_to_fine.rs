@@ -1,0 +1,88 @@
+//! The default: tags are found on a reduced picture, their corners fitted at full size.
+
+use image::GrayImage;
+
+use super::apriltag_c::{AprilTagC, Found};
+use super::{SeenTag, StartError, TagDetector, cells_across, refine};
+use crate::scene::TagFamily;
+
+/// The long side of the picture that is searched. Below it nothing is reduced.
+const SEARCHED_PX: u32 = 1600;
+
+/// With so many whole tags a pose is beyond doubt, and the small ones that a reduced picture hides are not missed.
+const ENOUGH_TAGS: usize = 2;
+
+/// C AprilTag on a reduced picture, and our own corners. Holds C memory, so each thread makes its own.
+pub struct CoarseToFine {
+    search: AprilTagC,
+}
+
+impl CoarseToFine {
+    /// A detector for some families.
+    pub fn new(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
+        Ok(CoarseToFine {
+            search: AprilTagC::new(families)?,
+        })
+    }
+
+    fn find_reduced(&mut self, grey: &GrayImage, factor: u32) -> Vec<SeenTag> {
+        let found = match factor {
+            1 => self.search.search(grey),
+            _ => self.search.search(&reduced(grey, factor)),
+        };
+        found.into_iter().map(|found| fine(found, factor, grey)).collect()
+    }
+}
+
+impl TagDetector for CoarseToFine {
+    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        let factor = grey.width().max(grey.height()).div_ceil(SEARCHED_PX);
+        let tags = self.find_reduced(grey, factor);
+        if factor > 1 && tags.iter().filter(|tag| tag.is_whole).count() < ENOUGH_TAGS {
+            return self.find_reduced(grey, 1);
+        }
+        tags
+    }
+}
+
+/// A tag of the reduced picture at full size. Where an edge cannot be fitted the search's own corners stay.
+fn fine(found: Found, factor: u32, grey: &GrayImage) -> SeenTag {
+    let f = f64::from(factor);
+    // Pixel 0 of the reduced picture covers pixels 0 to factor − 1.
+    let coarse = found.corners_px.map(|corner| corner.map(|v| (v + 0.5) * f - 0.5));
+    let corners = refine::refine(grey, &coarse, cells_across(found.family)).unwrap_or(coarse);
+    SeenTag::new(found.family, found.id, corners, grey)
+}
+
+/// Means over squares of `factor` × `factor` pixels; a rest at the right and at the bottom is left out.
+fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
+    let (width, height) = (grey.width() / factor, grey.height() / factor);
+    let (f, w) = (factor as usize, width as usize);
+    let stride = grey.width() as usize;
+    let mut bytes = Vec::with_capacity(w * height as usize);
+    let mut sums = vec![0u32; w];
+    for rows in grey.as_raw().chunks_exact(stride * f) {
+        sums.fill(0);
+        for row in rows.chunks_exact(stride) {
+            for (sum, pixels) in sums.iter_mut().zip(row.chunks_exact(f)) {
+                *sum += pixels.iter().map(|p| u32::from(*p)).sum::<u32>();
+            }
+        }
+        let area = factor * factor;
+        bytes.extend(sums.iter().map(|sum| ((sum + area / 2) / area) as u8));
+    }
+    GrayImage::from_raw(width, height, bytes).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reducing_takes_means_and_leaves_the_rest_out() {
+        let picture = GrayImage::from_fn(7, 5, |x, y| image::Luma([(10 * x + y) as u8]));
+        let small = reduced(&picture, 2);
+        assert_eq!(small.dimensions(), (3, 2));
+        assert_eq!(small.as_raw(), &[6, 26, 46, 8, 28, 48]); // 5.5 and so on, rounded up
+    }
+}
