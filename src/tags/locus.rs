@@ -59,6 +59,8 @@ fn locus_family(family: TagFamily) -> Option<LocusFamily> {
     }
 }
 
+/// locus-core counts pixels from the corner of the first pixel, and its tags are OpenCV's: turned by 180°.
 fn corners(d: &locus_core::Detection) -> [[f64; 2]; 4] {
-    d.corners.map(|[x, y]| [x - 0.5, y - 0.5])
+    let [c0, c1, c2, c3] = d.corners.map(|[x, y]| [x - 0.5, y - 0.5]);
+    [c2, c3, c0, c1]
 }

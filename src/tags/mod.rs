@@ -7,6 +7,7 @@ mod border;
 mod choice;
 mod coarse_to_fine;
 mod edge;
+mod inset;
 mod locus;
 mod modules;
 mod refine;

@@ -18,7 +18,7 @@ const MAX_BAND_PX: f64 = 6.0;
 const MIN_BAND_PX: f64 = 1.0;
 
 /// The clean space on either side of an edge is one bit cell; the band keeps this share of it, away from the next cell's blur.
-const BAND_CELLS: f64 = 0.8;
+const BAND_CELLS: f64 = 0.6;
 
 /// Share of a cell left out at the ends of a side, where the neighbouring side's blur mixes in.
 const END_CELLS: f64 = 0.5;
@@ -27,37 +27,45 @@ const END_CELLS: f64 = 0.5;
 const CENTRED_PX: f64 = 0.25;
 const MAX_ROUNDS: usize = 3;
 
-/// The corners, px, moved onto the edges' intersections; `None` when some edge cannot be seen well enough.
-///
-/// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
-pub(super) fn refine(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<[[f64; 2]; 4]> {
-    let mut corners = *corners_px;
-    for _ in 0..MAX_ROUNDS {
-        let refined = once(grey, &corners, cells)?;
-        let moved = |a: &[[f64; 2]; 4]| (0..4).map(|i| distance(a[i], refined[i])).fold(0.0, f64::max);
-        let (step, in_all) = (moved(&corners), moved(corners_px));
-        if in_all > shortest_side(corners_px) / cells {
-            return None;
+/// A tag's four sides as lines: for each, near its first and near its second corner.
+pub(super) struct Outline([(Line, Line); 4]);
+
+impl Outline {
+    /// Where the sides meet once each is moved outwards, px; `None` when two are almost parallel.
+    pub fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
+        let mut corners = [[0.0; 2]; 4];
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let (before, after) = (self.0[(i + 3) % 4].1, self.0[i].0);
+            *corner = before.moved(-outwards_px).meets(&after.moved(-outwards_px))?;
         }
-        corners = refined;
-        if step < CENTRED_PX {
-            break;
-        }
+        Some(corners)
     }
-    Some(corners)
 }
 
-fn once(grey: &GrayImage, corners: &[[f64; 2]; 4], cells: f64) -> Option<[[f64; 2]; 4]> {
+/// The sides fitted to the picture; `None` when one of them cannot be seen well enough.
+///
+/// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
+pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<Outline> {
+    let mut corners = *corners_px;
+    let mut round = 1;
+    loop {
+        let outline = once(grey, &corners, cells)?;
+        let refined = outline.corners(0.0)?;
+        let moved = |a: &[[f64; 2]; 4]| (0..4).map(|i| distance(a[i], refined[i])).fold(0.0, f64::max);
+        if moved(corners_px) > shortest_side(corners_px) / cells {
+            return None;
+        }
+        if moved(&corners) < CENTRED_PX || round == MAX_ROUNDS {
+            return Some(outline);
+        }
+        (corners, round) = (refined, round + 1);
+    }
+}
+
+fn once(grey: &GrayImage, corners: &[[f64; 2]; 4], cells: f64) -> Option<Outline> {
     let square = Square::onto(corners);
-    let mut ends: Vec<(Line, Line)> = Vec::with_capacity(4);
-    for side in 0..4 {
-        ends.push(lines_of_side(grey, corners, side, &square, cells)?);
-    }
-    let mut refined = [[0.0; 2]; 4];
-    for (i, corner) in refined.iter_mut().enumerate() {
-        *corner = ends[(i + 3) % 4].1.meets(&ends[i].0)?;
-    }
-    Some(refined)
+    let side = |side| lines_of_side(grey, corners, side, &square, cells);
+    Some(Outline([side(0)?, side(1)?, side(2)?, side(3)?]))
 }
 
 /// A side's line near its first and near its second corner; the same one when the side is short.
@@ -77,7 +85,7 @@ fn lines_of_side(
     }
     let stretch = |start: f64, end: f64| {
         let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
-        fit(grey, at(start), at(end), band)
+        Stretch::between(at(start), at(end)).fit(grey, band)
     };
     if length <= 2.0 * REACH_PX {
         let line = stretch(skip, length - skip)?;
@@ -90,24 +98,20 @@ fn lines_of_side(
 }
 
 /// How wide the bit cells along a side are across it, px: the smaller of its two ends.
-fn cell_px(square: &Square, side: usize, cells: f64) -> f64 {
-    let c = 1.0 / cells;
-    let inwards = |along: f64| match side {
-        0 => [(along, 0.0), (along, c)],
-        1 => [(1.0, along), (1.0 - c, along)],
-        2 => [(along, 1.0), (along, 1.0 - c)],
-        _ => [(0.0, along), (c, along)],
-    };
-    let across = |along: f64| {
-        let [on, inside] = inwards(along).map(|(u, v)| square.pixel(u, v));
-        let [a, b] = [0.0, 1.0].map(|along| {
-            let [(u, v), _] = inwards(along);
-            square.pixel(u, v)
-        });
-        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+pub(super) fn cell_px(square: &Square, side: usize, cells: f64) -> f64 {
+    let [a, b] = [0.0, 1.0].map(|along| square.pixel_at(side, along, 0.0));
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let across = |on: [f64; 2], along: f64| {
+        let inside = square.pixel_at(side, along, 1.0 / cells);
         ((inside[0] - on[0]) * dy - (inside[1] - on[1]) * dx).abs() / dx.hypot(dy)
     };
-    across(0.0).min(across(1.0))
+    across(a, 0.0).min(across(b, 1.0))
+}
+
+/// How far inwards an edge lies from the line between two points near it, px; `None` when none is seen in the band about it.
+pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
+    let stretch = Stretch::between(from, to);
+    Some(edge::fit(&stretch.samples(grey, band)?, band)?.offset)
 }
 
 /// A line through a point, px.
@@ -118,6 +122,15 @@ struct Line {
 }
 
 impl Line {
+    /// The line moved inwards, px.
+    fn moved(&self, inwards: f64) -> Line {
+        let normal = inward_normal(self.direction);
+        Line {
+            point: [0, 1].map(|k| self.point[k] + inwards * normal[k]),
+            ..*self
+        }
+    }
+
     /// Where two lines cross; `None` when they are almost parallel.
     fn meets(&self, other: &Line) -> Option<[f64; 2]> {
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
@@ -129,49 +142,67 @@ impl Line {
     }
 }
 
-/// The edge between two points near it. The inside of the tag lies to the right of the way from the first to the second.
-fn fit(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<Line> {
-    let length = distance(from, to);
-    let direction = [0, 1].map(|k| (to[k] - from[k]) / length);
-    let middle = [0, 1].map(|k| (to[k] + from[k]) / 2.0);
-    let normal = [-direction[1], direction[0]];
-    let samples = samples(grey, middle, direction, length / 2.0, band)?;
-    let Edge { offset, slope } = edge::fit(&samples, band)?;
-    // The edge is at `offset + slope · along` across the first guess, `along` in half lengths.
-    let turn = slope / (length / 2.0);
-    let norm = turn.hypot(1.0);
-    Some(Line {
-        point: [0, 1].map(|k| middle[k] + offset * normal[k]),
-        direction: [0, 1].map(|k| (direction[k] + turn * normal[k]) / norm),
-    })
+/// The inside of the tag lies to the right of the way from corner to corner: y points down.
+fn inward_normal(direction: [f64; 2]) -> [f64; 2] {
+    [-direction[1], direction[0]]
 }
 
-/// Every pixel of a band about a stretch; `None` when the band leaves the picture.
-fn samples(grey: &GrayImage, middle: [f64; 2], direction: [f64; 2], half: f64, band: f64) -> Option<Vec<Sample>> {
-    // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
-    let (main, other) = if direction[0].abs() >= direction[1].abs() { (0, 1) } else { (1, 0) };
-    let steep = direction[other] / direction[main];
-    let spread = band / direction[main].abs();
-    let reach = half * direction[main].abs();
-    let (first, last) = ((middle[main] - reach).ceil() as i64, (middle[main] + reach).floor() as i64);
-    let mut samples = Vec::with_capacity(((last - first + 1).max(0) as f64 * (2.0 * spread + 1.0)) as usize);
-    let size = [i64::from(grey.width()), i64::from(grey.height())];
-    for m in first..=last {
-        let centre = middle[other] + (m as f64 - middle[main]) * steep;
-        for o in (centre - spread).ceil() as i64..=(centre + spread).floor() as i64 {
-            if m < 0 || o < 0 || m >= size[main] || o >= size[other] {
-                return None;
-            }
-            let (x, y) = if main == 0 { (m, o) } else { (o, m) };
-            let (dx, dy) = (x as f64 - middle[0], y as f64 - middle[1]);
-            samples.push(Sample {
-                along: (dx * direction[0] + dy * direction[1]) / half,
-                across: dy * direction[0] - dx * direction[1],
-                level: grey.get_pixel(x as u32, y as u32).0[0],
-            });
+/// The first guess of an edge.
+struct Stretch {
+    middle: [f64; 2],
+    direction: [f64; 2],
+    half: f64,
+}
+
+impl Stretch {
+    fn between(from: [f64; 2], to: [f64; 2]) -> Stretch {
+        let length = distance(from, to);
+        Stretch {
+            middle: [0, 1].map(|k| (to[k] + from[k]) / 2.0),
+            direction: [0, 1].map(|k| (to[k] - from[k]) / length),
+            half: length / 2.0,
         }
     }
-    Some(samples)
+
+    fn fit(&self, grey: &GrayImage, band: f64) -> Option<Line> {
+        let Edge { offset, slope } = edge::fit(&self.samples(grey, band)?, band)?;
+        let normal = inward_normal(self.direction);
+        let turn = slope / self.half;
+        let norm = turn.hypot(1.0);
+        Some(Line {
+            point: [0, 1].map(|k| self.middle[k] + offset * normal[k]),
+            direction: [0, 1].map(|k| (self.direction[k] + turn * normal[k]) / norm),
+        })
+    }
+
+    /// Every pixel of a band about the stretch; `None` when the band leaves the picture.
+    fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<Sample>> {
+        let Stretch { middle, direction, half } = self;
+        // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
+        let (main, other) = if direction[0].abs() >= direction[1].abs() { (0, 1) } else { (1, 0) };
+        let steep = direction[other] / direction[main];
+        let spread = band / direction[main].abs();
+        let reach = half * direction[main].abs();
+        let size = [f64::from(grey.width()), f64::from(grey.height())];
+        let inside = |axis: usize, extent: f64| middle[axis] >= extent && middle[axis] + extent <= size[axis] - 1.0;
+        if !inside(main, reach) || !inside(other, reach * steep.abs() + spread) {
+            return None; // also when a number is not finite
+        }
+        let mut samples = Vec::new();
+        for m in (middle[main] - reach).ceil() as u32..=(middle[main] + reach).floor() as u32 {
+            let centre = middle[other] + (f64::from(m) - middle[main]) * steep;
+            for o in (centre - spread).ceil() as u32..=(centre + spread).floor() as u32 {
+                let (x, y) = if main == 0 { (m, o) } else { (o, m) };
+                let (dx, dy) = (f64::from(x) - middle[0], f64::from(y) - middle[1]);
+                samples.push(Sample {
+                    along: (dx * direction[0] + dy * direction[1]) / half,
+                    across: dy * direction[0] - dx * direction[1],
+                    level: grey.get_pixel(x, y).0[0],
+                });
+            }
+        }
+        Some(samples)
+    }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

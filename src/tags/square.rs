@@ -39,6 +39,16 @@ impl Square {
             (self.d * u + self.e * v + self.origin[1]) / w,
         ]
     }
+
+    /// The pixel at a share of a side, from its first corner on, and a share of the way across to the opposite side.
+    pub(super) fn pixel_at(&self, side: usize, along: f64, depth: f64) -> [f64; 2] {
+        match side {
+            0 => self.pixel(along, depth),
+            1 => self.pixel(1.0 - depth, along),
+            2 => self.pixel(1.0 - along, 1.0 - depth),
+            _ => self.pixel(depth, 1.0 - along),
+        }
+    }
 }
 
 #[cfg(test)]
