@@ -12,7 +12,7 @@ use crate::locate::{self, Located};
 use crate::photo::Photo;
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
-use crate::tags::{AprilTagC, StartError, TagDetector};
+use crate::tags::{StartError, TagDetector, TagDetectorChoice};
 use crate::workers;
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
@@ -30,6 +30,9 @@ pub struct Args {
     /// Camera file: OpenCV or ROS camera_info YAML.
     #[arg(long)]
     camera: PathBuf,
+    /// What finds the tags: coarse-to-fine, apriltag, aruco, aruco-subpix, aruco-contour, aruco-apriltag or locus.
+    #[arg(long, value_name = "NAME", default_value_t)]
+    tag_detector: TagDetectorChoice,
     /// One JSON object a line instead of a table.
     #[arg(long)]
     json: bool,
@@ -66,7 +69,7 @@ const UNREADABLE: &str = "unreadable";
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
-    let results = locate_all(&args.photos, &scene, &camera)?;
+    let results = locate_all(&args.photos, &scene, &camera, args.tag_detector)?;
     if args.json {
         for (path, result) in args.photos.iter().zip(&results) {
             writeln!(out, "{}", serde_json::to_string(&line(path, result))?)?;
@@ -87,19 +90,24 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 /// Locates every photo of a session and writes the table.
 pub fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
-    let results = locate_all(&photos, &session.scene, &session.camera)?;
+    let results = locate_all(&photos, &session.scene, &session.camera, TagDetectorChoice::default())?;
     write_table(&photos, &results, out)?;
     explain(&photos, &results);
     Ok(())
 }
 
 /// One answer per photo, in their order.
-fn locate_all(photos: &[PathBuf], scene: &Scene, camera: &Camera) -> Result<Vec<Result<Located, NoPose>>, StartError> {
+fn locate_all(
+    photos: &[PathBuf],
+    scene: &Scene,
+    camera: &Camera,
+    tag_detector: TagDetectorChoice,
+) -> Result<Vec<Result<Located, NoPose>>, StartError> {
     let families = scene.families();
     let bar = progress::photos("locating", photos.len());
     let results = workers::map(
         photos,
-        || AprilTagC::new(&families),
+        || tag_detector.open(&families),
         |tags, path| Ok(locate_file(path, tags, scene, camera)),
         || bar.inc(1),
     );
@@ -130,7 +138,7 @@ fn explain(photos: &[PathBuf], results: &[Result<Located, NoPose>]) {
     }
 }
 
-fn locate_file(path: &Path, tags: &mut AprilTagC, scene: &Scene, camera: &Camera) -> Result<Located, NoPose> {
+fn locate_file(path: &Path, tags: &mut dyn TagDetector, scene: &Scene, camera: &Camera) -> Result<Located, NoPose> {
     let photo = Photo::open(path).map_err(|e| NoPose {
         code: UNREADABLE,
         reason: e.to_string(),

@@ -6,14 +6,14 @@ use serde::Serialize;
 
 use crate::detect::SCORE_FLOOR;
 use crate::score::{Contestant, HIT_CONFIDENCE, MATCH_IOU, Scores, Source};
-use crate::tags::AprilTagC;
+use crate::tags::TagDetectorChoice;
 
 #[derive(Serialize)]
 pub(super) struct Provenance {
     pub scaleproof: &'static str,
     pub onnx_runtime: Option<String>,
     pub opencv: String,
-    pub tag_detector: &'static str,
+    pub tag_detector: String,
     pub match_iou: f64,
     pub hit_confidence: f64,
     pub score_floor: f64,
@@ -49,7 +49,7 @@ pub(super) fn of(scores: &Scores) -> Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),
         opencv: opencv::core::get_version_string().unwrap_or_default(),
-        tag_detector: AprilTagC::PROVENANCE,
+        tag_detector: TagDetectorChoice::default().provenance(),
         match_iou: MATCH_IOU,
         hit_confidence: HIT_CONFIDENCE,
         score_floor: SCORE_FLOOR,

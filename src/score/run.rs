@@ -9,7 +9,7 @@ use crate::geometry::BoxPx;
 use crate::locate::{self, Located};
 use crate::photo::Photo;
 use crate::session::{PhotoEntry, Session};
-use crate::tags::{AprilTagC, StartError, TagDetector};
+use crate::tags::{StartError, TagDetector, TagDetectorChoice};
 use crate::workers;
 
 /// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
@@ -74,7 +74,7 @@ pub fn score(
         &jobs,
         || {
             Ok::<_, ScoreError>(Worker {
-                tags: AprilTagC::new(&families)?,
+                tags: TagDetectorChoice::default().open(&families)?,
                 detectors: open(&contestants, runtime)?,
             })
         },
@@ -171,7 +171,7 @@ fn open(contestants: &[Contestant], runtime: Option<&Runtime>) -> Result<Vec<Opt
 
 /// What each thread owns.
 struct Worker {
-    tags: AprilTagC,
+    tags: Box<dyn TagDetector>,
     detectors: Vec<Option<Detector>>,
 }
 

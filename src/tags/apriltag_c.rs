@@ -3,7 +3,7 @@
 use apriltag::{Detection, Detector, DetectorBuilder, Family, Image};
 use image::GrayImage;
 
-use super::{SeenTag, TagDetector, border};
+use super::{SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
 /// More corrected bits than this and noise starts to look like tags.
@@ -18,10 +18,12 @@ pub struct AprilTagC {
     detectors: Vec<(TagFamily, Detector)>,
 }
 
-/// The detector's tables could not be allocated.
-#[derive(Debug, thiserror::Error)]
-#[error("the AprilTag library could not start: {0}")]
-pub struct StartError(String);
+/// A tag as it was found, before its border was looked at.
+pub(super) struct Found {
+    pub family: TagFamily,
+    pub id: u32,
+    pub corners_px: [[f64; 2]; 4],
+}
 
 impl AprilTagC {
     /// A detector for some families.
@@ -32,13 +34,27 @@ impl AprilTagC {
             .collect::<Result<_, _>>()?;
         Ok(AprilTagC { detectors })
     }
+
+    /// The tags with the library's own corners; ghosts are left out.
+    pub(super) fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
+        let Some(image) = c_image(grey) else { return Vec::new() };
+        let mut found = Vec::new();
+        for (family, detector) in &mut self.detectors {
+            let detections = detector.detect(&image);
+            let sure = detections
+                .iter()
+                .filter(|d| d.hamming() <= MAX_HAMMING && d.decision_margin() >= MIN_DECISION_MARGIN);
+            found.extend(sure.filter_map(|d| converted(d, *family)));
+        }
+        found
+    }
 }
 
 fn detector(family: TagFamily) -> Result<Detector, StartError> {
     let mut detector = DetectorBuilder::new()
         .add_family_bits(c_family(family), MAX_HAMMING)
         .build()
-        .map_err(|e| StartError(e.to_string()))?;
+        .map_err(|e| TagDetectorChoice::AprilTagC.failed(e))?;
     detector.set_thread_number(1); // photos are spread over threads instead
     detector.set_decimation(1.0);
     detector.set_refine_edges(true);
@@ -47,16 +63,9 @@ fn detector(family: TagFamily) -> Result<Detector, StartError> {
 
 impl TagDetector for AprilTagC {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
-        let Some(image) = c_image(grey) else { return Vec::new() };
-        let mut found = Vec::new();
-        for (family, detector) in &mut self.detectors {
-            let detections = detector.detect(&image);
-            let sure = detections
-                .iter()
-                .filter(|d| d.hamming() <= MAX_HAMMING && d.decision_margin() >= MIN_DECISION_MARGIN);
-            found.extend(sure.filter_map(|d| seen(d, *family, grey)));
-        }
-        found
+        let found = self.search(grey);
+        let seen = found.into_iter().map(|f| SeenTag::new(f.family, f.id, f.corners_px, grey));
+        seen.collect()
     }
 }
 
@@ -89,25 +98,11 @@ fn c_image(grey: &GrayImage) -> Option<Image> {
 
 /// C AprilTag counts pixels from the *corner* of the first pixel and lists bottom-left, bottom-right, top-right, top-left
 /// (measured on the skyline session: either one left as it is costs 0.7° and 27 mm).
-fn seen(d: &Detection, family: TagFamily, grey: &GrayImage) -> Option<SeenTag> {
+fn converted(d: &Detection, family: TagFamily) -> Option<Found> {
     let [bottom_left, bottom_right, top_right, top_left] = d.corners().map(|[x, y]| [x - 0.5, y - 0.5]);
-    let corners_px = [top_left, top_right, bottom_right, bottom_left];
-    let is_whole = border::is_whole(grey, &corners_px, cells_across(family));
-    Some(SeenTag {
-        id: u32::try_from(d.id()).ok()?,
+    Some(Found {
         family,
-        corners_px,
-        is_whole,
+        id: u32::try_from(d.id()).ok()?,
+        corners_px: [top_left, top_right, bottom_right, bottom_left],
     })
-}
-
-/// Width of the outline the corners lie on, in bit cells (`width_at_border` of the C library).
-fn cells_across(family: TagFamily) -> f64 {
-    match family {
-        TagFamily::Tag16h5 => 6.0,
-        TagFamily::Tag25h9 => 7.0,
-        TagFamily::Tag36h11 => 8.0,
-        TagFamily::TagStandard41h12 => 5.0,
-        TagFamily::TagStandard52h13 => 6.0,
-    }
 }

@@ -1,17 +1,30 @@
 //! Tag detectors: photo in, tag corners out. And the other way: what a tag or marker looks like.
 
 mod apriltag_c;
+mod aruco;
 mod aruco_markers;
 mod border;
+mod choice;
+mod coarse_to_fine;
+mod edge;
+mod inset;
+mod locus;
 mod modules;
+mod refine;
+mod square;
 mod tag_image;
 
 use image::GrayImage;
 
 use crate::scene::TagFamily;
+use square::Square;
 
-pub use apriltag_c::{AprilTagC, StartError};
+pub use apriltag_c::AprilTagC;
+pub use aruco::{ArucoOpenCv, ArucoRefiner};
 pub use aruco_markers::{DictionaryError, MarkerDictionary};
+pub use choice::{StartError, TagDetectorChoice};
+pub use coarse_to_fine::CoarseToFine;
+pub use locus::Locus;
 pub use modules::Modules;
 pub use tag_image::TagImage;
 
@@ -27,8 +40,37 @@ pub struct SeenTag {
     pub is_whole: bool,
 }
 
+impl SeenTag {
+    /// A tag with its corners in this project's order and pixel convention; its border is looked at in the photo.
+    fn new(family: TagFamily, id: u32, corners_px: [[f64; 2]; 4], grey: &GrayImage) -> SeenTag {
+        SeenTag {
+            id,
+            family,
+            corners_px,
+            is_whole: border::is_whole(grey, &corners_px, cells_across(family)),
+        }
+    }
+}
+
 /// Anything that finds tags in a photo.
 pub trait TagDetector {
     /// Every tag of the detector's families, in any order.
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag>;
+}
+
+impl<D: TagDetector + ?Sized> TagDetector for Box<D> {
+    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        (**self).find(grey)
+    }
+}
+
+/// Width of the outline the corners lie on, in bit cells (`width_at_border` of the C library).
+fn cells_across(family: TagFamily) -> f64 {
+    match family {
+        TagFamily::Tag16h5 => 6.0,
+        TagFamily::Tag25h9 => 7.0,
+        TagFamily::Tag36h11 => 8.0,
+        TagFamily::TagStandard41h12 => 5.0,
+        TagFamily::TagStandard52h13 => 6.0,
+    }
 }

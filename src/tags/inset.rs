@@ -1,0 +1,107 @@
+//! By how much all dark areas of a tag look too small (or too large) in a photo.
+//!
+//! Blur mixes light, the camera's tone curve bends it, and an ink spreads on paper: each moves every edge between dark and light
+//! by the same small distance. The ring of cells just inside the outline is one cell wide. Where the cell behind it has the other
+//! tone, its far edge is seen too and moves the other way, so that the ring's width tells the distance, whatever its cause.
+
+use image::GrayImage;
+
+use super::{Modules, Square, TagImage, refine};
+
+/// Below so many pixels a cell, the blur of its other edge moves an edge too.
+const MIN_CELL_PX: f64 = 4.0;
+
+/// Fewer stretches of far edge than this are a guess.
+const MIN_STRETCHES: usize = 4;
+
+/// Share of a cell that is left out where the cells behind the ring change their tone.
+const END_CELLS: f64 = 0.25;
+
+/// Share of a cell kept on either side of the far edge.
+const BAND_CELLS: f64 = 0.5;
+
+/// More than this share of a cell is no blur but another picture.
+const MAX_CELLS: f64 = 0.25;
+
+/// How far, px, the outline was found inside the true one. `None` for a tag that is too small to tell.
+///
+/// `corners_px`: the outline as fitted by [`refine::outline`].
+pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagImage) -> Option<f64> {
+    let cells = tag.border_modules();
+    let n = cells as f64;
+    let square = Square::onto(corners_px);
+    let mut moved = Vec::new();
+    for side in 0..4 {
+        let cell = refine::cell_px(&square, side, n);
+        if cell < MIN_CELL_PX {
+            return None;
+        }
+        for run in runs(&behind_the_ring(tag, side)) {
+            // Both ends are a share of the side, from its first corner on.
+            let at = |along: f64| square.pixel_at(side, along / n, 1.0 / n);
+            let (from, to) = (at(run.0 as f64 + END_CELLS), at(run.1 as f64 - END_CELLS));
+            moved.extend(refine::edge_offset(grey, from, to, BAND_CELLS * cell));
+        }
+    }
+    if moved.len() < MIN_STRETCHES {
+        return None;
+    }
+    moved.sort_by(f64::total_cmp);
+    // The outline lies `inset` inwards, so the far edge is looked for (1 − 2 / n) · inset inwards; it lies `inset` outwards.
+    let inset = -moved[moved.len() / 2] / (2.0 - 2.0 / n);
+    let smallest = (0..4).map(|side| refine::cell_px(&square, side, n)).fold(f64::INFINITY, f64::min);
+    (inset.abs() < MAX_CELLS * smallest).then_some(inset)
+}
+
+/// For each cell along a side: whether the cell behind the ring differs from the ring. The two end cells belong to the ring.
+fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
+    let (modules, n): (&Modules, usize) = (tag.modules(), tag.border_modules());
+    let first = (modules.side() - n) / 2;
+    let at = |along: usize, depth: usize| {
+        let (row, column) = match side {
+            0 => (depth, along),
+            1 => (along, n - 1 - depth),
+            2 => (n - 1 - depth, n - 1 - along),
+            _ => (n - 1 - along, depth),
+        };
+        modules.is_black(first + row, first + column)
+    };
+    (0..n)
+        .map(|along| (1..n - 1).contains(&along) && at(along, 1) != at(along, 0))
+        .collect()
+}
+
+/// The stretches of `true`: first cell and the one after the last.
+fn runs(differs: &[bool]) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (i, _) in differs.iter().enumerate().filter(|(_, differs)| **differs) {
+        match runs.last_mut() {
+            Some(run) if run.1 == i => run.1 = i + 1,
+            _ => runs.push((i, i + 1)),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::TagFamily;
+
+    #[test]
+    fn stretches_are_joined() {
+        assert_eq!(runs(&[false, true, true, false, true, false]), [(1, 3), (4, 5)]);
+        assert_eq!(runs(&[false, false]), []);
+    }
+
+    #[test]
+    fn the_cells_behind_the_ring_are_the_code_s_outer_bits() {
+        // Tag 0 of tag36h11, 0xd5d628584: rows 110101 011101 011000 101000 010110 000100; a set bit is white.
+        let tag = TagImage::new(TagFamily::Tag36h11, 0).unwrap();
+        let white = |side| {
+            let text: String = behind_the_ring(&tag, side).iter().map(|w| if *w { '1' } else { '0' }).collect();
+            text[1..7].to_owned()
+        };
+        assert_eq!([white(0), white(1), white(2), white(3)], ["110101", "110000", "001000", "001001"]);
+    }
+}

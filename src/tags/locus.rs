@@ -1,0 +1,66 @@
+//! The detector of crate `locus-core`.
+
+use image::GrayImage;
+use locus_core::{DetectorBuilder, DetectorConfig, ImageView, TagFamily as LocusFamily};
+
+use super::{SeenTag, StartError, TagDetector, TagDetectorChoice};
+use crate::scene::TagFamily;
+
+/// locus-core with its standard settings, at full size.
+pub struct Locus {
+    /// Its detections do not say which family they belong to, so each family gets a detector.
+    detectors: Vec<(TagFamily, locus_core::Detector)>,
+}
+
+impl Locus {
+    /// A detector for some families.
+    pub fn new(families: &[TagFamily]) -> Result<Locus, StartError> {
+        TagDetectorChoice::Locus.check_families(families)?;
+        let start = |family: LocusFamily| {
+            // Photos are spread over threads instead.
+            let builder = DetectorBuilder::new().with_config(DetectorConfig::default()).with_threads(1);
+            let detector = builder.with_family(family).validated_build();
+            detector.map_err(|e| TagDetectorChoice::Locus.failed(e))
+        };
+        let known = families.iter().filter_map(|family| Some((*family, locus_family(*family)?)));
+        let detectors = known.map(|(family, of_locus)| Ok((family, start(of_locus)?)));
+        Ok(Locus {
+            detectors: detectors.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Whether it knows a family's codes.
+    pub fn reads(family: TagFamily) -> bool {
+        locus_family(family).is_some()
+    }
+}
+
+impl TagDetector for Locus {
+    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        let (width, height) = (grey.width() as usize, grey.height() as usize);
+        let Ok(view) = ImageView::new(grey.as_raw(), width, height, width) else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        for (family, detector) in &mut self.detectors {
+            let Ok(batch) = detector.detect(&view, None, None, false) else { continue };
+            let tags = batch.reassemble_owned();
+            found.extend(tags.iter().map(|d| SeenTag::new(*family, d.id, corners(d), grey)));
+        }
+        found
+    }
+}
+
+fn locus_family(family: TagFamily) -> Option<LocusFamily> {
+    match family {
+        TagFamily::Tag16h5 => Some(LocusFamily::AprilTag16h5),
+        TagFamily::Tag36h11 => Some(LocusFamily::AprilTag36h11),
+        TagFamily::Tag25h9 | TagFamily::TagStandard41h12 | TagFamily::TagStandard52h13 => None,
+    }
+}
+
+/// locus-core counts pixels from the corner of the first pixel, and its tags are OpenCV's: turned by 180°.
+fn corners(d: &locus_core::Detection) -> [[f64; 2]; 4] {
+    let [c0, c1, c2, c3] = d.corners.map(|[x, y]| [x - 0.5, y - 0.5]);
+    [c2, c3, c0, c1]
+}

@@ -1,0 +1,216 @@
+//! Corners to a few hundredths of a pixel: each side's blurred edge is fitted to the full-size picture, neighbours are
+//! intersected.
+//!
+//! Blur mixes *light*, not grey levels. In the sRGB encoding of a JPEG the half-way grey level of a blurred edge is 21 % of
+//! the light, so that a detector that looks for it sees the dark square too small, all round. The fit is therefore made in
+//! linear light.
+
+use image::GrayImage;
+
+use super::Square;
+use super::edge::{self, Edge, Sample};
+
+/// A stretch of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
+const REACH_PX: f64 = 64.0;
+
+/// Half width of the band of pixels about an edge.
+const MAX_BAND_PX: f64 = 6.0;
+const MIN_BAND_PX: f64 = 1.0;
+
+/// The clean space on either side of an edge is one bit cell; the band keeps this share of it, away from the next cell's blur.
+const BAND_CELLS: f64 = 0.6;
+
+/// Share of a cell left out at the ends of a side, where the neighbouring side's blur mixes in.
+const END_CELLS: f64 = 0.5;
+
+/// A fit that moved a corner by more than this is repeated with the band where the edge is.
+const CENTRED_PX: f64 = 0.25;
+const MAX_ROUNDS: usize = 3;
+
+/// A tag's four sides as lines: for each, near its first and near its second corner.
+pub(super) struct Outline([(Line, Line); 4]);
+
+impl Outline {
+    /// Where the sides meet once each is moved outwards, px; `None` when two are almost parallel.
+    pub fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
+        let mut corners = [[0.0; 2]; 4];
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let (before, after) = (self.0[(i + 3) % 4].1, self.0[i].0);
+            *corner = before.moved(-outwards_px).meets(&after.moved(-outwards_px))?;
+        }
+        Some(corners)
+    }
+}
+
+/// The sides fitted to the picture; `None` when one of them cannot be seen well enough.
+///
+/// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
+pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<Outline> {
+    let mut corners = *corners_px;
+    let mut round = 1;
+    loop {
+        let outline = once(grey, &corners, cells)?;
+        let refined = outline.corners(0.0)?;
+        let moved = |a: &[[f64; 2]; 4]| (0..4).map(|i| distance(a[i], refined[i])).fold(0.0, f64::max);
+        if moved(corners_px) > shortest_side(corners_px) / cells {
+            return None;
+        }
+        if moved(&corners) < CENTRED_PX || round == MAX_ROUNDS {
+            return Some(outline);
+        }
+        (corners, round) = (refined, round + 1);
+    }
+}
+
+fn once(grey: &GrayImage, corners: &[[f64; 2]; 4], cells: f64) -> Option<Outline> {
+    let square = Square::onto(corners);
+    let side = |side| lines_of_side(grey, corners, side, &square, cells);
+    Some(Outline([side(0)?, side(1)?, side(2)?, side(3)?]))
+}
+
+/// A side's line near its first and near its second corner; the same one when the side is short.
+fn lines_of_side(
+    grey: &GrayImage,
+    corners: &[[f64; 2]; 4],
+    side: usize,
+    square: &Square,
+    cells: f64,
+) -> Option<(Line, Line)> {
+    let (from, to) = (corners[side], corners[(side + 1) % 4]);
+    let length = distance(from, to);
+    let band = (BAND_CELLS * cell_px(square, side, cells)).min(MAX_BAND_PX);
+    let skip = END_CELLS * length / cells;
+    if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
+        return None;
+    }
+    let stretch = |start: f64, end: f64| {
+        let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
+        Stretch::between(at(start), at(end)).fit(grey, band)
+    };
+    if length <= 2.0 * REACH_PX {
+        let line = stretch(skip, length - skip)?;
+        return Some((line, line));
+    }
+    Some((
+        stretch(skip, skip + REACH_PX)?,
+        stretch(length - skip - REACH_PX, length - skip)?,
+    ))
+}
+
+/// How wide the bit cells along a side are across it, px: the smaller of its two ends.
+pub(super) fn cell_px(square: &Square, side: usize, cells: f64) -> f64 {
+    let [a, b] = [0.0, 1.0].map(|along| square.pixel_at(side, along, 0.0));
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let across = |on: [f64; 2], along: f64| {
+        let inside = square.pixel_at(side, along, 1.0 / cells);
+        ((inside[0] - on[0]) * dy - (inside[1] - on[1]) * dx).abs() / dx.hypot(dy)
+    };
+    across(a, 0.0).min(across(b, 1.0))
+}
+
+/// How far inwards an edge lies from the line between two points near it, px; `None` when none is seen in the band about it.
+pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
+    let stretch = Stretch::between(from, to);
+    Some(edge::fit(&stretch.samples(grey, band)?, band)?.offset)
+}
+
+/// A line through a point, px.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    point: [f64; 2],
+    direction: [f64; 2],
+}
+
+impl Line {
+    /// The line moved inwards, px.
+    fn moved(&self, inwards: f64) -> Line {
+        let normal = inward_normal(self.direction);
+        Line {
+            point: [0, 1].map(|k| self.point[k] + inwards * normal[k]),
+            ..*self
+        }
+    }
+
+    /// Where two lines cross; `None` when they are almost parallel.
+    fn meets(&self, other: &Line) -> Option<[f64; 2]> {
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let sine = cross(self.direction, other.direction);
+        let between = [other.point[0] - self.point[0], other.point[1] - self.point[1]];
+        let along = cross(between, other.direction) / sine;
+        let at = [0, 1].map(|k| self.point[k] + along * self.direction[k]);
+        (sine.abs() > 0.05 && at.iter().all(|v| v.is_finite())).then_some(at)
+    }
+}
+
+/// The inside of the tag lies to the right of the way from corner to corner: y points down.
+fn inward_normal(direction: [f64; 2]) -> [f64; 2] {
+    [-direction[1], direction[0]]
+}
+
+/// The first guess of an edge.
+struct Stretch {
+    middle: [f64; 2],
+    direction: [f64; 2],
+    half: f64,
+}
+
+impl Stretch {
+    fn between(from: [f64; 2], to: [f64; 2]) -> Stretch {
+        let length = distance(from, to);
+        Stretch {
+            middle: [0, 1].map(|k| (to[k] + from[k]) / 2.0),
+            direction: [0, 1].map(|k| (to[k] - from[k]) / length),
+            half: length / 2.0,
+        }
+    }
+
+    fn fit(&self, grey: &GrayImage, band: f64) -> Option<Line> {
+        let Edge { offset, slope } = edge::fit(&self.samples(grey, band)?, band)?;
+        let normal = inward_normal(self.direction);
+        let turn = slope / self.half;
+        let norm = turn.hypot(1.0);
+        Some(Line {
+            point: [0, 1].map(|k| self.middle[k] + offset * normal[k]),
+            direction: [0, 1].map(|k| (self.direction[k] + turn * normal[k]) / norm),
+        })
+    }
+
+    /// Every pixel of a band about the stretch; `None` when the band leaves the picture.
+    fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<Sample>> {
+        let Stretch { middle, direction, half } = self;
+        // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
+        let (main, other) = if direction[0].abs() >= direction[1].abs() { (0, 1) } else { (1, 0) };
+        let steep = direction[other] / direction[main];
+        let spread = band / direction[main].abs();
+        let reach = half * direction[main].abs();
+        let size = [f64::from(grey.width()), f64::from(grey.height())];
+        let inside = |axis: usize, extent: f64| middle[axis] >= extent && middle[axis] + extent <= size[axis] - 1.0;
+        if !inside(main, reach) || !inside(other, reach * steep.abs() + spread) {
+            return None; // also when a number is not finite
+        }
+        let mut samples = Vec::new();
+        for m in (middle[main] - reach).ceil() as u32..=(middle[main] + reach).floor() as u32 {
+            let centre = middle[other] + (f64::from(m) - middle[main]) * steep;
+            for o in (centre - spread).ceil() as u32..=(centre + spread).floor() as u32 {
+                let (x, y) = if main == 0 { (m, o) } else { (o, m) };
+                let (dx, dy) = (f64::from(x) - middle[0], f64::from(y) - middle[1]);
+                samples.push(Sample {
+                    along: (dx * direction[0] + dy * direction[1]) / half,
+                    across: dy * direction[0] - dx * direction[1],
+                    level: grey.get_pixel(x, y).0[0],
+                });
+            }
+        }
+        Some(samples)
+    }
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn shortest_side(corners: &[[f64; 2]; 4]) -> f64 {
+    (0..4)
+        .map(|i| distance(corners[i], corners[(i + 1) % 4]))
+        .fold(f64::INFINITY, f64::min)
+}
