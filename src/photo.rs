@@ -1,5 +1,7 @@
 //! Photos: decoded upright, or refused with the reason. A file is never written back.
 
+mod lens;
+
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +13,8 @@ use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
 use crate::files;
+
+pub use lens::Lens;
 
 /// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
 const MAX_MEGAPIXELS: u64 = 250;
@@ -36,13 +40,17 @@ pub struct Photo {
     pub rgb: RgbImage,
     /// SHA-256 of the file, hex.
     pub sha256: String,
+    /// How far EXIF turned the picture clockwise: 0, 90, 180 or 270. A mirrored picture is mirrored back besides.
+    pub turned_deg: u32,
+    /// What EXIF says about the lens.
+    pub lens: Lens,
 }
 
 impl Photo {
     /// Reads and decodes a JPEG or PNG file, whatever its name says.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read(path)?;
-        let rgb = decode(&bytes).map_err(|problem| match problem {
+        let decoded = decode(&bytes).map_err(|problem| match problem {
             DecodeProblem::NotAPicture => PhotoError::NotAPicture { path: path.to_owned() },
             DecodeProblem::Truncated => PhotoError::Truncated { path: path.to_owned() },
             DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge {
@@ -55,8 +63,10 @@ impl Photo {
             },
         })?;
         Ok(Photo {
-            rgb,
+            rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),
+            turned_deg: decoded.turned_deg,
+            lens: decoded.lens,
         })
     }
 
@@ -86,7 +96,15 @@ enum DecodeProblem {
     Damaged(String),
 }
 
-fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
+/// A picture, upright, and what its EXIF data says.
+#[derive(Debug)]
+struct Decoded {
+    rgb: RgbImage,
+    turned_deg: u32,
+    lens: Lens,
+}
+
+fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => format,
         _ => return Err(DecodeProblem::NotAPicture),
@@ -95,26 +113,46 @@ fn decode(bytes: &[u8]) -> Result<RgbImage, DecodeProblem> {
     if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
         return Err(DecodeProblem::Truncated);
     }
-    let (mut picture, orientation) = match format {
+    let (mut picture, exif) = match format {
         ImageFormat::Jpeg => decode_jpeg(bytes)?,
         _ => decode_png(bytes)?,
     };
+    let orientation = exif.as_deref().and_then(Orientation::from_exif_chunk);
+    let orientation = orientation.unwrap_or(Orientation::NoTransforms);
     picture.apply_orientation(orientation);
-    Ok(picture.into_rgb8())
+    Ok(Decoded {
+        rgb: picture.into_rgb8(),
+        turned_deg: turned_deg(orientation),
+        lens: exif.map(Lens::from_exif).unwrap_or_default(),
+    })
 }
 
-fn decode_png(bytes: &[u8]) -> Result<(DynamicImage, Orientation), DecodeProblem> {
+/// How far the sensor's picture is turned clockwise; mirroring is what software did to it before.
+fn turned_deg(orientation: Orientation) -> u32 {
+    match orientation {
+        Orientation::NoTransforms | Orientation::FlipHorizontal => 0,
+        Orientation::Rotate90 | Orientation::Rotate270FlipH => 90,
+        Orientation::Rotate180 | Orientation::FlipVertical => 180,
+        Orientation::Rotate270 | Orientation::Rotate90FlipH => 270,
+    }
+}
+
+/// A picture as it is stored, and its EXIF data.
+type Stored = (DynamicImage, Option<Vec<u8>>);
+
+fn decode_png(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
     let mut decoder = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png)
         .into_decoder()
         .map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into())?;
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, orientation))
+    // EXIF data that cannot be read is no reason to refuse the picture.
+    let exif = decoder.exif_metadata().ok().flatten();
+    Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, exif))
 }
 
 /// Strictly: by default the decoder fills what damaged data leaves open with grey.
-fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), DecodeProblem> {
+fn decode_jpeg(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
     let options = DecoderOptions::default()
         .set_strict_mode(true)
         .set_max_width(usize::MAX)
@@ -127,8 +165,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), DecodeProble
     let pixels = decoder.decode().map_err(damaged)?;
     let picture =
         RgbImage::from_raw(width as u32, height as u32, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
-    let orientation = decoder.exif().and_then(|exif| Orientation::from_exif_chunk(exif));
-    Ok((picture.into(), orientation.unwrap_or(Orientation::NoTransforms)))
+    Ok((picture.into(), decoder.exif().map(|exif| exif.to_vec())))
 }
 
 fn check_size(width: u64, height: u64) -> Result<(), DecodeProblem> {
@@ -201,9 +238,9 @@ mod tests {
     #[test]
     fn a_whole_jpeg_decodes_and_trailing_bytes_do_not_matter() {
         let mut bytes = small_jpeg();
-        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+        assert_eq!(decode(&bytes).unwrap().rgb.dimensions(), (64, 48));
         bytes.extend_from_slice(b"motion photo video");
-        assert_eq!(decode(&bytes).unwrap().dimensions(), (64, 48));
+        assert_eq!(decode(&bytes).unwrap().rgb.dimensions(), (64, 48));
     }
 
     #[test]

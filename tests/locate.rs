@@ -182,7 +182,7 @@ fn bad_scene_and_camera_files_are_one_sentence_each() {
     assert_refused(&locate(&photo, &camera, &camera, &[]), &["camera.yaml, line 1"]);
     assert_refused(
         &locate(&photo, &scene, &scene, &[]),
-        &["scene.toml", "not an OpenCV or ROS camera file"],
+        &["scene.toml", "not a camera file"],
     );
 }
 

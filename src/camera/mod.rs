@@ -1,11 +1,24 @@
 //! The camera: pinhole and Brown–Conrady distortion, in OpenCV's conventions.
 
+mod fit;
+mod format;
+mod guess;
+mod kalibr;
+mod marks;
+mod mrcal;
 mod opencv_yaml;
+mod ros_yaml;
+mod yaml;
+
+use std::path::PathBuf;
 
 use nalgebra::Point3;
 
 use crate::files;
-use std::path::PathBuf;
+
+pub use fit::{Fitted, SizeError};
+pub use format::Format;
+pub use guess::{Guess, GuessError};
 
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +27,8 @@ pub enum CameraError {
     File(#[from] files::FileError),
     #[error("{path}: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
+    #[error("the camera cannot be written as {format}: {reason}")]
+    NotInFormat { format: &'static str, reason: String },
 }
 
 /// Intrinsics of one camera at one picture size. Pixel (0, 0) is the *centre* of the top-left pixel.
@@ -28,6 +43,10 @@ pub struct Camera {
     pub cx: f64,
     pub cy: f64,
     distortion: Distortion,
+    /// Present when the focal length was guessed instead of measured.
+    pub guess: Option<Guess>,
+    /// One standard deviation of fx, fy, cx, cy in pixels, where a calibration knows it.
+    pub sigma_px: Option<[f64; 4]>,
 }
 
 /// Brown–Conrady coefficients in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6; those not given are 0.
@@ -51,6 +70,8 @@ impl Camera {
             cx,
             cy,
             distortion: Distortion::new([0.0; 8]),
+            guess: None,
+            sigma_px: None,
         }
     }
 
@@ -67,6 +88,44 @@ impl Camera {
     /// k1, k2, p1, p2, k3, k4, k5, k6.
     pub fn distortion(&self) -> &[f64; 8] {
         &self.distortion.coefficients
+    }
+
+    /// The first coefficients, in the smallest of some numbers (ascending, the last one 8) that leaves out none but zeros.
+    fn needed_coefficients(&self, counts: &[usize]) -> &[f64] {
+        let all = self.distortion().as_slice();
+        let enough = counts.iter().find(|n| all[**n..].iter().all(|v| *v == 0.0));
+        &all[..enough.copied().unwrap_or(all.len())]
+    }
+
+    /// Refuses numbers that no camera has: a file of something else, or one whose decimal commas became list commas.
+    fn check(&self) -> Result<(), String> {
+        let Camera { fx, fy, cx, cy, .. } = *self;
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        let larger = width.max(height);
+        if !(1.0..=100_000.0).contains(&width.min(height)) || larger > 100_000.0 {
+            let (width, height) = (self.width, self.height);
+            return Err(format!(
+                "the picture size {width}×{height} must lie between 1 and 100000 pixels a side"
+            ));
+        }
+        // 169 to 0.6 degrees across.
+        let is_focal = |f: f64| (0.05 * larger..=100.0 * larger).contains(&f);
+        if !is_focal(fx) || !is_focal(fy) {
+            return Err(format!(
+                "the focal lengths fx {fx} and fy {fy} must lie between {} and {} px for this picture size",
+                0.05 * larger,
+                100.0 * larger
+            ));
+        }
+        let is_inside = |c: f64, side: f64| (-side..=2.0 * side).contains(&c);
+        if !is_inside(cx, width) || !is_inside(cy, height) {
+            return Err(format!("the principal point ({cx}, {cy}) lies far outside the picture"));
+        }
+        // Long lenses have small radii and large coefficients; this only keeps numbers that overflow away.
+        match self.distortion().iter().find(|k| !(k.abs() <= 1e9)) {
+            Some(k) => Err(format!("the distortion coefficient {k} is no finite number below 1e9")),
+            None => Ok(()),
+        }
     }
 
     /// The pixel of a point in the camera frame (mm, x right, y down, z forward). `None` behind the camera and where the

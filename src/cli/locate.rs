@@ -1,14 +1,15 @@
 //! `scaleproof locate`: where did the camera stand in these photos?
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, progress};
-use crate::camera::Camera;
+use crate::camera::{Camera, Fitted};
 use crate::geometry::rigid;
-use crate::locate::{self, Located};
+use crate::locate::{self, Abstention, Located};
 use crate::photo::Photo;
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
@@ -27,7 +28,7 @@ pub struct Args {
     /// What stands on the table: scene.toml.
     #[arg(long)]
     scene: PathBuf,
-    /// Camera file: OpenCV or ROS camera_info YAML.
+    /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal; see `scaleproof camera`.
     #[arg(long)]
     camera: PathBuf,
     /// What finds the tags: coarse-to-fine, apriltag, aruco, aruco-subpix, aruco-contour, aruco-apriltag or locus.
@@ -56,6 +57,18 @@ struct Line {
     ignored_tags: Vec<u32>,
     rms_px: Option<f64>,
     T_camera_model: Option<[[f64; 4]; 4]>,
+    /// Photo width by camera file width.
+    camera_scale: Option<f64>,
+    /// Clockwise, with the photo, as EXIF says.
+    camera_turned_deg: Option<u32>,
+    /// What to know before believing the pose, as sentences.
+    cautions: Vec<String>,
+}
+
+/// A photo with a pose, and the camera it was found with.
+struct Found {
+    located: Located,
+    fitted: Fitted,
 }
 
 /// A photo without a pose: the word for programs and the sentence.
@@ -102,7 +115,7 @@ fn locate_all(
     scene: &Scene,
     camera: &Camera,
     tag_detector: TagDetectorChoice,
-) -> Result<Vec<Result<Located, NoPose>>, StartError> {
+) -> Result<Vec<Result<Found, NoPose>>, StartError> {
     let families = scene.families();
     let bar = progress::photos("locating", photos.len());
     let results = workers::map(
@@ -115,7 +128,7 @@ fn locate_all(
     results
 }
 
-fn write_table(photos: &[PathBuf], results: &[Result<Located, NoPose>], out: &mut dyn Write) -> std::io::Result<()> {
+fn write_table(photos: &[PathBuf], results: &[Result<Found, NoPose>], out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "{}", heading())?;
     photos
         .iter()
@@ -123,8 +136,8 @@ fn write_table(photos: &[PathBuf], results: &[Result<Located, NoPose>], out: &mu
         .try_for_each(|(path, result)| writeln!(out, "{}", row(path, result)))
 }
 
-/// Says on standard error why photos got no pose.
-fn explain(photos: &[PathBuf], results: &[Result<Located, NoPose>]) {
+/// Says on standard error why photos got no pose, and once each what to know before believing the others'.
+fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
     for (path, no_pose) in photos
         .iter()
         .zip(results)
@@ -136,23 +149,35 @@ fn explain(photos: &[PathBuf], results: &[Result<Located, NoPose>]) {
             _ => eprintln!("no pose for {}: {}", path.display(), no_pose.reason),
         }
     }
+    let cautions: BTreeSet<String> = results
+        .iter()
+        .flatten()
+        .flat_map(|found| found.fitted.cautions())
+        .collect();
+    cautions.iter().for_each(|caution| eprintln!("note: {caution}"));
 }
 
-fn locate_file(path: &Path, tags: &mut dyn TagDetector, scene: &Scene, camera: &Camera) -> Result<Located, NoPose> {
+fn locate_file(path: &Path, tags: &mut dyn TagDetector, scene: &Scene, camera: &Camera) -> Result<Found, NoPose> {
     let photo = Photo::open(path).map_err(|e| NoPose {
         code: UNREADABLE,
         reason: e.to_string(),
     })?;
-    locate::check_size(photo.width(), photo.height(), camera)
-        .and_then(|()| locate::locate(&tags.find(&photo.grey()), scene, camera))
+    let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg);
+    fitted
+        .map_err(Abstention::from)
+        .and_then(|fitted| {
+            let located = locate::locate(&tags.find(&photo.grey()), scene, &fitted.camera)?;
+            Ok(Found { located, fitted })
+        })
         .map_err(|e| NoPose {
             code: e.code(),
             reason: e.to_string(),
         })
 }
 
-fn line(path: &Path, result: &Result<Located, NoPose>) -> Line {
+fn line(path: &Path, result: &Result<Found, NoPose>) -> Line {
     let (found, no_pose) = (result.as_ref().ok(), result.as_ref().err());
+    let (found, fitted) = (found.map(|f| &f.located), found.map(|f| &f.fitted));
     Line {
         file: path.display().to_string(),
         status: if found.is_some() { "located" } else { "abstained" },
@@ -166,6 +191,9 @@ fn line(path: &Path, result: &Result<Located, NoPose>) -> Line {
         ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),
         rms_px: found.map(|l| l.rms_px),
         T_camera_model: found.map(|l| rigid::rows(&l.pose)),
+        camera_scale: fitted.map(|f| f.scale),
+        camera_turned_deg: fitted.map(|f| f.turned_deg),
+        cautions: fitted.map(Fitted::cautions).unwrap_or_default(),
     }
 }
 
@@ -176,10 +204,10 @@ fn heading() -> String {
     )
 }
 
-fn row(path: &Path, result: &Result<Located, NoPose>) -> String {
+fn row(path: &Path, result: &Result<Found, NoPose>) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     match result {
-        Ok(l) => {
+        Ok(Found { located: l, .. }) => {
             let (v, b) = (&l.viewpoint, &l.bin);
             let bin = format!("{}°/{}°/{} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm);
             format!(

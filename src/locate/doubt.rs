@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{Candidate, Match, difference};
-use crate::camera::Camera;
+use crate::camera::{Camera, SizeError};
 
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -41,15 +41,8 @@ pub enum Abstention {
         "two poses explain the {tags} visible tags almost equally well (residuals {best_px:.2} and {rival_px:.2} px): let more tags be seen"
     )]
     RivalPose { tags: usize, best_px: f64, rival_px: f64 },
-    #[error(
-        "the photo is {width}×{height} but the camera file is for {camera_width}×{camera_height}: use the original photo, or calibrate at this size"
-    )]
-    WrongCameraSize {
-        width: u32,
-        height: u32,
-        camera_width: u32,
-        camera_height: u32,
-    },
+    #[error(transparent)]
+    WrongCameraSize(#[from] SizeError),
 }
 
 impl Abstention {

@@ -82,20 +82,6 @@ pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Locate
     Ok(located(best, scene, &matches, ignored_tags))
 }
 
-/// Refuses a photo of another size than the camera was calibrated for: focal length and centre would be wrong.
-pub fn check_size(width: u32, height: u32, camera: &Camera) -> Result<(), Abstention> {
-    if (width, height) == (camera.width, camera.height) {
-        Ok(())
-    } else {
-        Err(Abstention::WrongCameraSize {
-            width,
-            height,
-            camera_width: camera.width,
-            camera_height: camera.height,
-        })
-    }
-}
-
 fn located(best: Candidate, scene: &Scene, matches: &[Match], ignored_tags: Vec<u32>) -> Located {
     let centre = best.pose.inverse() * Point3::origin();
     let viewpoint = Viewpoint::of_camera(centre, scene.model.target_mm());

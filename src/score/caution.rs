@@ -13,6 +13,8 @@ pub(super) fn cautions(photos: &[ScoredPhoto], not_scored: &[NotScored], session
     cautions.extend(uneven_directions(photos));
     cautions.extend(left_out(not_scored));
     cautions.extend(several_models(sessions));
+    cautions.extend(guessed_cameras(photos, sessions));
+    cautions.extend(other_sizes(photos, sessions));
     cautions
 }
 
@@ -80,4 +82,37 @@ fn several_models(sessions: &[Session]) -> Option<String> {
         .collect();
     let list = models.iter().cloned().collect::<Vec<_>>().join(", ");
     (models.len() > 1).then(|| format!("the sessions show different models, pooled in every figure: {list}"))
+}
+
+/// The photos of a session that were placed by its camera, with their session.
+fn placed_by_camera<'a>(
+    photos: &'a [ScoredPhoto],
+    sessions: &'a [Session],
+) -> impl Iterator<Item = (&'a ScoredPhoto, &'a Session)> {
+    let placed = photos.iter().filter(|p| p.rms_px.is_some());
+    placed.filter_map(|p| Some((p, sessions.get(p.session)?)))
+}
+
+fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<String> {
+    let guessed = placed_by_camera(photos, sessions).filter_map(|(_, s)| Some((s, s.camera.guess?)));
+    guessed
+        .map(|(s, guess)| format!("{}: {}", s.name, guess.caution()))
+        .collect()
+}
+
+/// A photo of another size than the camera file's was taken for the whole picture, made smaller or larger.
+fn other_sizes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
+    let is_other = |p: &ScoredPhoto, s: &Session| {
+        let own = [s.camera.width, s.camera.height];
+        own != [p.width, p.height] && own != [p.height, p.width]
+    };
+    let count = placed_by_camera(photos, sessions)
+        .filter(|(p, s)| is_other(p, s))
+        .count();
+    (count > 0).then(|| {
+        format!(
+            "{count} photos have another size than their camera file, which was scaled for them: right for pictures made smaller or larger as a \
+             whole, wrong for pictures cut out of larger ones"
+        )
+    })
 }

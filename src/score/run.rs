@@ -6,7 +6,7 @@ use image::imageops::{self, FilterType};
 use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary, truth};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
-use crate::locate::{self, Located};
+use crate::locate::{self, Abstention, Located};
 use crate::photo::Photo;
 use crate::session::{PhotoEntry, Session};
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
@@ -215,15 +215,18 @@ impl Worker {
         if let (Some(truth), Some(_)) = (given, job.entry.viewpoint) {
             return Ok(Place { located: None, truth });
         }
-        let located = locate::check_size(photo.width(), photo.height(), camera)
-            .and_then(|()| locate::locate(&self.tags.find(&photo.grey()), scene, camera));
+        let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg);
+        let located = fitted.map_err(Abstention::from).and_then(|fitted| {
+            let located = locate::locate(&self.tags.find(&photo.grey()), scene, &fitted.camera)?;
+            Ok((located, fitted.camera))
+        });
         match (located, given) {
             (located, Some(truth)) => Ok(Place {
-                located: located.ok(),
+                located: located.ok().map(|(located, _)| located),
                 truth,
             }),
-            (Ok(located), None) => {
-                let truth = truth::box_from_pose(&scene.model, &located.pose, camera).map_err(|e| e.to_string())?;
+            (Ok((located, camera)), None) => {
+                let truth = truth::box_from_pose(&scene.model, &located.pose, &camera).map_err(|e| e.to_string())?;
                 Ok(Place {
                     located: Some(located),
                     truth,

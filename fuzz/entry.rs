@@ -1,0 +1,113 @@
+//! One function per parser of user files: any bytes in, no panic. The fuzz targets and `tests/parsers.rs` call the same ones.
+#![allow(dead_code)] // each target uses its part
+
+use std::path::{Path, PathBuf};
+
+use scaleproof::camera::{Camera, Format};
+use scaleproof::detect::{Manifest, Recorded};
+use scaleproof::files::sha256_hex;
+use scaleproof::pattern::Pattern;
+use scaleproof::photo::Photo;
+use scaleproof::print::board::Definition;
+use scaleproof::print::printer::Printer;
+use scaleproof::scene::Scene;
+use scaleproof::session::Session;
+
+/// Camera files: what is read can be written, and reads back as the same camera.
+pub fn camera(bytes: &[u8]) {
+    let Some(camera) = text(bytes).and_then(|t| Camera::parse(t, Path::new("camera")).ok()) else {
+        return;
+    };
+    for (format, name) in Format::ALL {
+        let Ok(written) = camera.write(format) else { continue };
+        let again = Camera::parse(&written, Path::new(name)).expect("what was written can be read");
+        assert_eq!(again, camera, "{written}");
+    }
+    let _ = Camera::guessed(camera.width, camera.height, &Default::default());
+    let _ = camera.for_photo(640, 480, 90);
+}
+
+pub fn scene(bytes: &[u8]) {
+    let Some(scene) = text(bytes).and_then(|t| Scene::parse(t, Path::new("scene.toml")).ok()) else {
+        return;
+    };
+    let _ = scene.to_toml();
+}
+
+pub fn session(bytes: &[u8]) {
+    let folder = folder();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let stored = [root.join("captures/skyline"), root.join("../captures/skyline")];
+    if let (Some(stored), false) = (stored.iter().find(|f| f.exists()), folder.join("scene.toml").exists()) {
+        for name in ["scene.toml", "camera.yaml"] {
+            std::fs::copy(stored.join(name), folder.join(name)).expect("the stored session is there");
+        }
+    }
+    let _ = Session::open(&file("session.json", bytes));
+}
+
+pub fn pattern(bytes: &[u8]) {
+    let _ = Pattern::load(&file("pattern.png", bytes));
+}
+
+pub fn printer(bytes: &[u8]) {
+    if let Ok(printer) = Printer::load(&file("printer.toml", bytes)) {
+        let _ = printer.to_toml();
+    }
+}
+
+pub fn manifest(bytes: &[u8]) {
+    let _ = text(bytes).map(|t| Manifest::parse(t, "detector.toml"));
+}
+
+pub fn board(bytes: &[u8]) {
+    let _ = text(bytes).map(toml::from_str::<Definition>);
+}
+
+pub fn photo(bytes: &[u8]) {
+    if let Ok(photo) = Photo::open(&file("photo", bytes)) {
+        let _ = Camera::guessed(photo.width(), photo.height(), &photo.lens);
+    }
+}
+
+/// Both files of a recording: COCO results with a provenance that fits them, and a provenance.
+pub fn recording(bytes: &[u8]) {
+    let manifest = Manifest::all()
+        .ok()
+        .and_then(|all| all.into_iter().next())
+        .expect("the program knows detectors");
+    let provenance = serde_json::json!({
+        "detector": manifest.name,
+        "weights_sha256": manifest.weights.sha256,
+        "results_sha256": sha256_hex(bytes),
+        "scaleproof": "0.1.0",
+        "runtime": "",
+        "score_floor": 0.001,
+        "photos": [{"id": 1, "file": "a.jpg", "sha256": "0a"}],
+    });
+    let results = file(&format!("{}.json", manifest.name), bytes);
+    let provenance_name = format!("{}.provenance.json", manifest.name);
+    file(&provenance_name, provenance.to_string().as_bytes());
+    let folder = results.parent().expect("it lies in a folder");
+    let _ = Recorded::open(folder, &manifest).map(|r| r.of_photo("0a").map(<[_]>::len));
+    file(&provenance_name, bytes);
+    let _ = Recorded::open(folder, &manifest);
+}
+
+fn text(bytes: &[u8]) -> Option<&str> {
+    std::str::from_utf8(bytes).ok()
+}
+
+/// A folder of this process.
+fn folder() -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("scaleproof-parsers-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary folder takes files");
+    folder
+}
+
+/// Some bytes as a file.
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder().join(name);
+    std::fs::write(&path, bytes).expect("the temporary folder takes files");
+    path
+}

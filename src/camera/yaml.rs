@@ -1,0 +1,80 @@
+//! What the YAML formats share: parsing with a one-line reason, numbers that every reader takes, matrices.
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+/// A matrix as OpenCV and ROS write it, row by row.
+#[derive(Deserialize)]
+pub(super) struct Matrix {
+    rows: usize,
+    cols: usize,
+    data: Vec<f64>,
+}
+
+/// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is no YAML directive, and its tag
+/// for matrices, which only OpenCV knows, are passed over.
+pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &str) -> Result<T, String> {
+    let body = match text.split_once('\n') {
+        Some((first, rest)) if first.starts_with("%YAML") => rest,
+        _ => text,
+    };
+    serde_saphyr::from_str(&body.replace("!!opencv-matrix", "")).map_err(|e| {
+        let reason = e.to_string();
+        format!("not {what}: {}", plain_reason(&reason))
+    })
+}
+
+/// The first line of what the parser says, without its own "error: line …" frame.
+fn plain_reason(reason: &str) -> &str {
+    let line = reason.lines().next().unwrap_or_default();
+    line.split_once("column ")
+        .map_or(line, |(_, rest)| rest.split_once(": ").map_or(rest, |(_, what)| what))
+}
+
+impl Matrix {
+    /// The numbers, as many as rows and columns say.
+    pub(super) fn numbers(self, name: &str) -> Result<Vec<f64>, String> {
+        if self.rows.checked_mul(self.cols) != Some(self.data.len()) {
+            let (rows, cols, found) = (self.rows, self.cols, self.data.len());
+            return Err(format!("{name} says {rows} × {cols} but has {found} numbers"));
+        }
+        Ok(self.data)
+    }
+
+    /// fx, fy, cx, cy of a camera matrix [fx 0 cx; 0 fy cy; 0 0 1].
+    pub(super) fn intrinsics(self, name: &str) -> Result<[f64; 4], String> {
+        match self.numbers(name)?[..] {
+            [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] => Ok([fx, fy, cx, cy]),
+            _ => Err(format!("{name} must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3")),
+        }
+    }
+}
+
+/// Numbers between commas. Each reads back as the same value, and has a point and a signed exponent: without them YAML 1.1
+/// readers (PyYAML, behind ROS and Kalibr) take 1e-7 for a word.
+pub(super) fn list(numbers: &[f64]) -> String {
+    numbers.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", ")
+}
+
+fn number(value: f64) -> String {
+    let text = format!("{value:?}");
+    let Some((mantissa, exponent)) = text.split_once('e') else {
+        return text;
+    };
+    let point = if mantissa.contains('.') { "" } else { ".0" };
+    let sign = if exponent.starts_with('-') { "" } else { "+" };
+    format!("{mantissa}{point}e{sign}{exponent}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_a_point_and_a_signed_exponent() {
+        assert_eq!(
+            list(&[1180.0, 1e-7, -2.5e-9, 1e20, 0.1]),
+            "1180.0, 1.0e-7, -2.5e-9, 1.0e+20, 0.1"
+        );
+    }
+}

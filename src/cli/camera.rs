@@ -1,0 +1,167 @@
+//! `scaleproof camera`: convert a camera file, show what one says, guess one from a photo.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{Subcommand, ValueEnum};
+
+use super::{CommandResult, Outcome};
+use crate::camera::{Camera, Format};
+use crate::files;
+use crate::photo::Photo;
+
+/// Convert, show and guess camera files
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Write a camera file in another format; the projection stays the same
+    Convert(ConvertArgs),
+    /// Say in words what a camera file says: picture size, fields of view, focal length, lens model
+    Show(ShowArgs),
+    /// Guess a camera from the EXIF data of a photo, with how far it may be off
+    Guess(GuessArgs),
+}
+
+#[derive(clap::Args)]
+struct ConvertArgs {
+    /// Camera file: YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal
+    input: PathBuf,
+    /// The camera file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Its format; not needed for a name that ends in .cameramodel
+    #[arg(long, value_enum)]
+    format: Option<FormatName>,
+}
+
+#[derive(clap::Args)]
+struct ShowArgs {
+    /// Camera file of any format
+    file: PathBuf,
+}
+
+#[derive(clap::Args)]
+struct GuessArgs {
+    /// A photo straight from the camera (JPEG or PNG with EXIF data)
+    photo: PathBuf,
+    /// The camera file to write (OpenCV YAML); without it the guess is only shown
+    #[arg(short, long, value_name = "YAML")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FormatName {
+    Opencv,
+    Ros,
+    Kalibr,
+    Mrcal,
+}
+
+impl FormatName {
+    fn format(self) -> Format {
+        match self {
+            FormatName::Opencv => Format::OpenCv,
+            FormatName::Ros => Format::Ros,
+            FormatName::Kalibr => Format::Kalibr,
+            FormatName::Mrcal => Format::Mrcal,
+        }
+    }
+}
+
+/// Runs `scaleproof camera …`.
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match args.what {
+        What::Convert(args) => convert(&args, out)?,
+        What::Show(args) => show(&Camera::open(&args.file)?, out)?,
+        What::Guess(args) => guess(&args, out)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+    let ends_in_cameramodel = args.output.extension().is_some_and(|e| e == "cameramodel");
+    let format = match args.format {
+        Some(name) => name.format(),
+        None if ends_in_cameramodel => Format::Mrcal,
+        None => {
+            let name = args.output.display();
+            return Err(format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal").into());
+        }
+    };
+    let camera = Camera::open(&args.input)?;
+    let text = camera.write(format)?;
+    save(&args.output, &text, &args.input)?;
+    writeln!(out, "{}: {} format", args.output.display(), format.name())?;
+    Ok(())
+}
+
+/// Writes a file that is not the one it was made from.
+fn save(path: &Path, text: &str, made_from: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let same = path
+        .canonicalize()
+        .is_ok_and(|p| made_from.canonicalize().is_ok_and(|m| m == p));
+    if same {
+        return Err(format!("{} is the input: give the output another name", path.display()).into());
+    }
+    Ok(files::write_atomically(path, text.as_bytes())?)
+}
+
+fn show(camera: &Camera, out: &mut dyn Write) -> std::io::Result<()> {
+    let field_deg = |side: u32, focal: f64| 2.0 * (f64::from(side) / 2.0 / focal).atan().to_degrees();
+    writeln!(out, "picture          {} × {} px", camera.width, camera.height)?;
+    writeln!(out, "focal length     fx {:.2}, fy {:.2} px", camera.fx, camera.fy)?;
+    writeln!(out, "principal point  {:.2}, {:.2} px", camera.cx, camera.cy)?;
+    if let Some([fx, fy, cx, cy]) = camera.sigma_px {
+        writeln!(
+            out,
+            "± one sigma      fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px"
+        )?;
+    }
+    writeln!(
+        out,
+        "field of view    {:.1}° × {:.1}°, without distortion",
+        field_deg(camera.width, camera.fx),
+        field_deg(camera.height, camera.fy)
+    )?;
+    writeln!(out, "lens model       {}", lens_model(camera))?;
+    if let Some(guess) = camera.guess {
+        writeln!(
+            out,
+            "guessed          focal length ± {:.1} %, so distances ± {:.1} %, azimuths about {:.2}° off",
+            guess.focal_percent,
+            guess.distance_percent(),
+            guess.azimuth_deg()
+        )?;
+    }
+    Ok(())
+}
+
+/// The coefficients that are not zero, by name.
+fn lens_model(camera: &Camera) -> String {
+    let names = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
+    let named = names
+        .iter()
+        .zip(camera.distortion())
+        .filter(|(_, value)| **value != 0.0);
+    let terms: Vec<String> = named.map(|(name, value)| format!("{name} {value}")).collect();
+    match terms.is_empty() {
+        true => "pinhole without distortion".into(),
+        false => format!("Brown–Conrady with {}", terms.join(", ")),
+    }
+}
+
+fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+    let photo = Photo::open(&args.photo)?;
+    let camera = Camera::guessed(photo.width(), photo.height(), &photo.lens)
+        .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
+    if let Some(path) = &args.output {
+        save(path, &camera.write(Format::OpenCv)?, &args.photo)?;
+    }
+    show(&camera, out)?;
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! What a photo's EXIF data says about the lens it was taken with.
+
+use exif::{In, Reader, Tag, Value};
+
+/// The tags a focal length in pixels can be made from; all absent when there is no EXIF data. Nothing is checked: cameras
+/// write strange numbers.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Lens {
+    /// FocalLengthIn35mmFilm.
+    pub equivalent_35_mm: Option<f64>,
+    /// FocalLength.
+    pub focal_mm: Option<f64>,
+    /// FocalPlaneXResolution with its unit.
+    pub sensor_px_per_mm: Option<f64>,
+    /// DigitalZoomRatio.
+    pub digital_zoom: Option<f64>,
+    /// PixelXDimension and PixelYDimension: the size as the camera recorded it.
+    pub recorded_px: Option<(u32, u32)>,
+}
+
+impl Lens {
+    /// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure). Empty when it is damaged.
+    pub(super) fn from_exif(block: Vec<u8>) -> Lens {
+        let Ok(exif) = Reader::new().read_raw(block) else {
+            return Lens::default();
+        };
+        let value = |tag| exif.get_field(tag, In::PRIMARY).map(|field| &field.value);
+        let number = |tag| value(tag).and_then(first).filter(|v: &f64| v.is_finite());
+        let integer = |tag| value(tag).and_then(|v| v.get_uint(0));
+        // FocalPlaneResolutionUnit: 2 inch (the default), 3 centimetre; some write 4 and 5 for mm and µm.
+        let unit_mm = match integer(Tag::FocalPlaneResolutionUnit) {
+            None | Some(2) => Some(25.4),
+            Some(3) => Some(10.0),
+            Some(4) => Some(1.0),
+            Some(5) => Some(0.001),
+            Some(_) => None,
+        };
+        let per_unit = number(Tag::FocalPlaneXResolution);
+        Lens {
+            equivalent_35_mm: number(Tag::FocalLengthIn35mmFilm),
+            focal_mm: number(Tag::FocalLength),
+            sensor_px_per_mm: per_unit.zip(unit_mm).map(|(per_unit, unit_mm)| per_unit / unit_mm),
+            digital_zoom: number(Tag::DigitalZoomRatio),
+            recorded_px: integer(Tag::PixelXDimension).zip(integer(Tag::PixelYDimension)),
+        }
+    }
+}
+
+/// The first number of a value; `None` for text and for no number at all.
+fn first(value: &Value) -> Option<f64> {
+    match value {
+        Value::Rational(all) => all.first().map(|r| r.to_f64()),
+        other => other.get_uint(0).map(f64::from),
+    }
+}

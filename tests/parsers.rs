@@ -1,0 +1,132 @@
+//! Every parser of user files on the fuzzing corpus and on damaged copies of it: an answer or an error, never a panic.
+
+#[path = "../fuzz/entry.rs"]
+mod entry;
+
+use std::path::Path;
+
+use rand::rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg32;
+
+/// Damaged copies of each corpus file.
+const COPIES: usize = 200;
+
+/// The files of a corpus, in the order of their names.
+fn corpus(name: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+}
+
+/// Cut, overwritten, with a part twice or left out, or with another file's part, as chance says.
+fn damaged(file: &[u8], other: &[u8], random: &mut Pcg32) -> Vec<u8> {
+    let mut copy = file.to_vec();
+    let mut below = |limit: usize| random.next_u32() as usize % limit.max(1);
+    for _ in 0..=below(4) {
+        let (from, length) = (below(copy.len()), below(16));
+        let to = (from + length).min(copy.len());
+        let part = copy[from..to].to_vec();
+        match below(6) {
+            0 => copy.truncate(from),
+            1 => drop(copy.splice(from..to, [])),
+            2 => drop(copy.splice(from..from, part)),
+            3 => copy[from..to].iter_mut().for_each(|b| *b = below(256) as u8),
+            4 => {
+                let at = below(other.len());
+                let piece = &other[at..(at + length).min(other.len())];
+                drop(copy.splice(from..to, piece.iter().copied()));
+            }
+            _ => {
+                let words = [
+                    "nan",
+                    "-1",
+                    "1e999",
+                    "99999999999999999999",
+                    "\"",
+                    "[",
+                    "\n",
+                    ": ",
+                    "0x7f",
+                    "é",
+                ];
+                drop(copy.splice(from..to, words[below(words.len())].bytes()));
+            }
+        }
+    }
+    copy
+}
+
+fn survives(name: &str, parse: fn(&[u8])) {
+    let files = corpus(name);
+    let mut random = Pcg32::seed_from_u64(4);
+    parse(b"");
+    for (i, file) in files.iter().enumerate() {
+        parse(file);
+        for _ in 0..COPIES {
+            parse(&damaged(file, &files[(i + 1) % files.len()], &mut random));
+        }
+    }
+    println!("{name}: {} files, {} damaged copies", files.len(), files.len() * COPIES);
+}
+
+#[test]
+fn camera_files() {
+    survives("camera", entry::camera);
+}
+
+#[test]
+fn scene_files() {
+    survives("scene", entry::scene);
+}
+
+#[test]
+fn session_files() {
+    survives("session", entry::session);
+}
+
+#[test]
+fn patterns() {
+    survives("pattern", entry::pattern);
+}
+
+#[test]
+fn printer_files() {
+    survives("printer", entry::printer);
+}
+
+#[test]
+fn detector_manifests() {
+    survives("manifest", entry::manifest);
+}
+
+#[test]
+fn board_definitions() {
+    survives("board", entry::board);
+}
+
+#[test]
+fn photos() {
+    survives("photo", entry::photo);
+}
+
+#[test]
+fn recordings() {
+    survives("recording", entry::recording);
+}
+
+/// The corpus must reach past the first check of each parser, or the tests above say little.
+#[test]
+fn the_corpus_has_files_that_are_accepted() {
+    use scaleproof::camera::Camera;
+    let read = |bytes: &Vec<u8>| Camera::parse(std::str::from_utf8(bytes).unwrap_or(""), Path::new("camera")).is_ok();
+    assert!(corpus("camera").iter().filter(|bytes| read(bytes)).count() >= 7);
+    let folder = tempfile::tempdir().unwrap();
+    let opened = corpus("photo").into_iter().filter(|bytes| {
+        let path = folder.path().join("photo");
+        std::fs::write(&path, bytes).unwrap();
+        scaleproof::photo::Photo::open(&path).is_ok()
+    });
+    assert!(opened.count() >= 4);
+}
