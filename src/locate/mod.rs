@@ -1,6 +1,7 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
 mod doubt;
+pub mod reprojection;
 mod solver;
 
 use nalgebra::Point3;
