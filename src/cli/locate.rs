@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{CommandResult, Outcome, progress};
 use crate::camera::Camera;
 use crate::geometry::rigid;
-use crate::locate::{self, Located};
+use crate::locate::{self, IgnoredTag, Located, Sigma, Warning};
 use crate::photo::Photo;
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
@@ -48,9 +48,13 @@ struct Line {
     azimuth_deg: Option<f64>,
     pitch_deg: Option<f64>,
     distance_mm: Option<f64>,
+    /// Standard deviations of the three, from corner noise alone.
+    sigma: Option<Sigma>,
     bin: Option<Bin>,
+    bin_probability: Option<f64>,
+    warnings: Vec<Warning>,
     tags: Vec<u32>,
-    ignored_tags: Vec<u32>,
+    ignored_tags: Vec<IgnoredTag>,
     rms_px: Option<f64>,
     T_camera_model: Option<[[f64; 4]; 4]>,
 }
@@ -153,7 +157,10 @@ fn line(path: &Path, result: &Result<Located, NoPose>) -> Line {
         azimuth_deg: found.map(|l| l.viewpoint.azimuth_deg),
         pitch_deg: found.map(|l| l.viewpoint.pitch_deg),
         distance_mm: found.map(|l| l.viewpoint.distance_mm),
+        sigma: found.map(|l| l.sigma),
         bin: found.map(|l| l.bin),
+        bin_probability: found.map(|l| l.bin_probability),
+        warnings: found.map(|l| l.warnings.clone()).unwrap_or_default(),
         tags: found.map(|l| l.tags.clone()).unwrap_or_default(),
         ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),
         rms_px: found.map(|l| l.rms_px),
