@@ -119,8 +119,22 @@ fn write_table(photos: &[PathBuf], results: &[Result<Located, NoPose>], out: &mu
         .try_for_each(|(path, result)| writeln!(out, "{}", row(path, result)))
 }
 
-/// Says on standard error why photos got no pose.
+/// Says on standard error why photos got no pose, and which tags the others outvoted.
 fn explain(photos: &[PathBuf], results: &[Result<Located, NoPose>]) {
+    for (path, located) in photos
+        .iter()
+        .zip(results)
+        .filter_map(|(p, r)| Some((p, r.as_ref().ok()?)))
+    {
+        for tag in located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()) {
+            eprintln!(
+                "note on {}: tag {} {}; it was left out",
+                path.display(),
+                tag.id,
+                tag.why
+            );
+        }
+    }
     for (path, no_pose) in photos
         .iter()
         .zip(results)
@@ -170,8 +184,8 @@ fn line(path: &Path, result: &Result<Located, NoPose>) -> Line {
 
 fn heading() -> String {
     format!(
-        "{:<28} {:>9} {:>8} {:>11} {:>16} {:>5} {:>7}",
-        "photo", "azimuth", "pitch", "distance", "bin", "tags", "rms"
+        "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
+        "photo", "azimuth", "±", "pitch", "distance", "bin", "sure", "tags", "rms"
     )
 }
 
@@ -182,10 +196,12 @@ fn row(path: &Path, result: &Result<Located, NoPose>) -> String {
             let (v, b) = (&l.viewpoint, &l.bin);
             let bin = format!("{}°/{}°/{} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm);
             format!(
-                "{name:<28} {:>8.2}° {:>7.2}° {:>8.1} mm {bin:>16} {:>5} {:>4.2} px",
+                "{name:<28} {:>8.2}° {:>6.3}° {:>7.2}° {:>8.1} mm {bin:>16} {:>4.0} % {:>5} {:>4.2} px",
                 v.azimuth_deg,
+                l.sigma.azimuth_deg,
                 v.pitch_deg,
                 v.distance_mm,
+                (100.0 * l.bin_probability).floor(),
                 l.tags.len(),
                 l.rms_px
             )

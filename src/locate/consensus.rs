@@ -16,8 +16,7 @@ use crate::geometry::Rigid;
 use crate::scene::{Scene, Tag};
 
 /// Squared distance of a tag's eight coordinates from where the other tags expect them, in units of the noise, beyond which it
-/// does not agree: 3.5 σ for each. Were the noise normal and known, 1 honest tag in 10¹⁷ would be beyond it; real corners have
-/// tails.
+/// does not agree: 3.5 σ for each. Normal noise does not come near it; real corners have tails.
 const AGREES: f64 = 8.0 * 3.5 * 3.5;
 
 /// Noise that is believed at most, as an angle: with more, several moved tags would excuse each other.
@@ -39,7 +38,10 @@ pub(super) struct Consensus<'a> {
 /// All tags where they agree, else the majority that does.
 pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) -> Result<Consensus<'a>, Abstention> {
     let candidates = Solver::EveryBranch.candidates(&matches, camera);
-    if matches.len() < MIN_AGREEING || best(&candidates).is_some_and(|b| all_agree(&b.pose, &matches, camera)) {
+    let best = candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
+    let all_agree =
+        |b: &Candidate| disagreement(&b.pose, &matches, camera).is_some_and(|d| d.iter().all(|d| *d <= 1.0));
+    if matches.len() < MIN_AGREEING || best.is_some_and(all_agree) {
         return Ok(Consensus {
             matches,
             candidates,
@@ -47,7 +49,7 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
         });
     }
     let tags = matches.len();
-    let (pose, kept) = majority(&matches, camera).ok_or(Abstention::NoMajority { tags })?;
+    let (pose, kept) = majority(best, &matches, camera).ok_or(Abstention::NoMajority { tags })?;
     let (matches, outvoted): (Vec<_>, Vec<_>) = matches.into_iter().zip(&kept).partition(|(_, is_kept)| **is_kept);
     let matches: Vec<Match> = matches.into_iter().map(|(m, _)| m).collect();
     let why = |m: &Match| blame(m, &pose, scene, camera);
@@ -64,16 +66,13 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
     })
 }
 
-fn best(candidates: &[Candidate]) -> Option<&Candidate> {
-    candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px))
-}
-
 /// The pose that a majority of tags agrees on, and which do. `None` without a majority, and with two of them.
-fn majority(matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
-    let is_majority = |kept: &[bool]| {
-        let count = kept.iter().filter(|k| **k).count();
-        count >= MIN_AGREEING && 2 * count > kept.len()
-    };
+///
+/// One or two moved tags show up when all are fitted; where more do not, some pair of whole ones does not know of them.
+fn majority(start: Option<&Candidate>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
+    if let Some(found) = start.and_then(|s| settle(s.pose, vec![true; matches.len()], matches, camera)) {
+        return Some(found);
+    }
     let mut largest = matches.to_vec();
     largest_first(&mut largest);
     largest.truncate(ASKED_TAGS);
@@ -81,36 +80,48 @@ fn majority(matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
     for (i, one) in largest.iter().enumerate() {
         for other in &largest[i + 1..] {
             let pair = [one.clone(), other.clone()];
-            for candidate in Solver::EveryBranch.candidates(&pair, camera) {
-                if candidate.rms_px > doubt::limit_px(camera) {
-                    continue;
-                }
-                let Some(kept) = agreeing_with(&candidate.pose, &pair, matches, camera) else {
-                    continue;
-                };
-                if is_majority(&kept) {
-                    found.extend(settle(candidate.pose, kept, matches, camera).filter(|(_, kept)| is_majority(kept)));
-                }
+            let is_of = |kept: &[bool]| pair.iter().all(|p| chosen(matches, kept).iter().any(|m| is_same(m, p)));
+            if !found.iter().any(|(_, kept)| is_of(kept)) {
+                found.extend(majority_by(&pair, matches, camera));
             }
         }
     }
-    let (pose, kept) = found
-        .iter()
-        .max_by_key(|(_, kept)| kept.iter().filter(|k| **k).count())?;
+    let (pose, kept) = found.iter().max_by_key(|(_, kept)| count(kept))?;
     let has_rival = found.iter().any(|(other, _)| doubt::is_different(other, pose));
     (!has_rival).then(|| (*pose, kept.clone()))
 }
 
-/// Fits the tags that agree and asks again who does, until the answer stays.
+/// The majorities that agree with the poses of a pair.
+fn majority_by(pair: &[Match], matches: &[Match], camera: &Camera) -> Vec<(Rigid, Vec<bool>)> {
+    let by = |candidate: &Candidate| {
+        let kept = expected_by(&candidate.pose, pair, matches, camera)?;
+        settle(candidate.pose, kept, matches, camera)
+    };
+    let candidates = Solver::EveryBranch.candidates(pair, camera);
+    let fitting = candidates.iter().filter(|c| c.rms_px <= doubt::limit_px(camera));
+    fitting.filter_map(by).collect()
+}
+
+fn count(kept: &[bool]) -> usize {
+    kept.iter().filter(|k| **k).count()
+}
+
+fn is_same(a: &Match, b: &Match) -> bool {
+    std::ptr::eq(a.tag, b.tag)
+}
+
+/// Fits the chosen tags and drops the one that agrees least with the others, until all agree. `None` when that leaves no majority.
 fn settle(mut pose: Rigid, mut kept: Vec<bool>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
-    for _ in 0..5 {
-        let members: Vec<Match> = chosen(matches, &kept);
+    while count(&kept) >= MIN_AGREEING && 2 * count(&kept) > kept.len() {
+        let members = chosen(matches, &kept);
         pose = refine::refine(&pose, &Corners::of(&members), camera, NO_BEND)?;
-        let now = agreeing_with(&pose, &members, matches, camera)?;
-        if now == kept {
-            return all_agree(&pose, &members, camera).then_some((pose, kept));
+        let disagreement = disagreement(&pose, &members, camera)?;
+        let worst = (0..members.len()).max_by(|a, b| disagreement[*a].total_cmp(&disagreement[*b]))?;
+        if disagreement[worst] <= 1.0 {
+            return Some((pose, kept));
         }
-        kept = now;
+        let dropped = matches.iter().position(|m| is_same(m, &members[worst]))?;
+        kept[dropped] = false;
     }
     None
 }
@@ -120,49 +131,47 @@ fn chosen<'a>(matches: &[Match<'a>], kept: &[bool]) -> Vec<Match<'a>> {
     chosen.map(|(m, _)| m.clone()).collect()
 }
 
-/// Whether each tag lies where the others expect it, by the residuals of the fit to all: deleted residuals (Cook & Weisberg 1982,
-/// "Residuals and Influence in Regression", section 3.2) of a tag's eight coordinates.
-fn all_agree(pose: &Rigid, matches: &[Match], camera: &Camera) -> bool {
-    let Some(seen) = Linear::of_all(pose, matches, camera) else {
-        return false;
-    };
-    let Some(covariance) = total(&seen) else { return false };
+/// How far each tag is from where the others expect it, in units of what is allowed, by the residuals of the fit to all: deleted
+/// residuals (Cook & Weisberg 1982, "Residuals and Influence in Regression", section 3.2) of a tag's eight coordinates.
+fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<f64>> {
+    let seen = Linear::of_all(pose, matches, camera)?;
+    let covariance = total(&seen)?;
     let squares: f64 = seen.iter().map(|l| l.residual.norm_squared()).sum();
     let freedom = 8.0 * (seen.len() as f64 - 1.0) - 6.0;
-    seen.iter().all(|l| {
+    let of = |l: &Linear| {
         let kept = SMatrix::<f64, 8, 8>::identity() - l.slope * covariance * l.slope.transpose();
-        let deleted = kept.cholesky().map(|c| l.residual.dot(&c.solve(&l.residual)));
-        deleted.is_some_and(|d| d <= AGREES * variance_px2(squares - d, freedom, camera))
-    })
+        // A tag that the others say nothing about cannot be tested: it does not agree.
+        kept.cholesky().map_or(f64::INFINITY, |c| {
+            let deleted = l.residual.dot(&c.solve(&l.residual));
+            deleted / allowed_px2(squares - deleted, freedom, camera)
+        })
+    };
+    Some(seen.iter().map(of).collect())
 }
 
-/// Which tags lie where a pose, fitted to some of them, expects them. Those it was fitted to agree when their own residual is
-/// within the noise.
-fn agreeing_with(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camera) -> Option<Vec<bool>> {
+/// Which tags lie where a pose, fitted to some of them, expects them.
+fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camera) -> Option<Vec<bool>> {
     let members = Linear::of_all(pose, fitted, camera)?;
     let covariance = total(&members)?;
     let squares: f64 = members.iter().map(|l| l.residual.norm_squared()).sum();
-    let variance_px2 = variance_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
+    let allowed_px2 = allowed_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
     let agrees = |m: &Match| {
+        let is_member = fitted.iter().any(|f| is_same(f, m));
         let Some(l) = Linear::of(pose, m, camera) else {
             return false;
         };
-        let is_member = fitted.iter().any(|f| std::ptr::eq(f.tag, m.tag));
-        let mut expected = SMatrix::<f64, 8, 8>::identity();
-        if !is_member {
-            expected += l.slope * covariance * l.slope.transpose();
-        }
-        expected
-            .cholesky()
-            .is_some_and(|c| l.residual.dot(&c.solve(&l.residual)) <= AGREES * variance_px2)
+        let expected = SMatrix::<f64, 8, 8>::identity() + l.slope * covariance * l.slope.transpose();
+        let square = expected.cholesky().map(|c| l.residual.dot(&c.solve(&l.residual)));
+        is_member || square.is_some_and(|square| square <= allowed_px2)
     };
     Some(matches.iter().map(agrees).collect())
 }
 
-/// The variance of the corner noise, px² per axis, never more than is believed.
-fn variance_px2(squares: f64, freedom: f64, camera: &Camera) -> f64 {
+/// The squared distance at which a tag still agrees, px², by the squared residuals of the others and their degrees of freedom.
+fn allowed_px2(squares: f64, freedom: f64, camera: &Camera) -> f64 {
     let most = (MAX_NOISE_DEG / camera.deg_per_px()).powi(2);
-    pooled(squares.max(0.0), freedom).min(most)
+    // The fewer the others, the less is known of the noise.
+    AGREES * (1.0 + 8.0 / freedom) * pooled(squares.max(0.0), freedom).min(most)
 }
 
 /// The eight coordinates of a tag near a pose: residuals, and their derivatives by a step of the pose.
@@ -220,7 +229,7 @@ fn blame(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> Ignored {
         Ignored::Mirrored
     } else if others.into_iter().any(|other| fitting(other, &|i| i) == 4) {
         Ignored::WrongId
-    } else if fitting(m.tag, &|i| i) == 3 {
+    } else if fitting(m.tag, &|i| i) >= 3 {
         Ignored::CornerOff
     } else {
         Ignored::Moved

@@ -93,6 +93,9 @@ impl Abstention {
 /// the 1180 px focal length of the skyline session it is 3.1 px, where the worst honest photo (grazing, far tags) has 1.7 px.
 const MAX_RMS_DEG: f64 = 0.15;
 
+/// Two tags bend a pose to fit a moved one, so that half of that must do: a third would tell, but there is none.
+const TWO_TAGS: f64 = 0.5;
+
 /// The rival's residual must be this many times the best pose's. Measured in `notes/pose.md` of the design: with the ratio of
 /// best to rival below 0.2, single-tag frames are more than 10° wrong in 0.23 % instead of 2.1 %.
 const MIN_RIVAL_RATIO: f64 = 5.0;
@@ -130,7 +133,7 @@ pub(super) fn undoubted(
     let Some(best) = found.first() else {
         return Err(Abstention::BehindCamera);
     };
-    let limit_px = limit_px(camera);
+    let limit_px = limit_px(camera) * if matches.len() == 2 { TWO_TAGS } else { 1.0 };
     if best.rms_px > limit_px {
         let rms_px = best.rms_px;
         return Err(match matches {

@@ -1,5 +1,7 @@
 //! The seen tags that stand in the scene, and why the others are left out.
 
+use std::fmt;
+
 use nalgebra::Point3;
 use serde::Serialize;
 
@@ -30,10 +32,33 @@ pub enum Ignored {
     Mirrored,
     /// Its corners are where they should be, but start at another one.
     Turned,
-    /// Three corners are where they should be, and one is not: cut, bent or covered.
+    /// Three corners or all are nearly where they should be, but not as near as the other tags': cut, bent or half covered.
     CornerOff,
     /// It is somewhere else.
     Moved,
+}
+
+impl Ignored {
+    /// True for what only the other tags' pose can tell.
+    pub fn is_outvoted(self) -> bool {
+        self >= Ignored::WrongId
+    }
+}
+
+impl fmt::Display for Ignored {
+    /// What a tag did, to follow its number in a sentence.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Ignored::NotInScene => "is not in the scene",
+            Ignored::SeenTwice => "is in the picture twice",
+            Ignored::PartlyCovered => "is partly covered",
+            Ignored::WrongId => "stands where the scene has another one",
+            Ignored::Mirrored => "is printed in a mirror",
+            Ignored::Turned => "is turned by a quarter or a half",
+            Ignored::CornerOff => "has a corner that is not where the other tags expect it",
+            Ignored::Moved => "is not where the scene has it",
+        })
+    }
 }
 
 /// A tag of the scene together with where its corners were seen.
