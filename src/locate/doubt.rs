@@ -93,8 +93,8 @@ impl Abstention {
 /// the 1180 px focal length of the skyline session it is 3.1 px, where the worst honest photo (grazing, far tags) has 1.7 px.
 const MAX_RMS_DEG: f64 = 0.15;
 
-/// Two tags bend a pose to fit a moved one, so that half of that must do: a third would tell, but there is none.
-const TWO_TAGS: f64 = 0.5;
+/// Two tags bend a pose to fit a moved one, so that this share of it must do: a third would tell, but there is none.
+const TWO_TAGS: f64 = 0.3;
 
 /// The rival's residual must be this many times the best pose's. Measured in `notes/pose.md` of the design: with the ratio of
 /// best to rival below 0.2, single-tag frames are more than 10° wrong in 0.23 % instead of 2.1 %.
