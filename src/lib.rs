@@ -17,5 +17,6 @@ pub mod report;
 pub mod scene;
 pub mod score;
 pub mod session;
+pub mod simulate;
 pub mod tags;
 pub mod workers;

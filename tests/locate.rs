@@ -186,23 +186,66 @@ fn bad_scene_and_camera_files_are_one_sentence_each() {
     );
 }
 
-#[test]
-fn a_moved_card_is_noticed() {
-    let folder = tempfile::tempdir().unwrap();
+/// The stored scene with one of its tags moved by 30 mm along y.
+fn scene_with_moved_tag(folder: &Path) -> PathBuf {
     let text = std::fs::read_to_string(skyline().join("scene.toml")).unwrap();
-    // Tag 2 is seen in normal_002; the scene says it lies 30 mm off.
     let moved = text.replace(
         "centre_mm = [-153.073, 314.119, 0.800]",
         "centre_mm = [-153.073, 344.119, 0.800]",
     );
     assert_ne!(text, moved);
-    let scene = write(folder.path(), "scene.toml", moved.as_bytes());
-    let output = locate(
-        &[skyline().join("normal_002.jpg")],
-        &scene,
-        &skyline().join("camera.yaml"),
-        &["--json"],
+    write(folder, "scene.toml", moved.as_bytes())
+}
+
+#[test]
+fn a_moved_card_is_named_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scene_with_moved_tag(folder.path());
+    let photo = [skyline().join("normal_002.jpg")];
+    let output = locate(&photo, &scene, &skyline().join("camera.yaml"), &["--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("tag 2 is not where the scene has it"),
+        "{}",
+        stderr(&output)
     );
+    let with = &lines(&output)[0];
+    let ignored = with["ignored_tags"].as_array().unwrap();
+    assert!(
+        ignored.contains(&serde_json::json!({"id": 2, "why": "moved"})),
+        "{ignored:?}"
+    );
+    // The pose is the one without the card.
+    let whole = &lines(&locate_skyline(&photo))[0];
+    let of = |line: &serde_json::Value, key: &str| line[key].as_f64().unwrap();
+    assert!(turn(of(with, "azimuth_deg"), of(whole, "azimuth_deg")).abs() < 0.05);
+    assert!(of(with, "bin_probability") > 0.99 && with["warnings"].as_array().unwrap().is_empty());
+    assert!(with["sigma"]["azimuth_deg"].as_f64().unwrap() < 0.05);
+}
+
+#[test]
+fn a_scene_of_other_places_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    // Every tag stands elsewhere, each by another distance: no majority agrees.
+    let text = std::fs::read_to_string(skyline().join("scene.toml")).unwrap();
+    let mut number = 0.0;
+    let moved: Vec<String> = text
+        .lines()
+        .map(|line| match line.strip_prefix("centre_mm = [") {
+            Some(rest) => {
+                number += 1.0;
+                let (x, rest) = rest.split_once(',').unwrap();
+                format!(
+                    "centre_mm = [{},{rest}",
+                    x.parse::<f64>().unwrap() + 25.0 * (number * 2.4_f64).sin()
+                )
+            }
+            None => line.to_owned(),
+        })
+        .collect();
+    let scene = write(folder.path(), "scene.toml", moved.join("\n").as_bytes());
+    let photo = [skyline().join("normal_002.jpg")];
+    let output = locate(&photo, &scene, &skyline().join("camera.yaml"), &["--json"]);
     assert_refused(&output, &["tags disagree", "was a card moved"]);
     assert_eq!(lines(&output)[0]["code"], "high_residual");
 }
@@ -217,5 +260,8 @@ fn the_table_names_bins_and_reasons() {
         &[],
     );
     let text = stdout(&output);
-    assert!(text.contains("91.24°") && text.contains("90°/15°/850 mm"), "{text}");
+    assert!(
+        text.contains("91.24°") && text.contains("90°/15°/850 mm") && text.contains("100 %"),
+        "{text}"
+    );
 }

@@ -52,7 +52,9 @@ impl Truth {
         let corners = scene.tag(family, id)?.corners_mm();
         let mut px = [[0.0; 2]; 4];
         for (px, corner) in px.iter_mut().zip(corners) {
-            *px = camera.project(&Point3::from_homogeneous(self.t_camera_model * corner.to_homogeneous())?)?;
+            *px = camera.project(&Point3::from_homogeneous(
+                self.t_camera_model * corner.to_homogeneous(),
+            )?)?;
         }
         Some(px)
     }
@@ -65,7 +67,10 @@ fn enlarged(grey: &GrayImage, factor: u32) -> GrayImage {
 
 fn quantile(values: &mut [f64], q: f64) -> f64 {
     values.sort_by(f64::total_cmp);
-    values.get(((values.len() as f64 - 1.0) * q).round() as usize).copied().unwrap_or(f64::NAN)
+    values
+        .get(((values.len() as f64 - 1.0) * q).round() as usize)
+        .copied()
+        .unwrap_or(f64::NAN)
 }
 
 #[test]
@@ -73,7 +78,9 @@ fn table_of_the_detectors_on_the_stored_session() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let camera = Camera::open(&skyline().join("camera.yaml")).unwrap();
     for factor in [1, 3] {
-        let quick = |c: TagDetectorChoice| factor == 1 || matches!(c, TagDetectorChoice::CoarseToFine | TagDetectorChoice::Locus);
+        let quick = |c: TagDetectorChoice| {
+            factor == 1 || matches!(c, TagDetectorChoice::CoarseToFine | TagDetectorChoice::Locus)
+        };
         let pictures: Vec<(Truth, GrayImage)> = Truth::of_session()
             .into_iter()
             .map(|truth| {
@@ -83,14 +90,17 @@ fn table_of_the_detectors_on_the_stored_session() {
             })
             .collect();
         let f = f64::from(factor);
-        let scaled = |c: &Camera| Camera::pinhole(
-            c.width * factor,
-            c.height * factor,
-            c.fx * f,
-            c.fy * f,
-            (c.cx + 0.5) * f - 0.5,
-            (c.cy + 0.5) * f - 0.5,
-        ).with_distortion(c.distortion());
+        let scaled = |c: &Camera| {
+            Camera::pinhole(
+                c.width * factor,
+                c.height * factor,
+                c.fx * f,
+                c.fy * f,
+                (c.cx + 0.5) * f - 0.5,
+                (c.cy + 0.5) * f - 0.5,
+            )
+            .with_distortion(c.distortion())
+        };
         let camera = scaled(&camera);
         for choice in TagDetectorChoice::ALL.into_iter().filter(|c| quick(*c)) {
             let mut detector = choice.open(&scene.families()).unwrap();
@@ -102,14 +112,25 @@ fn table_of_the_detectors_on_the_stored_session() {
                 let seen: Vec<SeenTag> = detector.find(grey);
                 ms.push(start.elapsed().as_secs_f64() * 1000.0);
                 for tag in &seen {
-                    let Some(exact) = truth.corners(&scene, &camera, tag.family, tag.id) else { ghosts += 1; continue };
+                    let Some(exact) = truth.corners(&scene, &camera, tag.family, tag.id) else {
+                        ghosts += 1;
+                        continue;
+                    };
                     tags += 1;
-                    if !tag.is_whole { continue }
+                    if !tag.is_whole {
+                        continue;
+                    }
                     whole += 1;
                     let d: Vec<f64> = (0..4).map(|i| distance(tag.corners_px[i], exact[i])).collect();
-                    let area = |c: &Corners| (0..4).map(|i| c[i][0]*c[(i+1)%4][1]-c[(i+1)%4][0]*c[i][1]).sum::<f64>().abs()/2.0;
-                    let per: f64 = (0..4).map(|i| distance(exact[i], exact[(i+1)%4])).sum();
-                    inward.push((area(&exact)-area(&tag.corners_px))/per);
+                    let area = |c: &Corners| {
+                        (0..4)
+                            .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
+                            .sum::<f64>()
+                            .abs()
+                            / 2.0
+                    };
+                    let per: f64 = (0..4).map(|i| distance(exact[i], exact[(i + 1) % 4])).sum();
+                    inward.push((area(&exact) - area(&tag.corners_px)) / per);
                     worst.push(d.iter().copied().fold(0.0, f64::max));
                     off.extend(d);
                 }
@@ -120,9 +141,21 @@ fn table_of_the_detectors_on_the_stored_session() {
                 }
             }
             let n = pose[0].len();
-            println!("x{factor} {choice:<16} {:>7.1} ms {tags:>4} tags {whole:>4} whole {ghosts} ghosts  corner p50 {:.3} p95 {:.3} max {:.3}  worst/tag p50 {:.3}  inward {:+.3}  answered {n} az {:.4}/{:.4} pitch {:.4}/{:.4} mm {:.3}/{:.3}",
-                quantile(&mut ms, 0.5), quantile(&mut off, 0.5), quantile(&mut off, 0.95), quantile(&mut off, 1.0), quantile(&mut worst, 0.5), quantile(&mut inward, 0.5),
-                quantile(&mut pose[0], 0.5), quantile(&mut pose[0], 1.0), quantile(&mut pose[1], 0.5), quantile(&mut pose[1], 1.0), quantile(&mut pose[2], 0.5), quantile(&mut pose[2], 1.0));
+            println!(
+                "x{factor} {choice:<16} {:>7.1} ms {tags:>4} tags {whole:>4} whole {ghosts} ghosts  corner p50 {:.3} p95 {:.3} max {:.3}  worst/tag p50 {:.3}  inward {:+.3}  answered {n} az {:.4}/{:.4} pitch {:.4}/{:.4} mm {:.3}/{:.3}",
+                quantile(&mut ms, 0.5),
+                quantile(&mut off, 0.5),
+                quantile(&mut off, 0.95),
+                quantile(&mut off, 1.0),
+                quantile(&mut worst, 0.5),
+                quantile(&mut inward, 0.5),
+                quantile(&mut pose[0], 0.5),
+                quantile(&mut pose[0], 1.0),
+                quantile(&mut pose[1], 0.5),
+                quantile(&mut pose[1], 1.0),
+                quantile(&mut pose[2], 0.5),
+                quantile(&mut pose[2], 1.0)
+            );
         }
     }
 }
@@ -131,7 +164,12 @@ fn table_of_the_detectors_on_the_stored_session() {
 type ToneCurve = fn(f64) -> f64;
 
 fn srgb(light: f64) -> f64 {
-    255.0 * if light <= 0.0031308 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+    255.0
+        * if light <= 0.0031308 {
+            12.92 * light
+        } else {
+            1.055 * light.powf(1.0 / 2.4) - 0.055
+        }
 }
 
 fn proportional(light: f64) -> f64 {
@@ -194,11 +232,18 @@ impl Shot {
                 *mean += light(x + sub(step % 5), y + sub(step / 5)) / 25.0;
             }
         }
-        let lights = blurred(&blurred(&lights, width as usize, 1, self.blur), width as usize, width as usize, self.blur);
+        let lights = blurred(
+            &blurred(&lights, width as usize, 1, self.blur),
+            width as usize,
+            width as usize,
+            self.blur,
+        );
         let mut noise = Pcg64Mcg::seed_from_u64(7);
         GrayImage::from_fn(width, height, |x, y| {
             let even: f64 = (0..12).map(|_| noise.random_range(-0.5..0.5)).sum();
-            image::Luma([((self.tone)(lights[(y * width + x) as usize]) + self.noise * even).round().clamp(0.0, 255.0) as u8])
+            image::Luma([((self.tone)(lights[(y * width + x) as usize]) + self.noise * even)
+                .round()
+                .clamp(0.0, 255.0) as u8])
         })
     }
 }
@@ -214,7 +259,12 @@ fn blurred(lights: &[f64], width: usize, step: usize, sigma: f64) -> Vec<f64> {
     let inside = |v: usize, size: usize| v >= REACH && v + REACH < size;
     (0..lights.len())
         .map(|i| match inside(i % width, width) && inside(i / width, height) {
-            true => (0..=2 * REACH).map(|k| weights[k] * lights[i + k * step - REACH * step]).sum::<f64>() / total,
+            true => {
+                (0..=2 * REACH)
+                    .map(|k| weights[k] * lights[i + k * step - REACH * step])
+                    .sum::<f64>()
+                    / total
+            }
             false => lights[i],
         })
         .collect()
@@ -224,8 +274,15 @@ fn blurred(lights: &[f64], width: usize, step: usize, sigma: f64) -> Vec<f64> {
 fn homography(corners: &Corners) -> nalgebra::Matrix3<f64> {
     let mut a = nalgebra::SMatrix::<f64, 8, 8>::zeros();
     let mut b = nalgebra::SVector::<f64, 8>::zeros();
-    for (i, ([x, y], [u, v])) in corners.iter().zip([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).enumerate() {
-        let rows = [[u, v, 1.0, 0.0, 0.0, 0.0, -u * x, -v * x], [0.0, 0.0, 0.0, u, v, 1.0, -u * y, -v * y]];
+    for (i, ([x, y], [u, v])) in corners
+        .iter()
+        .zip([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        .enumerate()
+    {
+        let rows = [
+            [u, v, 1.0, 0.0, 0.0, 0.0, -u * x, -v * x],
+            [0.0, 0.0, 0.0, u, v, 1.0, -u * y, -v * y],
+        ];
         for (k, row) in rows.iter().enumerate() {
             (0..8).for_each(|c| a[(2 * i + k, c)] = row[c]);
             b[2 * i + k] = [*x, *y][k];
@@ -257,17 +314,29 @@ fn every_detector_keeps_the_conventions_for_every_family_it_reads() {
             for (quarters, id) in [(0, 1), (1, 5), (2, 11), (3, 17)] {
                 let exact = aside(quarters);
                 let seen = detector.find(&Shot::sharp(exact).photo(family, id));
-                let [tag] = &seen[..] else { panic!("{choice}, {name} {id}: {} tags", seen.len()) };
-                assert_eq!((tag.family, tag.id, tag.is_whole), (family, id, true), "{choice}, {name}");
+                let [tag] = &seen[..] else {
+                    panic!("{choice}, {name} {id}: {} tags", seen.len())
+                };
+                assert_eq!(
+                    (tag.family, tag.id, tag.is_whole),
+                    (family, id, true),
+                    "{choice}, {name}"
+                );
                 for axis in [0, 1] {
                     // Blur makes a tag smaller or larger, but does not move it: half a pixel of a wrong convention does.
                     let moved: f64 = (0..4).map(|i| tag.corners_px[i][axis] - exact[i][axis]).sum::<f64>() / 4.0;
                     assert!(moved.abs() < 0.2, "{choice}, {name} {id}: moved by {moved:.2} px");
                 }
-                worst = (0..4).map(|i| distance(tag.corners_px[i], exact[i])).fold(worst, f64::max);
+                worst = (0..4)
+                    .map(|i| distance(tag.corners_px[i], exact[i]))
+                    .fold(worst, f64::max);
             }
             println!("{choice:<16} {name:<18} worst corner {worst:.3} px");
-            let limit = if choice == TagDetectorChoice::CoarseToFine { 0.1 } else { 2.0 };
+            let limit = if choice == TagDetectorChoice::CoarseToFine {
+                0.1
+            } else {
+                2.0
+            };
             assert!(worst < limit, "{choice}, {name}: {worst:.3} px");
         }
     }
@@ -279,7 +348,10 @@ fn a_mirrored_tag_is_no_tag() {
     mirrored.swap(0, 1);
     mirrored.swap(3, 2);
     for choice in TagDetectorChoice::ALL {
-        let seen = choice.open(&[TagFamily::Tag36h11]).unwrap().find(&Shot::sharp(mirrored).photo(TagFamily::Tag36h11, 3));
+        let seen = choice
+            .open(&[TagFamily::Tag36h11])
+            .unwrap()
+            .find(&Shot::sharp(mirrored).photo(TagFamily::Tag36h11, 3));
         assert_eq!(seen, [], "{choice}");
     }
 }
@@ -289,7 +361,10 @@ fn a_cut_tag_is_not_called_whole() {
     let mut cut = aside(0);
     cut.iter_mut().for_each(|corner| corner[0] -= 118.0);
     for choice in TagDetectorChoice::ALL {
-        let seen = choice.open(&[TagFamily::Tag36h11]).unwrap().find(&Shot::sharp(cut).photo(TagFamily::Tag36h11, 3));
+        let seen = choice
+            .open(&[TagFamily::Tag36h11])
+            .unwrap()
+            .find(&Shot::sharp(cut).photo(TagFamily::Tag36h11, 3));
         assert!(seen.iter().all(|tag| !tag.is_whole), "{choice}");
     }
 }
@@ -337,7 +412,9 @@ fn one_tag(family: &str, id: u32, size_mm: f64) -> Scene {
 
 #[test]
 fn real_photos_of_a_turned_tag_are_not_flipped() {
-    let Some(folder) = common::shared("photos/tags/yaw") else { return };
+    let Some(folder) = common::shared("photos/tags/yaw") else {
+        return;
+    };
     let camera = Camera::pinhole(1056, 792, 329.873, 332.946, 528.0, 396.0);
     let (mut yaws, mut answered) = (Vec::new(), 0);
     for choice in TagDetectorChoice::ALL {
@@ -354,7 +431,13 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
             line.push(yaw);
             answered += usize::from(yaw.is_some());
         }
-        println!("{choice:<16} {}", line.iter().map(|y| y.map_or("  –   ".into(), |y| format!("{y:6.2}"))).collect::<Vec<_>>().join(" "));
+        println!(
+            "{choice:<16} {}",
+            line.iter()
+                .map(|y| y.map_or("  –   ".into(), |y| format!("{y:6.2}")))
+                .collect::<Vec<_>>()
+                .join(" ")
+        );
         yaws.push((choice, line));
     }
     println!("{answered} answered");
@@ -362,11 +445,17 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
 
 #[test]
 fn real_photos_of_a_desk_show_as_many_tags_as_at_full_size() {
-    let Some(folder) = common::shared("photos/tags/desk") else { return };
+    let Some(folder) = common::shared("photos/tags/desk") else {
+        return;
+    };
     for choice in TagDetectorChoice::ALL {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
         let counts: Vec<usize> = (1..=5)
-            .map(|n| detector.find(&Photo::open(&folder.join(format!("desk_{n:02}.png"))).unwrap().grey()).len())
+            .map(|n| {
+                detector
+                    .find(&Photo::open(&folder.join(format!("desk_{n:02}.png"))).unwrap().grey())
+                    .len()
+            })
             .collect();
         println!("{choice:<16} {counts:?} {}", counts.iter().sum::<usize>());
     }
@@ -374,14 +463,22 @@ fn real_photos_of_a_desk_show_as_many_tags_as_at_full_size() {
 
 #[test]
 fn real_photo_of_a_rover_has_its_corners_where_the_truth_file_says() {
-    let Some(folder) = common::shared("photos/tags/rover") else { return };
+    let Some(folder) = common::shared("photos/tags/rover") else {
+        return;
+    };
     let name = folder.join("apriltag_33369213973_9d9bb4cc96_c");
     let grey = Photo::open(&name.with_extension("jpg")).unwrap().grey();
     let text = std::fs::read_to_string(name.with_extension("txt")).unwrap();
-    let truth: Vec<Vec<f64>> = text.lines().filter(|l| !l.trim().is_empty()).map(|l| {
-        let numbers = l.split(|c: char| !(c.is_ascii_digit() || c == '.')).filter(|n| !n.is_empty());
-        numbers.map(|n| n.parse().unwrap()).collect()
-    }).collect();
+    let truth: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|l| !l.trim().is_empty())
+        .map(|l| {
+            let numbers = l
+                .split(|c: char| !(c.is_ascii_digit() || c == '.'))
+                .filter(|n| !n.is_empty());
+            numbers.map(|n| n.parse().unwrap()).collect()
+        })
+        .collect();
     for choice in TagDetectorChoice::ALL {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
         let seen = detector.find(&grey);
@@ -390,12 +487,33 @@ fn real_photo_of_a_rover_has_its_corners_where_the_truth_file_says() {
         let mut n = 0.0;
         for t in &truth {
             let corner = |i: usize| [t[1 + 2 * (i % 4)], t[2 + 2 * (i % 4)]];
-            let off = |tag: &SeenTag, turn: usize| (0..4).map(|i| distance(tag.corners_px[i], corner(i + turn))).fold(0.0, f64::max);
-            let best = seen.iter().flat_map(|tag| (0..4).map(move |turn| (off(tag, turn), turn, tag))).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((o, turn, tag)) = best.filter(|b| b.0 < 6.0) else { all.push("–".to_owned()); continue };
-            for i in 0..4 { for a in 0..2 { mean[a] += tag.corners_px[i][a] - corner(i + turn)[a]; } n += 1.0; }
+            let off = |tag: &SeenTag, turn: usize| {
+                (0..4)
+                    .map(|i| distance(tag.corners_px[i], corner(i + turn)))
+                    .fold(0.0, f64::max)
+            };
+            let best = seen
+                .iter()
+                .flat_map(|tag| (0..4).map(move |turn| (off(tag, turn), turn, tag)))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((o, turn, tag)) = best.filter(|b| b.0 < 6.0) else {
+                all.push("–".to_owned());
+                continue;
+            };
+            for i in 0..4 {
+                for a in 0..2 {
+                    mean[a] += tag.corners_px[i][a] - corner(i + turn)[a];
+                }
+                n += 1.0;
+            }
             all.push(format!("{o:.2}{}", if tag.is_whole { "" } else { "c" }));
         }
-        println!("{choice:<16} {} seen; {} mean {:.2} {:.2}", seen.len(), all.join(" "), mean[0] / n, mean[1] / n);
+        println!(
+            "{choice:<16} {} seen; {} mean {:.2} {:.2}",
+            seen.len(),
+            all.join(" "),
+            mean[0] / n,
+            mean[1] / n
+        );
     }
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{CommandResult, Outcome, progress};
 use crate::camera::{Camera, Fitted};
 use crate::geometry::rigid;
-use crate::locate::{self, Abstention, Located};
+use crate::locate::{self, Abstention, IgnoredTag, Located, Sigma, Warning};
 use crate::photo::Photo;
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
@@ -52,9 +52,13 @@ struct Line {
     azimuth_deg: Option<f64>,
     pitch_deg: Option<f64>,
     distance_mm: Option<f64>,
+    /// Standard deviations of the three, from corner noise alone.
+    sigma: Option<Sigma>,
     bin: Option<Bin>,
+    bin_probability: Option<f64>,
+    warnings: Vec<Warning>,
     tags: Vec<u32>,
-    ignored_tags: Vec<u32>,
+    ignored_tags: Vec<IgnoredTag>,
     rms_px: Option<f64>,
     T_camera_model: Option<[[f64; 4]; 4]>,
     /// Photo width by camera file width.
@@ -136,8 +140,23 @@ fn write_table(photos: &[PathBuf], results: &[Result<Found, NoPose>], out: &mut 
         .try_for_each(|(path, result)| writeln!(out, "{}", row(path, result)))
 }
 
-/// Says on standard error why photos got no pose, and once each what to know before believing the others'.
+/// Says on standard error why photos got no pose, which tags the others outvoted, and once each what to know before believing
+/// the answers.
 fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
+    for (path, found) in photos
+        .iter()
+        .zip(results)
+        .filter_map(|(p, r)| Some((p, r.as_ref().ok()?)))
+    {
+        for tag in found.located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()) {
+            eprintln!(
+                "note on {}: tag {} {}; it was left out",
+                path.display(),
+                tag.id,
+                tag.why
+            );
+        }
+    }
     for (path, no_pose) in photos
         .iter()
         .zip(results)
@@ -186,7 +205,10 @@ fn line(path: &Path, result: &Result<Found, NoPose>) -> Line {
         azimuth_deg: found.map(|l| l.viewpoint.azimuth_deg),
         pitch_deg: found.map(|l| l.viewpoint.pitch_deg),
         distance_mm: found.map(|l| l.viewpoint.distance_mm),
+        sigma: found.map(|l| l.sigma),
         bin: found.map(|l| l.bin),
+        bin_probability: found.map(|l| l.bin_probability),
+        warnings: found.map(|l| l.warnings.clone()).unwrap_or_default(),
         tags: found.map(|l| l.tags.clone()).unwrap_or_default(),
         ignored_tags: found.map(|l| l.ignored_tags.clone()).unwrap_or_default(),
         rms_px: found.map(|l| l.rms_px),
@@ -199,8 +221,8 @@ fn line(path: &Path, result: &Result<Found, NoPose>) -> Line {
 
 fn heading() -> String {
     format!(
-        "{:<28} {:>9} {:>8} {:>11} {:>16} {:>5} {:>7}",
-        "photo", "azimuth", "pitch", "distance", "bin", "tags", "rms"
+        "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
+        "photo", "azimuth", "±", "pitch", "distance", "bin", "sure", "tags", "rms"
     )
 }
 
@@ -211,10 +233,12 @@ fn row(path: &Path, result: &Result<Found, NoPose>) -> String {
             let (v, b) = (&l.viewpoint, &l.bin);
             let bin = format!("{}°/{}°/{} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm);
             format!(
-                "{name:<28} {:>8.2}° {:>7.2}° {:>8.1} mm {bin:>16} {:>5} {:>4.2} px",
+                "{name:<28} {:>8.2}° {:>6.3}° {:>7.2}° {:>8.1} mm {bin:>16} {:>4.0} % {:>5} {:>4.2} px",
                 v.azimuth_deg,
+                l.sigma.azimuth_deg,
                 v.pitch_deg,
                 v.distance_mm,
+                (100.0 * l.bin_probability).floor(),
                 l.tags.len(),
                 l.rms_px
             )

@@ -2,8 +2,11 @@
 
 use nalgebra::Point3;
 
-use super::{Candidate, Match, difference};
+use super::matches::Match;
+use super::solver::Candidate;
+use super::uncertainty::{Sigma, upper_tail};
 use crate::camera::{Camera, SizeError};
+use crate::geometry::{Rigid, angle};
 
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -23,6 +26,14 @@ pub enum Abstention {
         "the tags disagree by {rms_px:.1} px (limit {limit_px:.1} px): was a card moved, or is this another camera?"
     )]
     HighResidual { rms_px: f64, limit_px: f64 },
+    #[error(
+        "the {tags} visible tags disagree, and no three of them that are more than half agree: was a card moved, or is this another camera?"
+    )]
+    NoMajority { tags: usize },
+    #[error(
+        "the visible tags leave the azimuth uncertain by ±{sigma_deg:.1}°, and the next bin begins {edge_deg:.1}° away: let more tags, or nearer ones, be seen"
+    )]
+    Degenerate { sigma_deg: f64, edge_deg: f64 },
     #[error(
         "only tag {id} is visible and two poses explain it almost equally well (residuals {best_px:.2} and {rival_px:.2} px): let a second tag be seen"
     )]
@@ -46,6 +57,12 @@ pub enum Abstention {
 }
 
 impl Abstention {
+    /// The tags leave the pose open altogether.
+    pub(super) const OPEN: Abstention = Abstention::Degenerate {
+        sigma_deg: 180.0,
+        edge_deg: 0.0,
+    };
+
     /// A stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
@@ -53,6 +70,8 @@ impl Abstention {
             Abstention::NoKnownTag { .. } => "no_known_tag",
             Abstention::BehindCamera => "behind_camera",
             Abstention::HighResidual { .. } => "high_residual",
+            Abstention::NoMajority { .. } => "high_residual",
+            Abstention::Degenerate { .. } => "degenerate",
             Abstention::OneTagAmbiguous { .. } => "one_tag_ambiguous",
             Abstention::OneTagFrontal { .. } => "one_tag_frontal",
             Abstention::OneTagCovered { .. } => "one_tag_covered",
@@ -66,6 +85,9 @@ impl Abstention {
 /// Residuals above this angle mean a wrong scene or camera, not noise. An angle, so that it holds at every resolution: at
 /// the 1180 px focal length of the skyline session it is 3.1 px, where the worst honest photo (grazing, far tags) has 1.7 px.
 const MAX_RMS_DEG: f64 = 0.15;
+
+/// Two tags bend a pose to fit a moved one, so that this share of it must do: a third would tell, but there is none.
+const TWO_TAGS: f64 = 0.3;
 
 /// The rival's residual must be this many times the best pose's. Measured in `notes/pose.md` of the design: with the ratio of
 /// best to rival below 0.2, single-tag frames are more than 10° wrong in 0.23 % instead of 2.1 %.
@@ -82,17 +104,29 @@ const MIN_LONE_TILT_DEG: f64 = 10.0;
 const SAME_TURN_DEG: f64 = 3.0;
 const SAME_PLACE: f64 = 0.03;
 
-/// The best pose, if it fits and no different pose fits almost as well.
+/// An azimuth known no better than this is not known: the first derivatives no longer say how far it may be off.
+const MAX_SIGMA_DEG: f64 = 5.0;
+/// A pose in a wrong bin by more than this must be rarer than [`MAX_WRONG_BIN`] for each photo. Only photos near an edge come up
+/// to it, so that the share among all is far below.
+const WRONG_BIN_MARGIN_DEG: f64 = 1.0;
+const MAX_WRONG_BIN: f64 = 0.01;
+
+/// The residual above which tags disagree, px.
+pub(super) fn limit_px(camera: &Camera) -> f64 {
+    MAX_RMS_DEG / camera.deg_per_px()
+}
+
+/// The best pose and the best different one, if the best fits and the other does not fit almost as well.
 pub(super) fn undoubted(
     mut found: Vec<Candidate>,
     matches: &[Match],
     camera: &Camera,
-) -> Result<Candidate, Abstention> {
+) -> Result<(Candidate, Option<Candidate>), Abstention> {
     found.sort_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
     let Some(best) = found.first() else {
         return Err(Abstention::BehindCamera);
     };
-    let limit_px = MAX_RMS_DEG / camera.deg_per_px();
+    let limit_px = limit_px(camera) * if matches.len() == 2 { TWO_TAGS } else { 1.0 };
     if best.rms_px > limit_px {
         let rms_px = best.rms_px;
         return Err(match matches {
@@ -109,7 +143,7 @@ pub(super) fn undoubted(
     {
         return Err(Abstention::OneTagCovered { id: only.tag.id });
     }
-    let rival = found.iter().find(|c| is_different(c, best));
+    let rival = found.iter().find(|c| is_different(&c.pose, &best.pose));
     if let Some(rival) = rival.filter(|r| r.rms_px < MIN_RIVAL_RATIO * best.rms_px.max(NOISE_FLOOR_PX)) {
         let (best_px, rival_px) = (best.rms_px, rival.rms_px);
         return Err(match matches {
@@ -134,7 +168,19 @@ pub(super) fn undoubted(
             });
         }
     }
-    Ok(best.clone())
+    Ok((best.clone(), rival.cloned()))
+}
+
+/// Refuses a viewpoint whose azimuth the tags leave open, so far that its bin may well be another. `edge_deg`: from the azimuth to
+/// its bin's edge.
+pub(super) fn settled(sigma: &Sigma, edge_deg: f64) -> Result<(), Abstention> {
+    let sigma_deg = sigma.azimuth_deg;
+    let wrong = upper_tail((edge_deg + WRONG_BIN_MARGIN_DEG) / sigma_deg);
+    if sigma_deg <= MAX_SIGMA_DEG && wrong <= MAX_WRONG_BIN {
+        Ok(())
+    } else {
+        Err(Abstention::Degenerate { sigma_deg, edge_deg })
+    }
 }
 
 /// The angle between a tag's normal and the line of sight to its centre.
@@ -143,8 +189,12 @@ fn tilt_deg(m: &Match, found: &Candidate) -> f64 {
     m.tag.right.cross(&m.tag.up).angle(&to_camera).to_degrees()
 }
 
-fn is_different(a: &Candidate, b: &Candidate) -> bool {
-    let (turn_deg, place) = difference(&a.pose, &b.pose);
+/// True for poses that are not one pose up to noise.
+pub(super) fn is_different(a: &Rigid, b: &Rigid) -> bool {
+    let turn_deg = angle::turn(0.0, a.rotation.angle_to(&b.rotation).to_degrees()).abs();
+    let (ca, cb) = (a.inverse() * Point3::origin(), b.inverse() * Point3::origin());
+    // Relative to the distance from the model's origin.
+    let place = (ca - cb).norm() / ca.coords.norm().max(1.0);
     turn_deg > SAME_TURN_DEG || place > SAME_PLACE
 }
 

@@ -1,157 +1,144 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
+mod consensus;
 mod doubt;
+mod matches;
+mod refine;
+pub mod reprojection;
 mod solver;
+mod uncertainty;
 
 use nalgebra::Point3;
+use serde::Serialize;
 
 use crate::camera::Camera;
-use crate::geometry::{Rigid, angle};
-use crate::scene::{Bin, Scene, Tag, Viewpoint};
+use crate::geometry::Rigid;
+use crate::scene::{Bin, Scene, Viewpoint};
 use crate::tags::SeenTag;
+use consensus::Consensus;
+use matches::{Corners, Match};
+use refine::NO_BEND;
+use solver::Candidate;
 
 pub use doubt::Abstention;
+pub use matches::{Ignored, IgnoredTag};
+pub use solver::Solver;
+pub use uncertainty::{Sigma, Uncertainty};
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located {
     /// `T_camera_model`: model frame to camera frame, mm.
     pub pose: Rigid,
+    /// How far the pose may be off by corner noise.
+    pub uncertainty: Uncertainty,
     pub viewpoint: Viewpoint,
+    /// What that means for the viewpoint.
+    pub sigma: Sigma,
     pub bin: Bin,
+    /// The probability that the bin is the right one.
+    pub bin_probability: f64,
+    pub warnings: Vec<Warning>,
     /// Ids of the tags the pose rests on, ascending.
     pub tags: Vec<u32>,
-    /// Ids of tags that were seen but not used: not in the scene, seen twice, or partly covered.
-    pub ignored_tags: Vec<u32>,
+    /// Tags that were seen but not used, by id.
+    pub ignored_tags: Vec<IgnoredTag>,
     /// Root mean square distance between seen and projected corners, px.
     pub rms_px: f64,
 }
 
-/// A tag of the scene together with where its corners were seen.
-#[derive(Debug, Clone)]
-struct Match<'a> {
-    tag: &'a Tag,
-    corners_px: [[f64; 2]; 4],
-    is_whole: bool,
+/// What weakens an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Warning {
+    /// The camera stood so near to the edge of its bin that it may be the next one.
+    NearBinEdge,
 }
 
-impl Match<'_> {
-    /// Area in the picture, px² (shoelace formula).
-    fn area_px(&self) -> f64 {
-        let c = &self.corners_px;
-        let twice: f64 = (0..4)
-            .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
-            .sum();
-        twice.abs() / 2.0
-    }
-}
+/// A bin less probable than this is given with a warning.
+const SURE_BIN: f64 = 0.95;
 
-/// Corresponding corners: model frame in mm, picture in px.
-struct Corners {
-    model_mm: Vec<Point3<f64>>,
-    image_px: Vec<[f64; 2]>,
-}
-
-/// A refined pose and how far it leaves the corners from where they were seen.
-#[derive(Debug, Clone, PartialEq)]
-struct Candidate {
-    pose: Rigid,
-    rms_px: f64,
+/// Locates the camera from the tags of one photo with the default solver.
+pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+    locate_by(Solver::default(), seen, scene, camera)
 }
 
 /// Locates the camera from the tags of one photo.
 ///
-/// SQPnP over all corners (Terzakis & Lourakis 2020) and both planar branches (IPPE: Collins & Bartoli 2014) of the largest
-/// tags each start one Levenberg–Marquardt refinement over all corners, distortion included. The best pose and the best
-/// *different* one are compared, and a pose that cannot exclude its rival is not returned.
-pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
-    let (matches, ignored_tags) = match_tags(seen, scene)?;
-    let corners = corners(&matches);
-    let starts = solver::starts(&matches, &corners, camera);
-    let candidates = starts
-        .iter()
-        .filter_map(|start| solver::refine(start, &corners, camera))
-        .filter_map(|pose| {
-            Some(Candidate {
-                rms_px: rms_px(&pose, &corners, camera)?,
-                pose,
-            })
-        })
-        .collect();
-    let best = doubt::undoubted(candidates, &matches, camera)?;
-    Ok(located(best, scene, &matches, ignored_tags))
-}
-
-fn located(best: Candidate, scene: &Scene, matches: &[Match], ignored_tags: Vec<u32>) -> Located {
-    let centre = best.pose.inverse() * Point3::origin();
-    let viewpoint = Viewpoint::of_camera(centre, scene.model.target_mm());
+/// The best pose and the best *different* one are compared, and a pose that cannot exclude its rival is not returned, nor one
+/// whose azimuth the tags leave open.
+pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+    let (matches, mut ignored_tags) = matches::match_tags(seen, scene)?;
+    let Consensus {
+        matches,
+        candidates,
+        left_out,
+    } = found(solver, matches, scene, camera)?;
+    ignored_tags.extend(left_out);
+    ignored_tags.sort_unstable();
+    let (best, rival) = doubt::undoubted(candidates, &matches, camera)?;
+    let corners = Corners::of(&matches);
+    let finished = finished(solver, &best, &corners, camera).and_then(|(pose, uncertainty)| {
+        let rms_px = refine::rms_px(&pose, &corners, camera)?;
+        Some((Candidate { pose, rms_px }, uncertainty))
+    });
+    let (best, uncertainty) = finished.ok_or(Abstention::OPEN)?;
+    let viewpoint = viewpoint(&best.pose, scene);
+    let sigma = uncertainty.of_viewpoint(&best.pose, scene.model.target_mm());
+    doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
+    let bin = scene.bins.bin_of(&viewpoint);
+    let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
+    // An excluded rival keeps the weight of its likelihood.
+    let bin_probability = rival.map_or(of_best, |rival| {
+        let weight = uncertainty.likelihood(&rival, &best, corners.image_px.len());
+        let is_same_bin = scene.bins.bin_of(&self::viewpoint(&rival.pose, scene)) == bin;
+        (of_best + weight * f64::from(u8::from(is_same_bin))) / (1.0 + weight)
+    });
     let mut tags: Vec<u32> = matches.iter().map(|m| m.tag.id).collect();
     tags.sort_unstable();
-    Located {
-        bin: scene.bins.bin_of(&viewpoint),
+    Ok(Located {
+        pose: best.pose,
+        uncertainty,
         viewpoint,
+        sigma,
+        bin,
+        bin_probability,
+        warnings: (bin_probability < SURE_BIN)
+            .then_some(Warning::NearBinEdge)
+            .into_iter()
+            .collect(),
         tags,
         ignored_tags,
         rms_px: best.rms_px,
-        pose: best.pose,
-    }
+    })
 }
 
-/// The seen tags that stand in the scene, without those that could mislead.
-///
-/// An id seen twice is left out both times: one of the two is a copy or a ghost, and nothing tells which. A tag that is partly
-/// covered is left out when two whole ones remain.
-fn match_tags<'a>(seen: &[SeenTag], scene: &'a Scene) -> Result<(Vec<Match<'a>>, Vec<u32>), Abstention> {
-    let times = |tag: &SeenTag| seen.iter().filter(|t| (t.family, t.id) == (tag.family, tag.id)).count();
-    let (mut matches, mut ignored) = (Vec::new(), Vec::new());
-    for tag in seen {
-        match scene.tag(tag.family, tag.id) {
-            Some(known) if times(tag) == 1 => matches.push(Match {
-                tag: known,
-                corners_px: tag.corners_px,
-                is_whole: tag.is_whole,
-            }),
-            _ => ignored.push(tag.id),
-        }
-    }
-    if matches.iter().filter(|m| m.is_whole).count() >= 2 {
-        ignored.extend(matches.iter().filter(|m| !m.is_whole).map(|m| m.tag.id));
-        matches.retain(|m| m.is_whole);
-    }
-    ignored.sort_unstable();
-    ignored.dedup();
-    match (matches.is_empty(), ignored.is_empty()) {
-        (true, true) => Err(Abstention::NoTags),
-        (true, false) => Err(Abstention::NoKnownTag { ids: ignored }),
-        (false, _) => Ok((matches, ignored)),
-    }
+fn viewpoint(pose: &Rigid, scene: &Scene) -> Viewpoint {
+    Viewpoint::of_camera(pose.inverse() * Point3::origin(), scene.model.target_mm())
 }
 
-fn corners(matches: &[Match]) -> Corners {
-    Corners {
-        model_mm: matches.iter().flat_map(|m| m.tag.corners_mm()).collect(),
-        image_px: matches.iter().flat_map(|m| m.corners_px).collect(),
+/// The tags a solver rests on, and the poses they might have.
+fn found<'a>(
+    solver: Solver,
+    matches: Vec<Match<'a>>,
+    scene: &Scene,
+    camera: &Camera,
+) -> Result<Consensus<'a>, Abstention> {
+    if solver == Solver::EveryBranch {
+        return consensus::find(matches, scene, camera);
     }
+    let matches = solver.used(matches);
+    Ok(Consensus {
+        candidates: solver.candidates(&matches, camera),
+        matches,
+        left_out: Vec::new(),
+    })
 }
 
-/// Root mean square reprojection error in px; `None` when a corner falls behind the camera or outside the camera model.
-fn rms_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<f64> {
-    let mut sum = 0.0;
-    for (point, [u, v]) in corners.model_mm.iter().zip(&corners.image_px) {
-        let [x, y] = camera.project(&(pose * point))?;
-        sum += (x - u).powi(2) + (y - v).powi(2);
+/// The pose a solver ends with and how far it may be off. `None` when the corners leave it open.
+fn finished(solver: Solver, best: &Candidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
+    match solver {
+        Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
+        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_BEND)?)),
     }
-    let rms = (sum / corners.image_px.len() as f64).sqrt();
-    rms.is_finite().then_some(rms)
-}
-
-/// How different two poses are: the turn between them in degrees, and the distance between the camera centres relative to
-/// the distance from the model's origin.
-fn difference(a: &Rigid, b: &Rigid) -> (f64, f64) {
-    let turn = a.rotation.angle_to(&b.rotation).to_degrees();
-    let (ca, cb) = (a.inverse() * Point3::origin(), b.inverse() * Point3::origin());
-    (
-        angle::turn(0.0, turn).abs(),
-        (ca - cb).norm() / ca.coords.norm().max(1.0),
-    )
 }

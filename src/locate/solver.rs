@@ -1,52 +1,122 @@
-//! OpenCV's pose solvers: starts from SQPnP and IPPE, refinement by Levenberg–Marquardt.
+//! The ladder of pose solvers, each rung with what the one below lacks. OpenCV solves directly, [`super::refine`] refines.
 
 use nalgebra::Point3;
 use opencv::calib3d::{self, SolvePnPMethod};
-use opencv::core::{Mat, Point2d, Point3d, TermCriteria, TermCriteria_Type, Vector, no_array};
+use opencv::core::{Mat, Point2d, Point3d, Vector, no_array};
 use opencv::prelude::*;
 
-use super::{Corners, Match};
+use super::matches::{Corners, Match};
+use super::refine::{self, NO_BEND};
 use crate::camera::Camera;
 use crate::geometry::{Rigid, rigid};
+
+/// How a pose is found from matched tags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), as they come.
+    BestTag,
+    /// SQPnP over the corners of all tags (Terzakis & Lourakis 2020), as it comes.
+    Sqpnp,
+    /// SQPnP, then Levenberg–Marquardt over all corners, distortion included.
+    SqpnpRefined,
+    /// SQPnP and the branches of the largest tags, each refined; tags that the others outvote are left out; single bad corners
+    /// weigh less.
+    #[default]
+    EveryBranch,
+}
+
+impl Solver {
+    /// Every solver, from the simplest to the default.
+    pub fn all() -> [Solver; 4] {
+        [
+            Solver::BestTag,
+            Solver::Sqpnp,
+            Solver::SqpnpRefined,
+            Solver::EveryBranch,
+        ]
+    }
+
+    /// A stable name for tables and programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Solver::BestTag => "ippe_best_tag",
+            Solver::Sqpnp => "sqpnp",
+            Solver::SqpnpRefined => "sqpnp_lm",
+            Solver::EveryBranch => "every_branch_lm",
+        }
+    }
+
+    /// The matches this solver looks at.
+    pub(super) fn used<'a>(self, mut matches: Vec<Match<'a>>) -> Vec<Match<'a>> {
+        if self == Solver::BestTag {
+            largest_first(&mut matches);
+            matches.truncate(1);
+        }
+        matches
+    }
+
+    /// Every pose that might be the one, unsorted.
+    pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<Candidate> {
+        let corners = Corners::of(matches);
+        let refined = |starts: Vec<Rigid>| {
+            let refined = |start| refine::refine(start, &corners, camera, NO_BEND);
+            starts.iter().filter_map(refined).collect()
+        };
+        let poses: Vec<Rigid> = match self {
+            Solver::BestTag => branches(matches, camera),
+            Solver::Sqpnp => sqpnp(&corners, camera),
+            Solver::SqpnpRefined => refined(sqpnp(&corners, camera)),
+            Solver::EveryBranch => {
+                let mut starts = sqpnp(&corners, camera);
+                starts.extend(branches(matches, camera));
+                refined(starts)
+            }
+        };
+        let with_rms = |pose| {
+            Some(Candidate {
+                rms_px: refine::rms_px(&pose, &corners, camera)?,
+                pose,
+            })
+        };
+        poses.into_iter().filter_map(with_rms).collect()
+    }
+}
+
+/// A pose and how far it leaves the corners from where they were seen.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Candidate {
+    pub pose: Rigid,
+    pub rms_px: f64,
+}
 
 /// So many of the largest tags give their planar branches as starts; smaller ones add time and no new pose.
 const BRANCHED_TAGS: usize = 3;
 
-/// Every pose worth refining: `T_camera_model`.
-pub(super) fn starts(matches: &[Match], corners: &Corners, camera: &Camera) -> Vec<Rigid> {
-    let mut starts = solve(
+/// `T_camera_model` by SQPnP over all corners.
+fn sqpnp(corners: &Corners, camera: &Camera) -> Vec<Rigid> {
+    solve(
         &corners.model_mm,
         &corners.image_px,
         camera,
         SolvePnPMethod::SOLVEPNP_SQPNP,
-    );
-    let mut largest: Vec<&Match> = matches.iter().collect();
-    largest.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));
-    for m in largest.into_iter().take(BRANCHED_TAGS) {
-        let in_tag = m.tag.corners_in_tag_mm();
-        let branches = solve(&in_tag, &m.corners_px, camera, SolvePnPMethod::SOLVEPNP_IPPE_SQUARE);
-        starts.extend(
-            branches
-                .into_iter()
-                .map(|t_camera_tag| t_camera_tag * m.tag.pose().inverse()),
-        );
-    }
-    starts
+    )
 }
 
-/// Levenberg–Marquardt over all corners, distortion included. `None` when it runs away.
-pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera) -> Option<Rigid> {
-    let (rvec, tvec) = rigid::to_rotation_vector(start);
-    let (mut rvec, mut tvec) = (column(&rvec)?, column(&tvec)?);
-    let criteria = TermCriteria {
-        typ: TermCriteria_Type::EPS as i32 + TermCriteria_Type::COUNT as i32,
-        max_count: 50,
-        epsilon: 1e-10,
+/// `T_camera_model` by both planar branches of each of the largest tags.
+fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
+    let mut largest = matches.to_vec();
+    largest_first(&mut largest);
+    let of = |m: &Match| {
+        let in_tag = m.tag.corners_in_tag_mm();
+        let to_model = m.tag.pose().inverse();
+        let branches = solve(&in_tag, &m.corners_px, camera, SolvePnPMethod::SOLVEPNP_IPPE_SQUARE);
+        branches.into_iter().map(move |t_camera_tag| t_camera_tag * to_model)
     };
-    let (model, image) = (model_points(&corners.model_mm), image_points(&corners.image_px));
-    let (k, d) = (matrix(camera)?, distortion(camera));
-    calib3d::solve_pnp_refine_lm(&model, &image, &k, &d, &mut rvec, &mut tvec, criteria).ok()?;
-    pose(&rvec, &tvec)
+    largest.iter().take(BRANCHED_TAGS).flat_map(of).collect()
+}
+
+pub(super) fn largest_first(matches: &mut [Match]) {
+    matches.sort_by(|a, b| b.area_px().total_cmp(&a.area_px()));
 }
 
 /// All solutions of one of OpenCV's direct solvers; none when it gives up.
@@ -91,10 +161,6 @@ fn matrix(c: &Camera) -> Option<Mat> {
 
 fn distortion(c: &Camera) -> Vector<f64> {
     c.distortion().iter().copied().collect()
-}
-
-fn column(v: &[f64; 3]) -> Option<Mat> {
-    Mat::from_slice_2d(&[[v[0]], [v[1]], [v[2]]]).ok()
 }
 
 /// Rotation vector and translation as a transform; `None` when the solver returned numbers that are not finite.

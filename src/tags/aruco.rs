@@ -33,7 +33,9 @@ impl ArucoOpenCv {
     pub fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
         let choice = TagDetectorChoice::Aruco(refiner);
         choice.check_families(families)?;
-        let known = families.iter().filter_map(|family| Some((*family, dictionary(*family)?)));
+        let known = families
+            .iter()
+            .filter_map(|family| Some((*family, dictionary(*family)?)));
         let dictionaries = known.map(|(family, name)| Ok((family, get_predefined_dictionary(name)?)));
         Ok(ArucoOpenCv {
             dictionaries: dictionaries
@@ -96,7 +98,14 @@ fn detect(
     };
     let picture = Mat::new_rows_cols_with_data(rows, columns, grey.as_raw().as_slice())?;
     let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
-    detect_markers(&picture, dictionary, &mut corners, &mut ids, parameters, &mut no_array())?;
+    detect_markers(
+        &picture,
+        dictionary,
+        &mut corners,
+        &mut ids,
+        parameters,
+        &mut no_array(),
+    )?;
     let tags = ids.iter().zip(corners.iter());
     Ok(tags
         .filter_map(|(id, corners)| Some((u32::try_from(id).ok()?, upright(&corners)?)))

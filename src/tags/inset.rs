@@ -49,7 +49,9 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
     moved.sort_by(f64::total_cmp);
     // The outline lies `inset` inwards, so the far edge is looked for (1 − 2 / n) · inset inwards; it lies `inset` outwards.
     let inset = -moved[moved.len() / 2] / (2.0 - 2.0 / n);
-    let smallest = (0..4).map(|side| refine::cell_px(&square, side, n)).fold(f64::INFINITY, f64::min);
+    let smallest = (0..4)
+        .map(|side| refine::cell_px(&square, side, n))
+        .fold(f64::INFINITY, f64::min);
     (inset.abs() < MAX_CELLS * smallest).then_some(inset)
 }
 
@@ -99,9 +101,15 @@ mod tests {
         // Tag 0 of tag36h11, 0xd5d628584: rows 110101 011101 011000 101000 010110 000100; a set bit is white.
         let tag = TagImage::new(TagFamily::Tag36h11, 0).unwrap();
         let white = |side| {
-            let text: String = behind_the_ring(&tag, side).iter().map(|w| if *w { '1' } else { '0' }).collect();
+            let text: String = behind_the_ring(&tag, side)
+                .iter()
+                .map(|w| if *w { '1' } else { '0' })
+                .collect();
             text[1..7].to_owned()
         };
-        assert_eq!([white(0), white(1), white(2), white(3)], ["110101", "110000", "001000", "001001"]);
+        assert_eq!(
+            [white(0), white(1), white(2), white(3)],
+            ["110101", "110000", "001000", "001001"]
+        );
     }
 }

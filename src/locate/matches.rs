@@ -1,0 +1,136 @@
+//! The seen tags that stand in the scene, and why the others are left out.
+
+use std::fmt;
+
+use nalgebra::Point3;
+use serde::Serialize;
+
+use super::Abstention;
+use crate::scene::{Scene, Tag};
+use crate::tags::SeenTag;
+
+/// A tag that was seen but that the pose does not rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct IgnoredTag {
+    pub id: u32,
+    pub why: Ignored,
+}
+
+/// Why a seen tag was left out. From `WrongId` on, the other tags' pose says so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ignored {
+    /// The scene has no tag of this family and id.
+    NotInScene,
+    /// The id is in the picture twice: one is a copy or a ghost, and nothing tells which.
+    SeenTwice,
+    /// Part of its border is covered or out of the picture, and enough whole tags remain.
+    PartlyCovered,
+    /// It stands where the scene has another tag.
+    WrongId,
+    /// Its corners are where they should be, but run the other way round.
+    Mirrored,
+    /// Its corners are where they should be, but start at another one.
+    Turned,
+    /// Three corners or all are nearly where they should be, but not as near as the other tags': cut, bent or half covered.
+    CornerOff,
+    /// It is somewhere else.
+    Moved,
+}
+
+impl Ignored {
+    /// True for what only the other tags' pose can tell.
+    pub fn is_outvoted(self) -> bool {
+        self >= Ignored::WrongId
+    }
+}
+
+impl fmt::Display for Ignored {
+    /// What a tag did, to follow its number in a sentence.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Ignored::NotInScene => "is not in the scene",
+            Ignored::SeenTwice => "is in the picture twice",
+            Ignored::PartlyCovered => "is partly covered",
+            Ignored::WrongId => "stands where the scene has another one",
+            Ignored::Mirrored => "is printed in a mirror",
+            Ignored::Turned => "is turned by a quarter or a half",
+            Ignored::CornerOff => "has a corner that is not where the other tags expect it",
+            Ignored::Moved => "is not where the scene has it",
+        })
+    }
+}
+
+/// A tag of the scene together with where its corners were seen.
+#[derive(Debug, Clone)]
+pub(super) struct Match<'a> {
+    pub tag: &'a Tag,
+    pub corners_px: [[f64; 2]; 4],
+    pub is_whole: bool,
+}
+
+impl Match<'_> {
+    /// Area in the picture, px² (shoelace formula).
+    pub fn area_px(&self) -> f64 {
+        let c = &self.corners_px;
+        let twice: f64 = (0..4)
+            .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
+            .sum();
+        twice.abs() / 2.0
+    }
+}
+
+/// Corresponding corners: model frame in mm, picture in px; four of each tag, tag after tag.
+pub(super) struct Corners {
+    pub model_mm: Vec<Point3<f64>>,
+    pub image_px: Vec<[f64; 2]>,
+}
+
+impl Corners {
+    pub fn of(matches: &[Match]) -> Corners {
+        Corners {
+            model_mm: matches.iter().flat_map(|m| m.tag.corners_mm()).collect(),
+            image_px: matches.iter().flat_map(|m| m.corners_px).collect(),
+        }
+    }
+}
+
+/// The tags a pose may rest on, and those left out, by id.
+///
+/// An id seen twice is left out both times. A tag that is partly covered is left out when two whole ones remain.
+pub(super) fn match_tags<'a>(
+    seen: &[SeenTag],
+    scene: &'a Scene,
+) -> Result<(Vec<Match<'a>>, Vec<IgnoredTag>), Abstention> {
+    let times = |tag: &SeenTag| seen.iter().filter(|t| (t.family, t.id) == (tag.family, tag.id)).count();
+    let (mut matches, mut ignored) = (Vec::new(), Vec::new());
+    for tag in seen {
+        let mut ignore = |why| ignored.push(IgnoredTag { id: tag.id, why });
+        match scene.tag(tag.family, tag.id) {
+            None => ignore(Ignored::NotInScene),
+            Some(_) if times(tag) > 1 => ignore(Ignored::SeenTwice),
+            Some(known) => matches.push(Match {
+                tag: known,
+                corners_px: tag.corners_px,
+                is_whole: tag.is_whole,
+            }),
+        }
+    }
+    if matches.iter().filter(|m| m.is_whole).count() >= 2 {
+        let covered = matches.iter().filter(|m| !m.is_whole).map(|m| IgnoredTag {
+            id: m.tag.id,
+            why: Ignored::PartlyCovered,
+        });
+        ignored.extend(covered);
+        matches.retain(|m| m.is_whole);
+    }
+    ignored.sort_unstable();
+    ignored.dedup();
+    match (matches.is_empty(), ignored.is_empty()) {
+        (true, true) => Err(Abstention::NoTags),
+        (true, false) => Err(Abstention::NoKnownTag {
+            ids: ignored.iter().map(|i| i.id).collect(),
+        }),
+        (false, _) => Ok((matches, ignored)),
+    }
+}
