@@ -16,5 +16,6 @@ pub mod report;
 pub mod scene;
 pub mod score;
 pub mod session;
+pub mod survey;
 pub mod tags;
 pub mod workers;

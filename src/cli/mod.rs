@@ -8,6 +8,7 @@ mod print;
 mod progress;
 mod scene;
 mod score;
+mod survey;
 
 use std::error::Error;
 use std::io::Write;
@@ -33,6 +34,7 @@ enum Command {
     Locate(locate::Args),
     Detectors(detectors::Args),
     Score(score::Args),
+    Survey(survey::Args),
 }
 
 /// What a finished command says to the shell.
@@ -60,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),
+        Command::Survey(args) => survey::run(args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
