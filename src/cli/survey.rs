@@ -132,6 +132,7 @@ fn tags_of(args: &Args, scene: &Scene, camera: &Camera) -> Result<Vec<PhotoTags>
 #[derive(Serialize)]
 struct Json {
     noise_px: f64,
+    edge_shift_px: f64,
     tags: Vec<TagJson>,
     left_out: Vec<LeftOutJson>,
     photos: Vec<PhotoJson>,
@@ -186,6 +187,7 @@ fn json(found: &Survey) -> Json {
     };
     Json {
         noise_px: found.noise_px,
+        edge_shift_px: found.edge_shift_px,
         tags: found.tags.iter().zip(&found.scene.tags).map(tag).collect(),
         left_out: found
             .left_out
@@ -238,5 +240,9 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
         writeln!(out, "not used: {}, which shows no tag that helps", photo.name)?;
     }
     let used = found.photos.iter().filter(|p| !p.tags.is_empty()).count();
-    writeln!(out, "{used} photos, corners within ±{:.2} px (σ)", found.noise_px)
+    writeln!(
+        out,
+        "{used} photos, corners within ±{:.2} px (σ), all tag edges {:.2} px too far in",
+        found.noise_px, found.edge_shift_px
+    )
 }

@@ -4,6 +4,7 @@
 //! all photos are adjusted together (bundle adjustment) around them.
 
 mod adjust;
+mod edges;
 mod grow;
 mod network;
 mod planar;
@@ -63,6 +64,8 @@ pub struct Survey {
     pub photos: Vec<PhotoReport>,
     /// σ of a corner coordinate, px: what the residuals say.
     pub noise_px: f64,
+    /// How far all tag edges were found too far in, px; taken out of the result.
+    pub edge_shift_px: f64,
 }
 
 /// One tag of the surveyed scene.
@@ -101,16 +104,18 @@ pub struct PhotoReport {
 /// Surveys the tags that the photos show.
 ///
 /// Both planar branches of every sighting (IPPE: Collins & Bartoli 2014) are candidates for a photo-by-photo start ([`grow`]); all poses
-/// are then adjusted together under a robust loss, tags that the photos disagree about are named and left out ([`suspects`]),
+/// are then adjusted together under a robust loss, with one shift that all tag edges share ([`edges`]); tags that the photos disagree about are named and left out ([`suspects`]),
 /// and the rest is adjusted once more by least squares, whose covariance, inflated by the residuals, gives each σ.
 pub fn survey(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<Survey, SurveyError> {
-    let (net, mut left_out) = network(photos, given, camera)?;
+    let (mut net, mut left_out) = network(photos, given, camera)?;
     check_connected(&net)?;
     let mut poses = grow::grown(&net, camera).map_err(|_| SurveyError::TwoArrangements)?;
+    let noise_px = suspects::noise_px(&net, &poses, camera);
+    let shared = edges::fit(&mut net, &mut poses, grow::rough(camera), camera, 0.0, noise_px);
     let net = without_suspects(net, &mut poses, photos, camera, &mut left_out)?;
     let net = without_doubtful(net, &mut poses, photos, camera, &mut left_out);
     check_connected(&net)?;
-    finished(&net, poses, photos, given, camera, left_out)
+    finished(net, poses, shared.moved_px, photos, given, camera, left_out)
 }
 
 /// The usable sightings: whole tags of known size that are seen once in the photo.
@@ -381,13 +386,17 @@ fn has_rival(
 
 /// The least-squares result with its σ.
 fn finished(
-    net: &Network,
+    mut net: Network,
     mut poses: Poses,
+    moved_px: f64,
     photos: &[PhotoTags],
     given: &Given,
     camera: &Camera,
     mut left_out: Vec<LeftOut>,
 ) -> Result<Survey, SurveyError> {
+    let noise_px = suspects::noise_px(&net, &poses, camera);
+    let shared = edges::fit(&mut net, &mut poses, Loss::Squared, camera, moved_px, noise_px);
+    let net = &net;
     let left = adjust(net, &mut poses, Free::All, Loss::Squared, camera, 100);
     let numbers = 8 * net.sightings.len();
     let spare = numbers
@@ -403,6 +412,10 @@ fn finished(
         let tag = match (sized.fixed, poses.tags[t], &covariances[t]) {
             (Some(_), ..) => known.cloned(),
             (None, Some(pose), Some(covariance)) => {
+                let rate = shared.by_tag[t].unwrap_or_default();
+                // Per px² of noise, like the covariance.
+                let shared_px2 = shared.variance + (edges::LEFT_PX / noise_px.max(1e-6)).powi(2);
+                let covariance = covariance + shared_px2 * rate * rate.transpose();
                 let worst = |rows: usize| {
                     let block = covariance.fixed_view::<3, 3>(rows, rows).into_owned();
                     noise_px * block.symmetric_eigenvalues().max().max(0.0).sqrt()
@@ -442,6 +455,7 @@ fn finished(
             .map(|(p, tags)| photo_report(net, &poses, p, tags, camera))
             .collect(),
         noise_px,
+        edge_shift_px: shared.moved_px,
     })
 }
 
