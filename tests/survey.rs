@@ -85,12 +85,17 @@ fn the_skyline_photos_of_one_variant_give_the_tags_and_locate_the_other_variant(
         assert!(output.status.success(), "{}", stderr(&output));
         let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
         let left_out = json["left_out"].as_array().unwrap();
-        assert!(left_out.iter().all(|l| l["code"] == "seen_once"), "{left_out:?}");
+        assert!(
+            left_out
+                .iter()
+                .all(|l| l["code"] == "seen_once" || l["code"] == "never_whole"),
+            "{left_out:?}"
+        );
         let found = Scene::open(&out).unwrap();
         let surveyed = found.tags.iter().filter(|t| t.sigma.is_some()).count();
         let (mm, deg, ratio) = worst(&found, &true_scene);
         println!(
-            "{variant}: {surveyed} tags surveyed, {} seen once and left out; worst {mm:.2} mm, {deg:.2}°, {ratio:.1} σ",
+            "{variant}: {surveyed} tags surveyed, {} seen once or never whole and left out; worst {mm:.2} mm, {deg:.2}°, {ratio:.1} σ",
             left_out.len()
         );
         assert!(surveyed >= 11 && mm < 0.5 && deg < 0.3 && ratio < 4.0);
@@ -291,7 +296,7 @@ fn sigma_is_honest_on_synthetic_views() {
     let (scene, camera) = truth();
     for fixed in [&MAT[..], &[0]] {
         let (mut squares, mut count, mut largest) = (0.0, 0, 0.0_f64);
-        for seed in 0..12 {
+        for seed in 0..4 {
             let photos = shoot(|_| scene.clone(), &camera, 0.3, seed);
             let found = survey_with(&photos, &scene, fixed, None).unwrap();
             assert!(found.left_out.is_empty(), "{:?}", found.left_out);
@@ -407,7 +412,7 @@ fn covered_and_doubled_tags_are_not_used() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
     /// Whatever part of the sightings there is: refused, or every written tag is where its σ allows.
     #[test]
     fn fewer_sightings_never_give_a_silent_wrong_tag(seed in 0_u64..1000, share in 0.2..1.0_f64, origin in any::<bool>()) {

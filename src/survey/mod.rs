@@ -404,6 +404,12 @@ fn finished(
         .filter(|spare| *spare > 0);
     let spare = spare.ok_or(SurveyError::Undetermined)?;
     let noise_px = (left / spare as f64).sqrt();
+    // Whatever the steps before have missed ends here, not in the file.
+    let rms_px = suspects::largest_rms_px(net, &poses, camera);
+    let limit_px = 2.0 * suspects::limit_px(suspects::noise_px(net, &poses, camera), camera);
+    if rms_px > limit_px {
+        return Err(SurveyError::Disagree { rms_px, limit_px });
+    }
     let covariances = adjust::covariances(net, &poses, camera).ok_or(SurveyError::Undetermined)?;
     let (mut tags, mut reports) = (Vec::new(), Vec::new());
     for (t, sized) in net.tags.iter().enumerate() {

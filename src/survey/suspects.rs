@@ -1,6 +1,6 @@
 //! Tags that the photos disagree about: moved between photos, of another size than stated, not where they were said to be.
 
-use super::adjust::{Free, Loss, adjust, unknowns};
+use super::adjust::{Free, Loss, adjust, cost, unknowns};
 use super::grow::{rough, tag_candidates};
 use super::network::{Network, Poses, Sighting};
 use super::residual::rms_px;
@@ -77,6 +77,12 @@ fn rms(s: &Sighting, net: &Network, poses: &Poses, camera: &Camera) -> Option<f6
     ))
 }
 
+/// The largest root mean square of any sighting, px.
+pub(super) fn largest_rms_px(net: &Network, poses: &Poses, camera: &Camera) -> f64 {
+    let all = net.sightings.iter().filter_map(|s| rms(s, net, poses, camera));
+    all.fold(0.0, f64::max)
+}
+
 /// The tag that is furthest off, and what is wrong with it; `None` when every tag fits.
 ///
 /// The others are adjusted without it first, so that it does not judge itself.
@@ -101,16 +107,21 @@ pub(super) fn worst(net: &Network, poses: &Poses, limit_px: f64, camera: &Camera
 
 fn fault(net: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<Fault> {
     let (own, poses) = alone(net, poses, tag, camera);
-    let everywhere: Vec<usize> = own.sightings.iter().map(|s| s.photo).collect();
-    let (place, here) = largest_group(&own, &poses, tag, limit_px, camera)?;
-    if here.len() == everywhere.len() {
+    let everywhere: Vec<usize> = net.of_tag(tag).map(|s| s.photo).collect();
+    let group = largest_group(&own, &poses, tag, limit_px, camera);
+    if let Some((place, here)) = &group
+        && here.len() == everywhere.len()
+    {
         let given = net.tags[tag].fixed?;
         let mm = (given.translation.vector - place.tags[tag]?.translation.vector).norm();
         return Some(Fault::NotWhereGiven { mm });
     }
-    if let Some(fits_mm) = other_size(&own, &place, tag, limit_px, camera) {
+    if let Some(fits_mm) = other_size(&own, &poses, tag, limit_px, camera) {
         return Some(Fault::WrongSize { fits_mm });
     }
+    let Some((place, here)) = group else {
+        return Some(Fault::BadlySeen { photos: everywhere });
+    };
     let rest = own.with(|s| !here.contains(&s.photo));
     let off_mm = rest.sightings.iter().filter_map(|s| {
         let depth_mm = place.camera_tag(s)?.translation.z;
@@ -125,7 +136,7 @@ fn fault(net: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camer
             there,
         },
         None => Fault::BadlySeen {
-            photos: rest.sightings.iter().map(|s| s.photo).collect(),
+            photos: everywhere.into_iter().filter(|p| !here.contains(p)).collect(),
         },
     })
 }
@@ -183,15 +194,26 @@ fn largest_group(
 }
 
 /// The size with which the tag fits in all its photos, when it is seen in two at least and the size is not the stated one.
-fn other_size(own: &Network, start: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<f64> {
+fn other_size(own: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<f64> {
     let stated_mm = own.tags[tag].size_mm;
     let fitted = |ln_ratio: f64| {
+        let ratio = ln_ratio.exp();
         let mut sized = own.clone();
-        sized.tags[tag].size_mm = stated_mm * ln_ratio.exp();
-        let mut poses = start.clone();
-        // The branches were found with the stated size; with another the tag is nearer or further by as much.
-        let left = adjust(&sized, &mut poses, Free::Tag(tag), Loss::Squared, camera, 30);
-        (left, sized, poses)
+        sized.tags[tag].size_mm = stated_mm * ratio;
+        // A larger tag with the same corners is further by as much, turned as it was.
+        for branch in sized.sightings.iter_mut().flat_map(|s| &mut s.branches) {
+            branch.translation.vector *= ratio;
+        }
+        let placed = |start| {
+            let mut placed = poses.clone();
+            placed.tags[tag] = Some(start);
+            (cost(&sized, &placed, rough(camera), camera), placed)
+        };
+        let starts = tag_candidates(&sized, poses, tag).into_iter().map(placed);
+        let nearest = starts.min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut placed = nearest.map_or_else(|| poses.clone(), |(_, placed)| placed);
+        let left = adjust(&sized, &mut placed, Free::Tag(tag), Loss::Squared, camera, 30);
+        (left, sized, placed)
     };
     // From a third to three times the stated size; then the best of the steps is refined by golden section.
     const STEP: f64 = 0.1;
@@ -205,10 +227,10 @@ fn other_size(own: &Network, start: &Poses, tag: usize, limit_px: f64, camera: &
         if left(&a) < left(&b) { high = b } else { low = a }
     }
     let ratio = ((low + high) / 2.0).exp();
-    let (_, sized, poses) = fitted(ratio.ln());
+    let (_, sized, placed) = fitted(ratio.ln());
     let fits = sized
         .sightings
         .iter()
-        .all(|s| rms(s, &sized, &poses, camera).is_some_and(|r| r <= limit_px));
+        .all(|s| rms(s, &sized, &placed, camera).is_some_and(|r| r <= limit_px));
     (fits && own.sightings.len() > 1 && (ratio - 1.0).abs() > SIZE_TOLERANCE).then_some(stated_mm * ratio)
 }
