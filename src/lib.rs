@@ -18,5 +18,6 @@ pub mod scene;
 pub mod score;
 pub mod session;
 pub mod simulate;
+pub mod survey;
 pub mod tags;
 pub mod workers;

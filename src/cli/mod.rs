@@ -9,6 +9,7 @@ mod print;
 mod progress;
 mod scene;
 mod score;
+mod survey;
 
 use std::error::Error;
 use std::io::Write;
@@ -35,6 +36,7 @@ enum Command {
     Locate(locate::Args),
     Detectors(detectors::Args),
     Score(score::Args),
+    Survey(survey::Args),
 }
 
 /// What a finished command says to the shell.
@@ -63,6 +65,7 @@ pub fn main() -> ExitCode {
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),
+        Command::Survey(args) => survey::run(args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -85,7 +85,7 @@ enum Preset {
     Ring,
 }
 
-fn family(text: &str) -> Result<TagFamily, String> {
+pub(super) fn family(text: &str) -> Result<TagFamily, String> {
     let known = TagFamily::ALL.iter().find(|(_, name)| name.eq_ignore_ascii_case(text));
     known.map(|(family, _)| *family).ok_or_else(|| {
         let names: Vec<_> = TagFamily::ALL.iter().map(|(_, name)| *name).collect();

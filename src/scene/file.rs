@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
-use super::{Bins, Model, Scene, Tag, TagFamily};
+use super::{Bins, Model, Scene, Tag, TagFamily, TagSigma};
 use crate::files;
 
 /// Why a scene was refused. Every variant names the file and what to change.
@@ -70,6 +70,8 @@ struct TagTable {
     centre_mm: [f64; 3],
     right: [f64; 3],
     up: [f64; 3],
+    sigma_mm: Option<f64>,
+    sigma_deg: Option<f64>,
 }
 
 impl Scene {
@@ -178,7 +180,20 @@ fn checked_tag(t: TagTable) -> Result<Tag, String> {
         centre_mm: Point3::from(t.centre_mm),
         right,
         up,
+        sigma: checked_sigma(t.sigma_mm, t.sigma_deg, id)?,
     })
+}
+
+fn checked_sigma(mm: Option<f64>, deg: Option<f64>, id: u32) -> Result<Option<TagSigma>, String> {
+    match (mm, deg) {
+        (None, None) => Ok(None),
+        (Some(mm), Some(deg)) if mm >= 0.0 && deg >= 0.0 && mm.is_finite() && deg.is_finite() => {
+            Ok(Some(TagSigma { mm, deg }))
+        }
+        _ => Err(format!(
+            "sigma_mm and sigma_deg of tag {id} go together and are 0 or more: give both or neither"
+        )),
+    }
 }
 
 fn unit(v: [f64; 3], what: &str, id: u32) -> Result<Vector3<f64>, String> {
@@ -262,6 +277,8 @@ up = [-0.5, 0.0, 0.866]
             ("id = 0", "id = 587", "does not exist in its family"),
             ("[bins]", "envelope = \"hull\"\n[bins]", "unknown variant `hull`"),
             ("size_mm = 50.0", "size_mm = nan", "size_mm of tag 0 is NaN"),
+            ("id = 0", "id = 0\nsigma_mm = 0.1", "sigma_mm and sigma_deg of tag 0"),
+            ("id = 0", "id = 0\nsigma_mm = -1\nsigma_deg = 1", "0 or more"),
         ] {
             let text = refusal(&GOOD.replace(from, to));
             assert!(text.contains(reason), "{to}: {text}");

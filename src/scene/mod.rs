@@ -11,7 +11,7 @@ mod write;
 pub use bins::{Bin, Bins};
 pub use file::SceneError;
 pub use ring::{Ring, RingError};
-pub use tag::{Tag, TagFamily};
+pub use tag::{Tag, TagFamily, TagSigma};
 pub use viewpoint::Viewpoint;
 
 use nalgebra::Point3;

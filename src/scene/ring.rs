@@ -161,6 +161,7 @@ impl Ring {
             centre_mm: Point3::from(centre),
             right: up.cross(&normal),
             up,
+            sigma: None,
         }
     }
 }

@@ -62,6 +62,17 @@ pub struct Tag {
     pub right: Vector3<f64>,
     /// Unit vector to the tag's top, model frame.
     pub up: Vector3<f64>,
+    /// How well the pose is known, when it was surveyed.
+    pub sigma: Option<TagSigma>,
+}
+
+/// One standard deviation of a surveyed tag's pose, each in its worst direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TagSigma {
+    /// Of the centre, mm.
+    pub mm: f64,
+    /// Of the directions, degrees.
+    pub deg: f64,
 }
 
 impl Tag {

@@ -26,14 +26,16 @@ fn table(tag: &Tag) -> String {
     let family = family
         .filter(|(family, _)| *family != TagFamily::default())
         .map(|(_, name)| format!("family = \"{name}\"\n"));
+    let sigma = |s: super::TagSigma| format!("sigma_mm = {:.4}\nsigma_deg = {:.4}\n", s.mm, s.deg);
     format!(
-        "\n[[tag]]\nid = {}\n{}size_mm = {}\ncentre_mm = {}\nright = {}\nup = {}\n",
+        "\n[[tag]]\nid = {}\n{}size_mm = {}\ncentre_mm = {}\nright = {}\nup = {}\n{}",
         tag.id,
         family.unwrap_or_default(),
         tag.size_mm,
         list(tag.centre_mm.coords.as_slice(), 3),
         list(tag.right.as_slice(), 7),
         list(tag.up.as_slice(), 7),
+        tag.sigma.map(sigma).unwrap_or_default(),
     )
 }
 
@@ -66,12 +68,19 @@ mod tests {
         ) {
             let model = Model { name, scale: 10.0, class: "car".into(), size_mm: [455.0, 186.5, 128.0] };
             let bins = Bins { azimuth_deg: 45.0, pitch_deg: vec![0.0, 15.0], distance_mm: vec![850.0] };
-            let scene = Ring { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
+            let mut scene = Ring { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
+            scene.tags[0].sigma = Some(super::super::TagSigma { mm: tilt_deg / 64.0, deg: radius_mm / 8192.0 });
             let back = Scene::parse(&scene.to_toml(), Path::new("scene.toml")).unwrap();
             prop_assert_eq!((&scene.model, &scene.bins), (&back.model, &back.bins));
             for (tag, read) in scene.tags.iter().zip(&back.tags) {
                 prop_assert_eq!((tag.id, tag.family, tag.size_mm), (read.id, read.family, read.size_mm));
                 prop_assert!((tag.centre_mm - read.centre_mm).norm() < 0.001);
+                let off = |a: Option<super::super::TagSigma>, b: Option<super::super::TagSigma>| match (a, b) {
+                    (Some(a), Some(b)) => (a.mm - b.mm).abs().max((a.deg - b.deg).abs()),
+                    (None, None) => 0.0,
+                    _ => f64::INFINITY,
+                };
+                prop_assert!(off(tag.sigma, read.sigma) < 1e-4);
                 prop_assert!(tag.right.angle(&read.right) < 1e-6 && tag.up.angle(&read.up) < 1e-6);
             }
         }

@@ -1,0 +1,248 @@
+//! `scaleproof survey`: where do the tags stand that were placed by hand?
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{CommandResult, Outcome, print, progress, scene};
+use crate::camera::Camera;
+use crate::photo::Photo;
+use crate::print::tags::arrange;
+use crate::scene::{Scene, TagFamily};
+use crate::survey::{Given, PhotoTags, Sizes, Survey, survey};
+use crate::tags::{AprilTagC, TagDetector};
+use crate::workers;
+
+/// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
+///
+/// Only the sizes of the tags are needed, and some tags whose place is known: a printed ground mat, or one tag. Exit code 2
+/// when a file is bad or the photos do not say where the tags stand; nothing is written then.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Photos (JPEG or PNG) of the tags from all sides; each shows tags that others show too
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// Camera file: OpenCV or ROS camera_info YAML
+    #[arg(long)]
+    camera: PathBuf,
+    /// Scene file with the model, the bins, and where the fixed tags stand; of other tags only the size is used
+    #[arg(long)]
+    scene: PathBuf,
+    /// Tags that keep their place of the scene file: `mat` for all that lie on the ground (the printed ground mat), or ids as in 0,5
+    #[arg(long, value_name = "mat|ID,…")]
+    fixed: String,
+    /// Outer edge of the tags' black borders in mm, as in 50, or 0-7:50,8-15:40; without it those of the scene file
+    #[arg(long, value_name = "MM|ID-ID:MM,…", allow_hyphen_values = true)]
+    sizes: Option<Sizes>,
+    /// Family of the tags that --fixed and --sizes name
+    #[arg(long, default_value = "tag36h11", value_parser = scene::family)]
+    family: TagFamily,
+    /// The scene file to write
+    #[arg(short, long, visible_alias = "out", value_name = "TOML")]
+    output: PathBuf,
+    /// A JSON object instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let scene = Scene::open(&args.scene)?;
+    let camera = Camera::open(&args.camera)?;
+    let fixed = fixed(&args, &scene)?;
+    let photos = tags_of(&args, &scene, &camera)?;
+    let given = Given {
+        scene: &scene,
+        fixed: &fixed,
+        sizes: args.sizes.as_ref(),
+        family: args.family,
+    };
+    let found = survey(&photos, &given, &camera)?;
+    let text = found.scene.to_toml();
+    // The reader's checks are the checks.
+    Scene::parse(&text, &args.output)?;
+    let mut inputs: Vec<_> = args.photos.iter().map(|p| Some(p.as_path())).collect();
+    inputs.extend([Some(args.scene.as_path()), Some(args.camera.as_path())]);
+    print::write_files(&[(args.output.clone(), text.into_bytes())], &inputs)?;
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&json(&found))?)?;
+    } else {
+        write_tables(&found, out)?;
+        writeln!(out, "{}: {} tags", args.output.display(), found.scene.tags.len())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The fixed tags by family and id.
+fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
+    if args.fixed == "mat" {
+        let mat: Vec<_> = arrange(scene).flat.iter().map(|t| (t.family, t.id)).collect();
+        return if mat.is_empty() {
+            Err(format!(
+                "{} has no tag that lies on the ground: name the fixed tags by id",
+                args.scene.display()
+            ))
+        } else {
+            Ok(mat)
+        };
+    }
+    let id = |text: &str| text.trim().parse().map(|id| (args.family, id));
+    let ids: Result<Vec<_>, _> = args.fixed.split(',').map(id).collect();
+    ids.map_err(|_| format!("--fixed `{}` is neither `mat` nor tag ids as in 0,5", args.fixed))
+}
+
+/// The tags of every photo; a photo that cannot be used, or is given twice, is refused.
+fn tags_of(args: &Args, scene: &Scene, camera: &Camera) -> Result<Vec<PhotoTags>, Box<dyn Error>> {
+    let mut families = scene.families();
+    if !families.contains(&args.family) {
+        families.push(args.family);
+    }
+    let bar = progress::photos("finding tags", args.photos.len());
+    let found = workers::map(
+        &args.photos,
+        || AprilTagC::new(&families).map_err(|e| e.to_string()),
+        |detector, path| {
+            let photo = Photo::open(path).map_err(|e| e.to_string())?;
+            let (width, height) = (photo.width(), photo.height());
+            if (width, height) != (camera.width, camera.height) {
+                let (cw, ch) = (camera.width, camera.height);
+                return Err(format!(
+                    "{} is {width}×{height} but the camera file is for {cw}×{ch}: use the original photo, or calibrate at this size",
+                    path.display()
+                ));
+            }
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let seen = detector.find(&photo.grey());
+            Ok((photo.sha256, PhotoTags { name, seen }))
+        },
+        || bar.inc(1),
+    );
+    bar.finish_and_clear();
+    let found = found?;
+    for (i, (hash, _)) in found.iter().enumerate() {
+        if let Some(first) = found[..i].iter().position(|(other, _)| other == hash) {
+            let (a, b) = (args.photos[i].display(), args.photos[first].display());
+            return Err(format!("{a} is the same photo as {b}, which would count twice: give it once").into());
+        }
+    }
+    Ok(found.into_iter().map(|(_, tags)| tags).collect())
+}
+
+#[derive(Serialize)]
+struct Json {
+    noise_px: f64,
+    edge_shift_px: f64,
+    tags: Vec<TagJson>,
+    left_out: Vec<LeftOutJson>,
+    photos: Vec<PhotoJson>,
+}
+
+#[derive(Serialize)]
+struct TagJson {
+    id: u32,
+    family: TagFamily,
+    size_mm: f64,
+    fixed: bool,
+    photos: usize,
+    centre_mm: [f64; 3],
+    right: [f64; 3],
+    up: [f64; 3],
+    sigma_mm: Option<f64>,
+    sigma_deg: Option<f64>,
+    shift_mm: Option<f64>,
+    shift_deg: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct LeftOutJson {
+    id: u32,
+    family: TagFamily,
+    code: &'static str,
+    reason: String,
+}
+
+#[derive(Serialize)]
+struct PhotoJson {
+    file: String,
+    tags: Vec<u32>,
+    ignored_tags: Vec<u32>,
+    rms_px: Option<f64>,
+}
+
+fn json(found: &Survey) -> Json {
+    let tag = |(report, tag): (&crate::survey::TagReport, &crate::scene::Tag)| TagJson {
+        id: tag.id,
+        family: tag.family,
+        size_mm: tag.size_mm,
+        fixed: report.is_fixed,
+        photos: report.photos,
+        centre_mm: tag.centre_mm.coords.into(),
+        right: tag.right.into(),
+        up: tag.up.into(),
+        sigma_mm: tag.sigma.map(|s| s.mm),
+        sigma_deg: tag.sigma.map(|s| s.deg),
+        shift_mm: report.shift.map(|(mm, _)| mm),
+        shift_deg: report.shift.map(|(_, deg)| deg),
+    };
+    Json {
+        noise_px: found.noise_px,
+        edge_shift_px: found.edge_shift_px,
+        tags: found.tags.iter().zip(&found.scene.tags).map(tag).collect(),
+        left_out: found
+            .left_out
+            .iter()
+            .map(|l| LeftOutJson {
+                id: l.id,
+                family: l.family,
+                code: l.reason.code(),
+                reason: l.reason.to_string(),
+            })
+            .collect(),
+        photos: found
+            .photos
+            .iter()
+            .map(|p| PhotoJson {
+                file: p.name.clone(),
+                tags: p.tags.clone(),
+                ignored_tags: p.ignored_tags.clone(),
+                rms_px: p.rms_px,
+            })
+            .collect(),
+    }
+}
+
+fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:>5} {:>7} {:>12} {:>10} {:>24}",
+        "tag", "photos", "±σ place", "±σ turn", "from the given place"
+    )?;
+    for (report, tag) in found.tags.iter().zip(&found.scene.tags) {
+        let (place, turn) = match tag.sigma {
+            Some(sigma) => (format!("{:.3} mm", sigma.mm), format!("{:.3}°", sigma.deg)),
+            None => ("fixed".to_owned(), String::new()),
+        };
+        let shift = report.shift.filter(|_| !report.is_fixed);
+        let shift = shift
+            .map(|(mm, deg)| format!("{mm:.2} mm, {deg:.2}°"))
+            .unwrap_or_default();
+        writeln!(
+            out,
+            "{:>5} {:>7} {place:>12} {turn:>10} {shift:>24}",
+            tag.id, report.photos
+        )?;
+    }
+    for left in &found.left_out {
+        writeln!(out, "left out: tag {} {}", left.id, left.reason)?;
+    }
+    for photo in found.photos.iter().filter(|p| p.tags.is_empty()) {
+        writeln!(out, "not used: {}, which shows no tag that helps", photo.name)?;
+    }
+    let used = found.photos.iter().filter(|p| !p.tags.is_empty()).count();
+    writeln!(
+        out,
+        "{used} photos, corners within ±{:.2} px (σ), all tag edges {:.2} px too far in",
+        found.noise_px, found.edge_shift_px
+    )
+}

@@ -1,0 +1,277 @@
+//! Bundle adjustment: tag poses and photo poses that together put every corner nearest to where it was seen.
+//!
+//! Levenberg–Marquardt with the photos eliminated (Triggs et al. 2000, "Bundle Adjustment – A Modern Synthesis", section 6.1), so that
+//! the system to solve has six unknowns a free tag, however many photos there are.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
+
+use super::network::{Network, Poses};
+use super::residual::{corners_mm, linear, squared_px};
+use crate::camera::Camera;
+use crate::geometry::{Rigid, rigid};
+
+/// What a corner's distance costs.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Loss {
+    Squared,
+    /// `s² ln(1 + e²/s²)`: a corner far beyond the scale hardly pulls.
+    Cauchy {
+        scale_px: f64,
+    },
+}
+
+impl Loss {
+    pub(super) fn cost(self, squared_px: f64) -> f64 {
+        match self {
+            Loss::Squared => squared_px,
+            Loss::Cauchy { scale_px: s } => s * s * (squared_px / (s * s)).ln_1p(),
+        }
+    }
+
+    fn weight(self, squared_px: f64) -> f64 {
+        match self {
+            Loss::Squared => 1.0,
+            Loss::Cauchy { scale_px: s } => 1.0 / (1.0 + squared_px / (s * s)),
+        }
+    }
+}
+
+/// Which poses may change; only those that are known are adjusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Free {
+    /// Every photo and every tag that is not fixed.
+    All,
+    Photo(usize),
+    Tag(usize),
+}
+
+/// The total cost of the sightings whose two poses are known.
+pub(super) fn cost(net: &Network, poses: &Poses, loss: Loss, camera: &Camera) -> f64 {
+    let of = |s| {
+        let pose = poses.camera_tag(s)?;
+        let squared = squared_px(&pose, net.tags[s.tag].size_mm, &s.corners_px, camera);
+        Some(squared.iter().map(|e| loss.cost(*e)).sum::<f64>())
+    };
+    net.sightings.iter().filter_map(of).sum()
+}
+
+/// Moves the free poses downhill until nothing is gained any more, and returns the cost.
+pub(super) fn adjust(
+    net: &Network,
+    poses: &mut Poses,
+    free: Free,
+    loss: Loss,
+    camera: &Camera,
+    most_steps: usize,
+) -> f64 {
+    let mut now = cost(net, poses, loss, camera);
+    let mut damping = 1e-3;
+    for _ in 0..most_steps {
+        let normal = Normal::at(net, poses, free, loss, camera);
+        let mut gained = 0.0;
+        // Each refusal makes the step ten times shorter; after so many it is no step.
+        for _ in 0..10 {
+            let moved = normal.step(damping).map(|step| normal.moved(poses, &step));
+            let next = moved.as_ref().map_or(f64::INFINITY, |m| cost(net, m, loss, camera));
+            match moved {
+                Some(moved) if next < now => {
+                    gained = now - next;
+                    (*poses, now, damping) = (moved, next, (damping * 0.1).max(1e-12));
+                    break;
+                }
+                _ => damping *= 10.0,
+            }
+        }
+        if gained <= 1e-9 * now + 1e-12 {
+            break;
+        }
+    }
+    now
+}
+
+/// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
+/// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
+pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
+    let normal = Normal::at(net, poses, Free::All, Loss::Squared, camera);
+    let (reduced, _, _) = normal.reduced(0.0)?;
+    let inverse = Cholesky::new(reduced)?.inverse();
+    let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
+    Some(normal.tag_slot.iter().map(block).collect())
+}
+
+/// How many numbers are adjusted when all is free.
+pub(super) fn unknowns(net: &Network, poses: &Poses) -> usize {
+    let slots = Slots::of(net, poses, Free::All);
+    6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
+}
+
+/// Places of the free poses in the system.
+struct Slots {
+    tags: Vec<Option<usize>>,
+    photos: Vec<Option<usize>>,
+}
+
+impl Slots {
+    fn of(net: &Network, poses: &Poses, free: Free) -> Slots {
+        let used = |known: &dyn Fn(usize) -> bool, count: usize| {
+            let mut next = 0..;
+            (0..count).map(|i| if known(i) { next.next() } else { None }).collect()
+        };
+        let sees = |s: &super::network::Sighting| poses.camera_tag(s).is_some();
+        let tag = |t: usize| {
+            let may_move = match free {
+                Free::All => net.tags[t].fixed.is_none(),
+                Free::Tag(only) => only == t,
+                Free::Photo(_) => false,
+            };
+            may_move && net.of_tag(t).any(sees)
+        };
+        let photo = |p: usize| (free == Free::All || free == Free::Photo(p)) && net.of_photo(p).any(sees);
+        Slots {
+            tags: used(&tag, net.tags.len()),
+            photos: used(&photo, net.photos),
+        }
+    }
+}
+
+/// The normal equations `H δ = −g`, in blocks.
+struct Normal {
+    tag_slot: Vec<Option<usize>>,
+    photo_slot: Vec<Option<usize>>,
+    tags: Vec<Matrix6<f64>>,
+    photos: Vec<Matrix6<f64>>,
+    /// For each photo, the tags it ties to: (tag slot, the block of that tag's rows and this photo's columns).
+    ties: Vec<Vec<(usize, Matrix6<f64>)>>,
+    tag_gradient: Vec<Vector6<f64>>,
+    photo_gradient: Vec<Vector6<f64>>,
+}
+
+struct Step {
+    tags: DVector<f64>,
+    photos: Vec<Vector6<f64>>,
+}
+
+impl Normal {
+    fn at(net: &Network, poses: &Poses, free: Free, loss: Loss, camera: &Camera) -> Normal {
+        let slots = Slots::of(net, poses, free);
+        let (tags, photos) = (
+            slots.tags.iter().flatten().count(),
+            slots.photos.iter().flatten().count(),
+        );
+        let mut normal = Normal {
+            tag_slot: slots.tags,
+            photo_slot: slots.photos,
+            tags: vec![Matrix6::zeros(); tags],
+            photos: vec![Matrix6::zeros(); photos],
+            ties: vec![Vec::new(); photos],
+            tag_gradient: vec![Vector6::zeros(); tags],
+            photo_gradient: vec![Vector6::zeros(); photos],
+        };
+        for s in &net.sightings {
+            let Some(pose) = poses.camera_tag(s) else { continue };
+            normal.add(
+                s.tag,
+                s.photo,
+                &pose,
+                net.tags[s.tag].size_mm,
+                &s.corners_px,
+                loss,
+                camera,
+            );
+        }
+        normal
+    }
+
+    #[allow(clippy::too_many_arguments)] // one sighting, spelled out
+    fn add(
+        &mut self,
+        tag: usize,
+        photo: usize,
+        camera_tag: &Rigid,
+        size_mm: f64,
+        seen_px: &[[f64; 2]; 4],
+        loss: Loss,
+        camera: &Camera,
+    ) {
+        let (tag, photo) = (self.tag_slot[tag], self.photo_slot[photo]);
+        let mut tie = Matrix6::zeros();
+        for (corner, seen) in corners_mm(size_mm).iter().zip(seen_px) {
+            let Some(l) = linear(camera_tag, corner, seen, camera) else {
+                continue;
+            };
+            let w = loss.weight(l.residual.norm_squared());
+            if let Some(t) = tag {
+                self.tags[t] += w * l.by_tag.transpose() * l.by_tag;
+                self.tag_gradient[t] += w * l.by_tag.transpose() * l.residual;
+            }
+            if let Some(p) = photo {
+                self.photos[p] += w * l.by_photo.transpose() * l.by_photo;
+                self.photo_gradient[p] += w * l.by_photo.transpose() * l.residual;
+            }
+            tie += w * l.by_tag.transpose() * l.by_photo;
+        }
+        if let (Some(t), Some(p)) = (tag, photo) {
+            self.ties[p].push((t, tie));
+        }
+    }
+
+    /// The tags' own system once the photos are eliminated: matrix, right side, and the inverses of the photos' blocks.
+    fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>)> {
+        let damped = |m: &Matrix6<f64>| m + Matrix6::from_diagonal(&(m.diagonal() * damping));
+        let n = 6 * self.tags.len();
+        let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for (t, block) in self.tags.iter().enumerate() {
+            matrix.fixed_view_mut::<6, 6>(6 * t, 6 * t).copy_from(&damped(block));
+            right.fixed_rows_mut::<6>(6 * t).copy_from(&-self.tag_gradient[t]);
+        }
+        let mut inverses = Vec::with_capacity(self.photos.len());
+        for (p, block) in self.photos.iter().enumerate() {
+            let inverse = Cholesky::new(damped(block))?.inverse();
+            for (a, tie_a) in &self.ties[p] {
+                let through = tie_a * inverse;
+                let mut rows = right.fixed_rows_mut::<6>(6 * a);
+                rows += through * self.photo_gradient[p];
+                for (b, tie_b) in &self.ties[p] {
+                    let mut view = matrix.fixed_view_mut::<6, 6>(6 * a, 6 * b);
+                    view -= through * tie_b.transpose();
+                }
+            }
+            inverses.push(inverse);
+        }
+        Some((matrix, right, inverses))
+    }
+
+    fn step(&self, damping: f64) -> Option<Step> {
+        let (matrix, right, inverses) = self.reduced(damping)?;
+        let tags = if right.is_empty() {
+            right
+        } else {
+            Cholesky::new(matrix)?.solve(&right)
+        };
+        let photo = |p: usize| {
+            let tied: Vector6<f64> = self.ties[p]
+                .iter()
+                .map(|(t, tie)| tie.transpose() * tags.fixed_rows::<6>(6 * t))
+                .sum();
+            inverses[p] * -(self.photo_gradient[p] + tied)
+        };
+        let photos = (0..self.photos.len()).map(photo).collect();
+        Some(Step { tags, photos })
+    }
+
+    fn moved(&self, poses: &Poses, step: &Step) -> Poses {
+        let exp = |d: &[f64]| rigid::from_rotation_vector([d[3], d[4], d[5]], [d[0], d[1], d[2]]);
+        let mut moved = poses.clone();
+        for (pose, slot) in moved.tags.iter_mut().zip(&self.tag_slot) {
+            if let (Some(pose), Some(s)) = (pose, slot) {
+                *pose *= exp(&step.tags.as_slice()[6 * s..6 * s + 6]);
+            }
+        }
+        for (pose, slot) in moved.photos.iter_mut().zip(&self.photo_slot) {
+            if let (Some(pose), Some(s)) = (pose, slot) {
+                *pose = exp(step.photos[*s].as_slice()) * *pose;
+            }
+        }
+        moved
+    }
+}

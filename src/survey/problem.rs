@@ -1,0 +1,117 @@
+//! Why there is no survey, or a tag is not in it: sentences that a photographer can act on.
+
+/// Why there is no survey at all.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SurveyError {
+    #[error(
+        "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"
+    )]
+    TooFewPhotos { photos: usize },
+    #[error(
+        "no tag to survey is seen in any photo, only fixed ones or none: give their sizes with --sizes, and uncover them"
+    )]
+    NothingToSurvey,
+    #[error(
+        "no fixed tag (id {}) is seen whole in any photo, so that nothing ties the others to the model: take a photo that shows one",
+        list(ids)
+    )]
+    NoFixedTag { ids: Vec<u32> },
+    #[error(
+        "the tags fall into groups that no photo connects ({}): take a photo that shows tags of two groups, for each gap",
+        groups(all)
+    )]
+    Disconnected { all: Vec<Vec<u32>> },
+    #[error(
+        "two arrangements of the tags explain the photos almost equally well: take more photos, from different sides, or fix a second tag"
+    )]
+    TwoArrangements,
+    #[error("the photos leave the place of some tag open: take more photos, from different sides")]
+    Undetermined,
+    #[error(
+        "the tags disagree by {rms_px:.1} px (limit {limit_px:.1} px): is this another camera, are the sizes wrong, or were many tags moved?"
+    )]
+    Disagree { rms_px: f64, limit_px: f64 },
+    #[error("fixed tag {id} {fault}, so that the others cannot be tied to it: put it right, or fix another tag")]
+    FixedTag { id: u32, fault: String },
+    #[error(
+        "tag {id} is fixed but the scene does not say where it stands: add it to the scene file or fix another tag"
+    )]
+    FixedUnknown { id: u32 },
+    #[error("tag {id} is fixed with {scene_mm} mm in the scene and {given_mm} mm in --sizes: correct one of them")]
+    TwoSizes { id: u32, scene_mm: f64, given_mm: f64 },
+}
+
+/// Why a seen tag is not in the surveyed scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// Neither the sizes nor the scene has it.
+    NoSize,
+    /// It was never seen whole and once in a photo.
+    NeverWhole,
+    /// Seen in one photo only, which leaves its pose unchecked.
+    SeenOnce {
+        photo: String,
+    },
+    Moved {
+        mm: f64,
+        here: Vec<String>,
+        there: Vec<String>,
+    },
+    WrongSize {
+        stated_mm: f64,
+        fits_mm: f64,
+    },
+    /// Two poses explain its corners almost equally well.
+    Ambiguous,
+}
+
+impl Reason {
+    /// A stable name for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Reason::NoSize => "no_size",
+            Reason::NeverWhole => "never_whole",
+            Reason::SeenOnce { .. } => "seen_once",
+            Reason::Moved { .. } => "moved",
+            Reason::WrongSize { .. } => "wrong_size",
+            Reason::Ambiguous => "ambiguous",
+        }
+    }
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Reason::NoSize => write!(f, "no size is given for it: name it in --sizes"),
+            Reason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
+            Reason::SeenOnce { photo } => {
+                write!(
+                    f,
+                    "only {photo} shows it, and nothing checks that: take another photo of it"
+                )
+            }
+            Reason::Moved { mm, here, there } => write!(
+                f,
+                "was moved, or badly seen: it is about {mm:.0} mm elsewhere in {} than in {}",
+                there.join(", "),
+                here.join(", ")
+            ),
+            Reason::WrongSize { stated_mm, fits_mm } => write!(
+                f,
+                "has another size than stated: its corners fit {fits_mm:.1} mm, not {stated_mm} mm"
+            ),
+            Reason::Ambiguous => write!(
+                f,
+                "two poses explain its corners almost equally well: take another photo of it, from a different side"
+            ),
+        }
+    }
+}
+
+fn list(ids: &[u32]) -> String {
+    ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+}
+
+fn groups(all: &[Vec<u32>]) -> String {
+    all.iter().map(|ids| list(ids)).collect::<Vec<_>>().join(" | ")
+}
