@@ -35,7 +35,10 @@ fn main() {
     let scene = Scene::open(&session("scene.toml")).expect("the stored scene");
     let camera = enlarged_camera(&Camera::open(&session("camera.yaml")).expect("the stored camera"));
     let views = views();
-    println!("{:<16} {:>8} {:>9} {:>9} {:>9} {:>9}", "detector", "ms", "answered", "azimuth", "pitch", "distance");
+    println!(
+        "{:<16} {:>8} {:>9} {:>9} {:>9} {:>9}",
+        "detector", "ms", "answered", "azimuth", "pitch", "distance"
+    );
     let mut measured = Vec::new();
     for choice in [TagDetectorChoice::AprilTagC, TagDetectorChoice::default()] {
         let mut tags = choice.open(&scene.families()).expect("both read every family");
@@ -52,8 +55,14 @@ fn main() {
     }
     let [full_size, default] = &measured[..] else { return };
     println!("ratio {:.1}", full_size.ms / default.ms);
-    assert!(default.answered >= full_size.answered, "the default answers fewer photos");
-    assert!(full_size.ms >= 3.0 * default.ms, "the default is less than three times as fast");
+    assert!(
+        default.answered >= full_size.answered,
+        "the default answers fewer photos"
+    );
+    assert!(
+        full_size.ms >= 3.0 * default.ms,
+        "the default is less than three times as fast"
+    );
 }
 
 fn measure(tags: &mut dyn TagDetector, views: &[View], scene: &Scene, camera: &Camera) -> Measured {
@@ -67,7 +76,11 @@ fn measure(tags: &mut dyn TagDetector, views: &[View], scene: &Scene, camera: &C
             if let (0, Ok(located)) = (run, located) {
                 answered += 1;
                 let (v, [azimuth, pitch, distance]) = (located.viewpoint, view.truth);
-                let errors = [turn(v.azimuth_deg, azimuth), v.pitch_deg - pitch, v.distance_mm - distance];
+                let errors = [
+                    turn(v.azimuth_deg, azimuth),
+                    v.pitch_deg - pitch,
+                    v.distance_mm - distance,
+                ];
                 worst = std::array::from_fn(|i| worst[i].max(errors[i].abs()));
             }
         }
@@ -82,7 +95,9 @@ fn measure(tags: &mut dyn TagDetector, views: &[View], scene: &Scene, camera: &C
 }
 
 fn session(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline").join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("captures/skyline")
+        .join(file)
 }
 
 fn views() -> Vec<View> {
@@ -91,7 +106,9 @@ fn views() -> Vec<View> {
     let photos = truth["photos"].as_array().expect("a list of photos").iter();
     photos
         .map(|photo| {
-            let grey = Photo::open(&session(photo["file"].as_str().expect("a name"))).expect("a photo").grey();
+            let grey = Photo::open(&session(photo["file"].as_str().expect("a name")))
+                .expect("a photo")
+                .grey();
             let (width, height) = (ENLARGED * grey.width(), ENLARGED * grey.height());
             View {
                 grey: imageops::resize(&grey, width, height, FilterType::CatmullRom),

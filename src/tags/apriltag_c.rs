@@ -64,7 +64,9 @@ fn detector(family: TagFamily) -> Result<Detector, StartError> {
 impl TagDetector for AprilTagC {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
         let found = self.search(grey);
-        let seen = found.into_iter().map(|f| SeenTag::new(f.family, f.id, f.corners_px, grey));
+        let seen = found
+            .into_iter()
+            .map(|f| SeenTag::new(f.family, f.id, f.corners_px, grey));
         seen.collect()
     }
 }

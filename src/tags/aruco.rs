@@ -26,6 +26,8 @@ pub enum ArucoRefiner {
 pub struct ArucoOpenCv {
     dictionaries: Vec<(TagFamily, Ptr<Dictionary>)>,
     parameters: Ptr<DetectorParameters>,
+    /// Where the refiner has the centre of the first pixel, px.
+    pixel_centre: f64,
 }
 
 impl ArucoOpenCv {
@@ -33,13 +35,17 @@ impl ArucoOpenCv {
     pub fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
         let choice = TagDetectorChoice::Aruco(refiner);
         choice.check_families(families)?;
-        let known = families.iter().filter_map(|family| Some((*family, dictionary(*family)?)));
+        let known = families
+            .iter()
+            .filter_map(|family| Some((*family, dictionary(*family)?)));
         let dictionaries = known.map(|(family, name)| Ok((family, get_predefined_dictionary(name)?)));
         Ok(ArucoOpenCv {
             dictionaries: dictionaries
                 .collect::<opencv::Result<_>>()
                 .map_err(|e| choice.failed(e.message))?,
             parameters: parameters(refiner).map_err(|e| choice.failed(e.message))?,
+            // Measured on rendered tags: OpenCV's copy of AprilTag keeps that library's convention.
+            pixel_centre: if refiner == ArucoRefiner::AprilTag { 0.5 } else { 0.0 },
         })
     }
 
@@ -55,10 +61,11 @@ impl TagDetector for ArucoOpenCv {
         for (family, dictionary) in &self.dictionaries {
             // An exception of OpenCV is a picture it finds nothing in.
             let tags = detect(grey, dictionary, &self.parameters).unwrap_or_default();
-            found.extend(
-                tags.into_iter()
-                    .map(|(id, corners)| SeenTag::new(*family, id, corners, grey)),
-            );
+            let centred = |corners: Corners| corners.map(|corner| corner.map(|v| v - self.pixel_centre));
+            let seen = tags
+                .into_iter()
+                .map(|(id, corners)| SeenTag::new(*family, id, centred(corners), grey));
+            found.extend(seen);
         }
         found
     }
@@ -96,14 +103,21 @@ fn detect(
     };
     let picture = Mat::new_rows_cols_with_data(rows, columns, grey.as_raw().as_slice())?;
     let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
-    detect_markers(&picture, dictionary, &mut corners, &mut ids, parameters, &mut no_array())?;
+    detect_markers(
+        &picture,
+        dictionary,
+        &mut corners,
+        &mut ids,
+        parameters,
+        &mut no_array(),
+    )?;
     let tags = ids.iter().zip(corners.iter());
     Ok(tags
         .filter_map(|(id, corners)| Some((u32::try_from(id).ok()?, upright(&corners)?)))
         .collect())
 }
 
-/// OpenCV's picture of an AprilTag is the tag turned by 180°, so its first corner is our third. Its pixels are ours.
+/// OpenCV's picture of an AprilTag is the tag turned by 180°, so its first corner is our third.
 fn upright(corners: &Vector<Point2f>) -> Option<Corners> {
     let at = |i: usize| corners.get(i).ok().map(|p| [f64::from(p.x), f64::from(p.y)]);
     Some([at(2)?, at(3)?, at(0)?, at(1)?])

@@ -84,7 +84,12 @@ impl Fit {
     fn seen(&self, usual_inset_px: f64, grey: &GrayImage) -> SeenTag {
         let inset = self.inset_px.unwrap_or(usual_inset_px);
         let corners = self.outline.as_ref().and_then(|outline| outline.corners(inset));
-        SeenTag::new(self.found.family, self.found.id, corners.unwrap_or(self.found.corners_px), grey)
+        SeenTag::new(
+            self.found.family,
+            self.found.id,
+            corners.unwrap_or(self.found.corners_px),
+            grey,
+        )
     }
 }
 

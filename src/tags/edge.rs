@@ -60,10 +60,8 @@ pub(super) fn fit(samples: &[Sample], band: f64) -> Option<Edge> {
     let [offset, slope, blur, outside, inside] = model.into();
     let contrast = (inside - outside).abs();
     let misfit = (cost / samples.len() as f64).sqrt();
-    let seen = contrast > MIN_CONTRAST
-        && misfit < MAX_MISFIT * contrast
-        && blur < band
-        && offset.abs() + slope.abs() < band;
+    let seen =
+        contrast > MIN_CONTRAST && misfit < MAX_MISFIT * contrast && blur < band && offset.abs() + slope.abs() < band;
     seen.then_some(Edge { offset, slope })
 }
 
@@ -118,7 +116,11 @@ fn linear_light() -> &'static [f64; 256] {
     static TABLE: std::sync::LazyLock<[f64; 256]> = std::sync::LazyLock::new(|| {
         std::array::from_fn(|level| {
             let v = level as f64 / 255.0;
-            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+            if v <= 0.04045 {
+                v / 12.92
+            } else {
+                ((v + 0.055) / 1.055).powf(2.4)
+            }
         })
     });
     &TABLE

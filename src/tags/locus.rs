@@ -18,11 +18,15 @@ impl Locus {
         TagDetectorChoice::Locus.check_families(families)?;
         let start = |family: LocusFamily| {
             // Photos are spread over threads instead.
-            let builder = DetectorBuilder::new().with_config(DetectorConfig::default()).with_threads(1);
+            let builder = DetectorBuilder::new()
+                .with_config(DetectorConfig::default())
+                .with_threads(1);
             let detector = builder.with_family(family).validated_build();
             detector.map_err(|e| TagDetectorChoice::Locus.failed(e))
         };
-        let known = families.iter().filter_map(|family| Some((*family, locus_family(*family)?)));
+        let known = families
+            .iter()
+            .filter_map(|family| Some((*family, locus_family(*family)?)));
         let detectors = known.map(|(family, of_locus)| Ok((family, start(of_locus)?)));
         Ok(Locus {
             detectors: detectors.collect::<Result<_, _>>()?,
@@ -43,7 +47,9 @@ impl TagDetector for Locus {
         };
         let mut found = Vec::new();
         for (family, detector) in &mut self.detectors {
-            let Ok(batch) = detector.detect(&view, None, None, false) else { continue };
+            let Ok(batch) = detector.detect(&view, None, None, false) else {
+                continue;
+            };
             let tags = batch.reassemble_owned();
             found.extend(tags.iter().map(|d| SeenTag::new(*family, d.id, corners(d), grey)));
         }

@@ -177,9 +177,17 @@ impl Stretch {
 
     /// Every pixel of a band about the stretch; `None` when the band leaves the picture.
     fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<Sample>> {
-        let Stretch { middle, direction, half } = self;
+        let Stretch {
+            middle,
+            direction,
+            half,
+        } = self;
         // Walk along the axis the edge is nearer to, and across it over the pixels of the band.
-        let (main, other) = if direction[0].abs() >= direction[1].abs() { (0, 1) } else { (1, 0) };
+        let (main, other) = if direction[0].abs() >= direction[1].abs() {
+            (0, 1)
+        } else {
+            (1, 0)
+        };
         let steep = direction[other] / direction[main];
         let spread = band / direction[main].abs();
         let reach = half * direction[main].abs();
