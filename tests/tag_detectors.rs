@@ -531,9 +531,30 @@ fn real_photo_of_a_rover_has_its_corners_where_the_truth_file_says() {
             seen.len(),
             truth.len()
         );
-        if choice == TagDetectorChoice::default() {
-            assert!(worst.iter().all(|off| *off < 0.5), "{choice}: {worst:.2?}");
+        // The file holds what the C library found, which sees dark squares too small; the default's corners are outside its.
+        let limit = match choice {
+            TagDetectorChoice::AprilTagC => 0.5,
+            TagDetectorChoice::CoarseToFine => 0.75,
+            _ => continue,
+        };
+        assert!(worst.iter().all(|off| *off < limit), "{choice}: {worst:.2?}");
+        let middle = |corners: &Corners| [0, 1].map(|axis| corners.iter().map(|c| c[axis]).sum::<f64>() / 4.0);
+        let mut grown = Vec::new();
+        for exact in &truth {
+            let apart = |tag: &&SeenTag| distance(middle(&tag.corners_px), middle(exact));
+            let nearest = seen.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            assert!(
+                apart(&nearest) < 0.3,
+                "{choice}: a tag is {:.2} px off",
+                apart(&nearest)
+            );
+            let round: f64 = (0..4).map(|i| distance(exact[i], exact[(i + 1) % 4])).sum();
+            grown.push((area(&nearest.corners_px).abs() - area(exact).abs()) / round);
         }
+        println!(
+            "{choice:<16} sides outside the file's by {:.2} px",
+            quantile(&mut grown, 0.5)
+        );
     }
 }
 
@@ -560,9 +581,12 @@ fn a_detector_is_chosen_by_name() {
     );
     let folder = tempfile::tempdir().unwrap();
     let standard = folder.path().join("scene.toml");
-    let text = std::fs::read_to_string(&scene)
-        .unwrap()
-        .replace("tag36h11", "tagstandard41h12");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    assert!(
+        !text.contains("family"),
+        "the stored scene leaves the family to the default"
+    );
+    let text = text.replace("[[tag]]", "[[tag]]\nfamily = \"tagstandard41h12\"");
     std::fs::write(&standard, text).unwrap();
     assert_refused(
         &locate(&standard, "locus"),
