@@ -26,6 +26,8 @@ pub enum ArucoRefiner {
 pub struct ArucoOpenCv {
     dictionaries: Vec<(TagFamily, Ptr<Dictionary>)>,
     parameters: Ptr<DetectorParameters>,
+    /// Where the refiner has the centre of the first pixel, px.
+    pixel_centre: f64,
 }
 
 impl ArucoOpenCv {
@@ -42,6 +44,8 @@ impl ArucoOpenCv {
                 .collect::<opencv::Result<_>>()
                 .map_err(|e| choice.failed(e.message))?,
             parameters: parameters(refiner).map_err(|e| choice.failed(e.message))?,
+            // Measured on rendered tags: OpenCV's copy of AprilTag keeps that library's convention.
+            pixel_centre: if refiner == ArucoRefiner::AprilTag { 0.5 } else { 0.0 },
         })
     }
 
@@ -57,10 +61,11 @@ impl TagDetector for ArucoOpenCv {
         for (family, dictionary) in &self.dictionaries {
             // An exception of OpenCV is a picture it finds nothing in.
             let tags = detect(grey, dictionary, &self.parameters).unwrap_or_default();
-            found.extend(
-                tags.into_iter()
-                    .map(|(id, corners)| SeenTag::new(*family, id, corners, grey)),
-            );
+            let centred = |corners: Corners| corners.map(|corner| corner.map(|v| v - self.pixel_centre));
+            let seen = tags
+                .into_iter()
+                .map(|(id, corners)| SeenTag::new(*family, id, centred(corners), grey));
+            found.extend(seen);
         }
         found
     }
@@ -112,7 +117,7 @@ fn detect(
         .collect())
 }
 
-/// OpenCV's picture of an AprilTag is the tag turned by 180°, so its first corner is our third. Its pixels are ours.
+/// OpenCV's picture of an AprilTag is the tag turned by 180°, so its first corner is our third.
 fn upright(corners: &Vector<Point2f>) -> Option<Corners> {
     let at = |i: usize| corners.get(i).ok().map(|p| [f64::from(p.x), f64::from(p.y)]);
     Some([at(2)?, at(3)?, at(0)?, at(1)?])

@@ -11,8 +11,8 @@ use super::{Modules, Square, TagImage, refine};
 /// Below so many pixels a cell, the blur of its other edge moves an edge too.
 const MIN_CELL_PX: f64 = 4.0;
 
-/// Fewer stretches of far edge than this are a guess.
-const MIN_STRETCHES: usize = 4;
+/// Fewer cells of far edge than this are a guess.
+const MIN_CELLS: f64 = 3.0;
 
 /// Share of a cell that is left out where the cells behind the ring change their tone.
 const END_CELLS: f64 = 0.25;
@@ -30,7 +30,7 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
     let cells = tag.border_modules();
     let n = cells as f64;
     let square = Square::onto(corners_px);
-    let mut moved = Vec::new();
+    let (mut weight, mut moved) = (0.0, 0.0);
     for side in 0..4 {
         let cell = refine::cell_px(&square, side, n);
         if cell < MIN_CELL_PX {
@@ -40,15 +40,18 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
             // Both ends are a share of the side, from its first corner on.
             let at = |along: f64| square.pixel_at(side, along / n, 1.0 / n);
             let (from, to) = (at(run.0 as f64 + END_CELLS), at(run.1 as f64 - END_CELLS));
-            moved.extend(refine::edge_offset(grey, from, to, BAND_CELLS * cell));
+            if let Some(offset) = refine::edge_offset(grey, from, to, BAND_CELLS * cell) {
+                let cells_seen = (run.1 - run.0) as f64;
+                weight += cells_seen;
+                moved += cells_seen * offset;
+            }
         }
     }
-    if moved.len() < MIN_STRETCHES {
+    if weight < MIN_CELLS {
         return None;
     }
-    moved.sort_by(f64::total_cmp);
     // The outline lies `inset` inwards, so the far edge is looked for (1 − 2 / n) · inset inwards; it lies `inset` outwards.
-    let inset = -moved[moved.len() / 2] / (2.0 - 2.0 / n);
+    let inset = -moved / weight / (2.0 - 2.0 / n);
     let smallest = (0..4)
         .map(|side| refine::cell_px(&square, side, n))
         .fold(f64::INFINITY, f64::min);
