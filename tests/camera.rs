@@ -58,11 +58,11 @@ fn cameras() -> impl Strategy<Value = Camera> {
     (size, intrinsics, coefficients, count, marks).prop_map(|((w, h), (f, ratio, x, y), k, n, (guess, sigma))| {
         let (width, height) = (f64::from(w), f64::from(h));
         let focal = f * width.max(height);
-        Camera {
-            guess: guess.map(|focal_percent| Guess { focal_percent }),
-            sigma_px: sigma,
-            ..Camera::pinhole(w, h, focal, focal * ratio, x * width, y * height).with_distortion(&k[..n])
-        }
+        let pinhole = Camera::pinhole(w, h, focal, focal * ratio, x * width, y * height);
+        let mut camera = pinhole.with_distortion(&k[..n]);
+        camera.guess = guess.map(|focal_percent| Guess { focal_percent });
+        camera.sigma_px = sigma;
+        camera
     })
 }
 
@@ -105,12 +105,17 @@ proptest! {
             let turned = camera.for_photo(tw, th, turned_deg).unwrap().camera;
             for (x, y) in [(0.1, 0.3), (-0.2, 0.15), (0.05, -0.25)] {
                 let seen = camera.project(&Point3::new(x, y, 1.0));
-                let ([x, y], moved): ([f64; 2], fn([f64; 2], f64, f64) -> [f64; 2]) = match turned_deg {
-                    90 => ([-y, x], |[u, v], _, h| [h - 1.0 - v, u]),
-                    180 => ([-x, -y], |[u, v], w, h| [w - 1.0 - u, h - 1.0 - v]),
-                    _ => ([y, -x], |[u, v], w, _| [v, w - 1.0 - u]),
+                let (right, bottom) = (f64::from(w) - 1.0, f64::from(h) - 1.0);
+                let expected = seen.map(|[u, v]| match turned_deg {
+                    90 => [bottom - v, u],
+                    180 => [right - u, bottom - v],
+                    _ => [v, right - u],
+                });
+                let [x, y] = match turned_deg {
+                    90 => [-y, x],
+                    180 => [-x, -y],
+                    _ => [y, -x],
                 };
-                let expected = seen.map(|p| moved(p, f64::from(w), f64::from(h)));
                 let found = turned.project(&Point3::new(x, y, 1.0));
                 prop_assert_eq!(expected.is_some(), found.is_some());
                 let ([ax, ay], [bx, by]) = (expected.unwrap_or_default(), found.unwrap_or_default());
@@ -138,10 +143,8 @@ fn opencv_reads_what_we_write_and_we_read_what_opencv_writes() {
         &[-0.08, 0.03, 1e-7, -2.5e-5][..],
         &[0.1, 0.2, 0.001, -0.002, 0.3, -0.4, 0.5, 1e-9],
     ] {
-        let camera = Camera {
-            guess: Some(Guess { focal_percent: 6.5 }),
-            ..ours.clone().with_distortion(coefficients)
-        };
+        let mut camera = ours.clone().with_distortion(coefficients);
+        camera.guess = Some(Guess { focal_percent: 6.5 });
         let path = write(folder.path(), "ours.yaml", &camera.write(Format::OpenCv).unwrap());
         let storage = FileStorage::new_def(path.to_str().unwrap(), FileStorage_Mode::READ as i32).unwrap();
         let matrix = |name: &str| storage.get(name).unwrap().mat().unwrap();

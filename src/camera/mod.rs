@@ -122,7 +122,7 @@ impl Camera {
             return Err(format!("the principal point ({cx}, {cy}) lies far outside the picture"));
         }
         // Long lenses have small radii and large coefficients; this only keeps numbers that overflow away.
-        match self.distortion().iter().find(|k| !(k.abs() <= 1e9)) {
+        match self.distortion().iter().find(|k| !k.is_finite() || k.abs() > 1e9) {
             Some(k) => Err(format!("the distortion coefficient {k} is no finite number below 1e9")),
             None => Ok(()),
         }
