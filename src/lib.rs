@@ -4,6 +4,7 @@
 //! which may use which are listed in `ARCHITECTURE.md`.
 
 pub mod camera;
+pub mod chart;
 pub mod cli;
 pub mod detect;
 pub mod files;

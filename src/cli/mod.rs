@@ -1,6 +1,7 @@
 //! One file per subcommand: arguments in, library call, text out.
 
 mod camera;
+mod chart;
 mod demo;
 mod detectors;
 mod locate;
@@ -37,6 +38,7 @@ enum Command {
     Detectors(detectors::Args),
     Score(score::Args),
     Survey(survey::Args),
+    Chart(chart::Args),
 }
 
 /// What a finished command says to the shell.
@@ -66,6 +68,7 @@ pub fn main() -> ExitCode {
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),
         Command::Survey(args) => survey::run(args, out),
+        Command::Chart(args) => chart::run(args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
