@@ -1,0 +1,316 @@
+//! Every tag detector × solver × camera model on the same photos: error against milliseconds against share answered.
+
+use std::time::Instant;
+
+use image::GrayImage;
+use serde::Serialize;
+
+use crate::camera::Camera;
+use crate::geometry::angle;
+use crate::locate::{self, Solver};
+use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::scene::{Scene, Viewpoint};
+use crate::tags::{SeenTag, StartError, TagDetectorChoice};
+
+/// Each time is the smallest of so many runs over a photo: what else the machine does only ever adds to it.
+const REPEATS: usize = 3;
+
+/// How much of the camera file's lens model is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CameraModel {
+    Pinhole,
+    K1,
+    Full,
+}
+
+impl CameraModel {
+    pub const ALL: [Self; 3] = [Self::Full, Self::K1, Self::Pinhole];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Pinhole => "no distortion",
+            Self::K1 => "k1 only",
+            Self::Full => "camera file as it is",
+        }
+    }
+
+    /// The camera with only these coefficients left.
+    pub fn of(self, camera: &Camera) -> Camera {
+        let kept = match self {
+            Self::Pinhole => 0,
+            Self::K1 => 1,
+            Self::Full => 8,
+        };
+        let coefficients = &camera.distortion()[..kept];
+        camera.clone().with_distortion(coefficients)
+    }
+}
+
+/// A photo to measure on, and the truth about it.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    pub grey: GrayImage,
+    /// Exact.
+    pub truth: Viewpoint,
+}
+
+/// One combination and what it measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    pub tag_detector: &'static str,
+    pub solver: &'static str,
+    pub camera_model: CameraModel,
+    /// Photos measured on.
+    pub photos: usize,
+    /// Share of the photos that got a pose.
+    pub answered: f64,
+    /// Mean time a photo takes, decoding left out.
+    pub find_ms: f64,
+    pub solve_ms: f64,
+    pub azimuth_error_median_deg: Option<f64>,
+    pub azimuth_error_max_deg: Option<f64>,
+    pub pitch_error_median_deg: Option<f64>,
+    pub pitch_error_max_deg: Option<f64>,
+    pub distance_error_median_mm: Option<f64>,
+    pub distance_error_max_mm: Option<f64>,
+    /// Share of the photos answered with another azimuth bin than the true one, the truth being more than 1° inside its bin.
+    pub silently_wrong: f64,
+    /// Neither more accurate nor answering more at no more time: no other combination of the same camera model beats it.
+    pub is_on_front: bool,
+    pub is_default: bool,
+}
+
+impl Row {
+    /// Milliseconds a photo takes.
+    pub fn ms(&self) -> f64 {
+        self.find_ms + self.solve_ms
+    }
+}
+
+/// Measures every combination, one photo after the other on one thread. `on_done` is called after each photo of each
+/// tag detector.
+///
+/// # Errors
+/// A detector that reads the scene's families but does not start; those that do not read them are left out.
+pub fn measure(samples: &[Sample], scene: &Scene, camera: &Camera, on_done: impl Fn()) -> Result<Vec<Row>, StartError> {
+    let families = scene.families();
+    let reads_all = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
+    let mut rows = Vec::new();
+    for choice in TagDetectorChoice::ALL.into_iter().filter(reads_all) {
+        let mut detector = choice.open(&families)?;
+        let mut found = Vec::new();
+        for sample in samples {
+            found.push(fastest(|| detector.find(&sample.grey)));
+            on_done();
+        }
+        for model in CameraModel::ALL {
+            let camera = model.of(camera);
+            for solver in Solver::all() {
+                rows.push(row((choice, solver, model), samples, &found, scene, &camera));
+            }
+        }
+    }
+    mark_fronts(&mut rows);
+    Ok(rows)
+}
+
+/// The result of some work, and the milliseconds its fastest run took.
+fn fastest<R>(mut work: impl FnMut() -> R) -> (R, f64) {
+    let mut run = || {
+        let start = Instant::now();
+        let result = work();
+        (result, start.elapsed().as_secs_f64() * 1e3)
+    };
+    let mut best = run();
+    for _ in 1..REPEATS {
+        let again = run();
+        if again.1 < best.1 {
+            best = again;
+        }
+    }
+    best
+}
+
+fn row(
+    (choice, solver, camera_model): (TagDetectorChoice, Solver, CameraModel),
+    samples: &[Sample],
+    found: &[(Vec<SeenTag>, f64)],
+    scene: &Scene,
+    camera: &Camera,
+) -> Row {
+    let (mut azimuth, mut pitch, mut distance) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut solve_ms, mut wrong) = (0.0, 0);
+    for (sample, (seen, _)) in samples.iter().zip(found) {
+        let (answer, ms) = fastest(|| locate::locate_by(solver, seen, scene, camera));
+        solve_ms += ms;
+        let Ok(located) = answer else { continue };
+        let (view, truth) = (&located.viewpoint, &sample.truth);
+        azimuth.push(angle::turn(view.azimuth_deg, truth.azimuth_deg).abs());
+        pitch.push((view.pitch_deg - truth.pitch_deg).abs());
+        distance.push((view.distance_mm - truth.distance_mm).abs());
+        wrong += usize::from(is_silently_wrong(view, truth, scene));
+    }
+    let photos = samples.len();
+    let mean = |sum: f64| sum / photos.max(1) as f64;
+    let [azimuth, pitch, distance] = [azimuth, pitch, distance].map(Spread::of);
+    Row {
+        tag_detector: choice.name(),
+        solver: solver.name(),
+        camera_model,
+        photos,
+        answered: mean(azimuth.count as f64),
+        find_ms: mean(found.iter().map(|(_, ms)| ms).sum()),
+        solve_ms: mean(solve_ms),
+        azimuth_error_median_deg: azimuth.median,
+        azimuth_error_max_deg: azimuth.max,
+        pitch_error_median_deg: pitch.median,
+        pitch_error_max_deg: pitch.max,
+        distance_error_median_mm: distance.median,
+        distance_error_max_mm: distance.max,
+        silently_wrong: mean(wrong as f64),
+        is_on_front: false,
+        is_default: choice == TagDetectorChoice::default()
+            && solver == Solver::default()
+            && camera_model == CameraModel::Full,
+    }
+}
+
+/// Whether an answer puts a photo into another azimuth bin than the true one. Truth within 1° of a bin's edge counts for both.
+pub fn is_silently_wrong(view: &Viewpoint, truth: &Viewpoint, scene: &Scene) -> bool {
+    let is_inside = scene.bins.azimuth_to_edge_deg(truth.azimuth_deg) > 1.0;
+    is_inside && scene.bins.bin_of(view).azimuth_deg != scene.bins.bin_of(truth).azimuth_deg
+}
+
+/// Middle and end of some values.
+struct Spread {
+    count: usize,
+    median: Option<f64>,
+    max: Option<f64>,
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        Self {
+            count: values.len(),
+            median: values.get(values.len() / 2).copied(),
+            max: values.last().copied(),
+        }
+    }
+}
+
+/// Marks, within each camera model, the combinations that no other beats in time, error and share answered at once.
+fn mark_fronts(rows: &mut [Row]) {
+    let figures = |row: &Row| {
+        (
+            row.ms(),
+            row.azimuth_error_median_deg.unwrap_or(f64::INFINITY),
+            -row.answered,
+        )
+    };
+    let all: Vec<_> = rows.iter().map(|row| (row.camera_model, figures(row))).collect();
+    for (row, (model, own)) in rows.iter_mut().zip(&all) {
+        let beats = |other: &(f64, f64, f64)| other.0 <= own.0 && other.1 <= own.1 && other.2 <= own.2 && other != own;
+        row.is_on_front =
+            row.azimuth_error_median_deg.is_some() && !all.iter().any(|(m, other)| m == model && beats(other));
+    }
+}
+
+/// The chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
+pub fn draw(rows: &[Row]) -> String {
+    let names = |name: fn(&Row) -> &'static str| {
+        let mut names: Vec<String> = Vec::new();
+        for row in rows {
+            if !names.iter().any(|known| known == name(row)) {
+                names.push(name(row).to_owned());
+            }
+        }
+        names
+    };
+    let (colours, shapes) = (names(|row| row.tag_detector), names(|row| row.solver));
+    let index = |names: &[String], name: &str| names.iter().position(|known| known == name).unwrap_or(0);
+    let dot = |row: &Row| {
+        Some(Dot {
+            x: row.ms(),
+            y: row.azimuth_error_median_deg?,
+            share: row.answered,
+            series: index(&colours, row.tag_detector),
+            shape: index(&shapes, row.solver),
+            name: row.is_default.then(|| format!("{}, {}", row.tag_detector, row.solver)),
+            is_default: row.is_default,
+        })
+    };
+    let group = |model: CameraModel| {
+        let of_model = rows.iter().filter(|row| row.camera_model == model);
+        (model.title().to_owned(), of_model.filter_map(dot).collect())
+    };
+    let photos = rows.first().map_or(0, |row| row.photos);
+    let cloud = Cloud {
+        title: "Pose: error against time".to_owned(),
+        note: format!(
+            "{photos} photos; filled share of a mark: share of the photos that got a pose; lower left is better"
+        ),
+        x: Axis::around("milliseconds a photo, one core", Scale::Log, rows.iter().map(Row::ms)),
+        y: Axis::around(
+            "median azimuth error, °",
+            Scale::Log,
+            rows.iter().filter_map(|row| row.azimuth_error_median_deg),
+        ),
+        colours: colours.clone(),
+        shapes: shapes.clone(),
+        groups: CameraModel::ALL.into_iter().map(group).collect(),
+    };
+    scatter(&cloud)
+}
+
+/// The same as lines of text, the fastest first.
+pub fn table(rows: &[Row]) -> String {
+    let mut sorted: Vec<&Row> = rows.iter().collect();
+    sorted.sort_by(|a, b| {
+        (a.camera_model as u8)
+            .cmp(&(b.camera_model as u8))
+            .reverse()
+            .then(a.ms().total_cmp(&b.ms()))
+    });
+    let mut text = format!(
+        "{:<15} {:<16} {:<9} {:>9} {:>9} {:>9} {:>18} {:>18} {:>16}\n",
+        "tags",
+        "solver",
+        "camera",
+        "find ms",
+        "solve ms",
+        "answered",
+        "azimuth med / max",
+        "pitch med / max",
+        "distance mm"
+    );
+    for row in sorted {
+        let pair = |a: Option<f64>, b: Option<f64>, digits: usize| match (a, b) {
+            (Some(a), Some(b)) => format!("{a:.digits$} / {b:.digits$}"),
+            _ => "–".to_owned(),
+        };
+        let camera = match row.camera_model {
+            CameraModel::Pinhole => "pinhole",
+            CameraModel::K1 => "k1",
+            CameraModel::Full => "full",
+        };
+        let mark = match (row.is_default, row.is_on_front) {
+            (true, _) => " ← default",
+            (_, true) => " *",
+            _ => "",
+        };
+        text += &format!(
+            "{:<15} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>18} {:>18} {:>16}{mark}\n",
+            row.tag_detector,
+            row.solver,
+            row.find_ms,
+            row.solve_ms,
+            100.0 * row.answered,
+            pair(row.azimuth_error_median_deg, row.azimuth_error_max_deg, 4),
+            pair(row.pitch_error_median_deg, row.pitch_error_max_deg, 4),
+            pair(row.distance_error_median_mm, row.distance_error_max_mm, 2),
+        );
+    }
+    text
+}

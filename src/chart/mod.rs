@@ -1,0 +1,9 @@
+//! Methods against each other, measured on the same photos: the charts that choose the defaults, and the sweeps that show where
+//! each method breaks.
+
+pub mod locate;
+mod spoil;
+pub mod stability;
+mod truth;
+
+pub use truth::{TruthError, true_views};

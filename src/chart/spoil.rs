@@ -1,0 +1,218 @@
+//! Ways a photo goes wrong, by a measured amount: from harmless to hopeless.
+
+use std::io::Cursor;
+
+use image::codecs::jpeg::JpegEncoder;
+use image::{GrayImage, Luma, imageops};
+use rand::{Rng, RngExt};
+
+/// Four corners of a tag in the picture, px.
+pub type Quad = [[f64; 2]; 4];
+
+/// What is wrong with a photo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spoil {
+    /// Out of focus: Gaussian blur, σ in px.
+    Blur,
+    /// The camera moved: mean along a line of this many px, in a random direction.
+    Motion,
+    /// Normal noise, σ in grey levels of 255.
+    Noise,
+    /// Too little light (below 0) or too much: stops.
+    Exposure,
+    /// Every tag is covered from a random side by an opaque strip: share of its side.
+    Cover,
+    /// The photo was cut to this share of its sides, anywhere, and passes as a smaller photo.
+    Crop,
+    /// JPEG quality.
+    Jpeg,
+}
+
+impl Spoil {
+    pub const ALL: [Self; 7] = [
+        Self::Blur,
+        Self::Motion,
+        Self::Noise,
+        Self::Exposure,
+        Self::Cover,
+        Self::Crop,
+        Self::Jpeg,
+    ];
+
+    /// A stable name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blur => "blur",
+            Self::Motion => "motion_blur",
+            Self::Noise => "noise",
+            Self::Exposure => "exposure",
+            Self::Cover => "occlusion",
+            Self::Crop => "cropping",
+            Self::Jpeg => "jpeg_quality",
+        }
+    }
+
+    /// What the amounts are.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Blur => "Gaussian blur, σ in px",
+            Self::Motion => "motion blur, px",
+            Self::Noise => "noise, σ in grey levels",
+            Self::Exposure => "exposure, stops",
+            Self::Cover => "share of each tag covered",
+            Self::Crop => "share of the sides that is left",
+            Self::Jpeg => "JPEG quality",
+        }
+    }
+
+    /// From harmless to hopeless.
+    pub fn amounts(self) -> &'static [f64] {
+        match self {
+            Self::Blur => &[0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0],
+            Self::Motion => &[0.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0],
+            Self::Noise => &[0.0, 5.0, 10.0, 20.0, 40.0, 60.0, 90.0],
+            Self::Exposure => &[0.0, -2.0, -4.0, -6.0, 1.0, 2.0, 3.0],
+            Self::Cover => &[0.0, 0.03, 0.06, 0.1, 0.2, 0.3, 0.5],
+            Self::Crop => &[1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5],
+            Self::Jpeg => &[100.0, 80.0, 50.0, 30.0, 20.0, 10.0, 4.0],
+        }
+    }
+
+    /// The photo as it would look. `tags` are where the tags of the scene are in it.
+    pub fn apply(self, photo: &GrayImage, amount: f64, tags: &[Quad], rng: &mut impl Rng) -> GrayImage {
+        match self {
+            Self::Blur if amount > 0.0 => imageops::blur(photo, amount as f32),
+            Self::Motion if amount > 0.0 => moved(photo, amount, rng.random_range(0.0..180.0)),
+            Self::Noise => noisy(photo, amount, rng),
+            Self::Exposure => exposed(photo, amount),
+            Self::Cover => covered(photo, amount, tags, rng),
+            Self::Crop => cropped(photo, amount, rng),
+            Self::Jpeg => jpeg(photo, amount as u8),
+            Self::Blur | Self::Motion => photo.clone(),
+        }
+    }
+}
+
+fn moved(photo: &GrayImage, length_px: f64, direction_deg: f64) -> GrayImage {
+    let (sin, cos) = direction_deg.to_radians().sin_cos();
+    let steps = length_px.ceil() as i32;
+    let offsets: Vec<(i64, i64)> = (0..=steps)
+        .map(|i| length_px * (f64::from(i) / f64::from(steps) - 0.5))
+        .map(|t| ((t * cos).round() as i64, (t * sin).round() as i64))
+        .collect();
+    let (width, height) = (i64::from(photo.width()), i64::from(photo.height()));
+    GrayImage::from_fn(photo.width(), photo.height(), |x, y| {
+        let at = |(dx, dy): &(i64, i64)| {
+            let (x, y) = (
+                (i64::from(x) + dx).clamp(0, width - 1),
+                (i64::from(y) + dy).clamp(0, height - 1),
+            );
+            u32::from(photo.get_pixel(x as u32, y as u32).0[0])
+        };
+        Luma([(offsets.iter().map(at).sum::<u32>() / offsets.len() as u32) as u8])
+    })
+}
+
+fn noisy(photo: &GrayImage, sigma: f64, rng: &mut impl Rng) -> GrayImage {
+    let mut out = photo.clone();
+    for value in out.iter_mut() {
+        *value = (f64::from(*value) + sigma * normal(rng)).round().clamp(0.0, 255.0) as u8;
+    }
+    out
+}
+
+/// Normal noise of σ = 1 (Box & Muller 1958).
+fn normal(rng: &mut impl Rng) -> f64 {
+    let (a, b): (f64, f64) = (rng.random::<f64>().max(1e-12), rng.random());
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+/// A stop is a factor of two in light; grey levels are taken as light to the power of 1/2.2.
+fn exposed(photo: &GrayImage, stops: f64) -> GrayImage {
+    let gain = 2f64.powf(stops / 2.2);
+    let mut out = photo.clone();
+    out.iter_mut()
+        .for_each(|value| *value = (f64::from(*value) * gain).round().clamp(0.0, 255.0) as u8);
+    out
+}
+
+fn covered(photo: &GrayImage, share: f64, tags: &[Quad], rng: &mut impl Rng) -> GrayImage {
+    let mut out = photo.clone();
+    if share <= 0.0 {
+        return out;
+    }
+    for tag in tags {
+        let side = rng.random_range(0..4);
+        let grey = [0, 110, 255][rng.random_range(0..3)];
+        // The strip reaches over the tag's white ring as well: a hand, not a sticker.
+        let corner = |i: usize| tag[(side + i) % 4];
+        let towards = |from: [f64; 2], to: [f64; 2], t: f64| [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
+        let strip = [
+            towards(
+                towards(corner(0), corner(3), -0.3),
+                towards(corner(1), corner(2), -0.3),
+                -0.3,
+            ),
+            towards(
+                towards(corner(1), corner(2), -0.3),
+                towards(corner(0), corner(3), -0.3),
+                -0.3,
+            ),
+            towards(
+                towards(corner(1), corner(2), share),
+                towards(corner(0), corner(3), share),
+                -0.3,
+            ),
+            towards(
+                towards(corner(0), corner(3), share),
+                towards(corner(1), corner(2), share),
+                -0.3,
+            ),
+        ];
+        fill(&mut out, &strip, grey);
+    }
+    out
+}
+
+/// Paints a convex outline.
+fn fill(picture: &mut GrayImage, outline: &Quad, grey: u8) {
+    let span = |k: usize, size: u32| {
+        let values = outline.iter().map(|p| p[k]);
+        let (low, high) = (
+            values.clone().fold(f64::INFINITY, f64::min),
+            values.fold(f64::NEG_INFINITY, f64::max),
+        );
+        (low.floor().max(0.0) as u32)..(high.ceil().clamp(0.0, f64::from(size)) as u32)
+    };
+    let side = |x: f64, y: f64, i: usize| {
+        let (a, b) = (outline[i], outline[(i + 1) % 4]);
+        (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
+    };
+    for y in span(1, picture.height()) {
+        for x in span(0, picture.width()) {
+            let signs: [f64; 4] = std::array::from_fn(|i| side(f64::from(x), f64::from(y), i));
+            if signs.iter().all(|s| *s >= 0.0) || signs.iter().all(|s| *s <= 0.0) {
+                picture.put_pixel(x, y, Luma([grey]));
+            }
+        }
+    }
+}
+
+fn cropped(photo: &GrayImage, share: f64, rng: &mut impl Rng) -> GrayImage {
+    let left = |side: u32| ((f64::from(side) * share).round() as u32).clamp(1, side);
+    let (width, height) = (left(photo.width()), left(photo.height()));
+    let x = rng.random_range(0..=photo.width() - width);
+    let y = rng.random_range(0..=photo.height() - height);
+    imageops::crop_imm(photo, x, y, width, height).to_image()
+}
+
+/// Encoded and decoded again. A picture that cannot be is given back as it is.
+fn jpeg(photo: &GrayImage, quality: u8) -> GrayImage {
+    let mut file = Cursor::new(Vec::new());
+    let encoder = JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100));
+    let encoded = photo.write_with_encoder(encoder).map(|()| file.into_inner());
+    match encoded.map(|bytes| image::load_from_memory_with_format(&bytes, image::ImageFormat::Jpeg)) {
+        Ok(Ok(again)) => again.to_luma8(),
+        _ => photo.clone(),
+    }
+}

@@ -1,0 +1,536 @@
+//! Sweeps that drive every method from harmless to hopeless: how far off, how often answered, how often *silently wrong*.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+
+use super::locate::{Sample, is_silently_wrong};
+use super::spoil::{Quad, Spoil};
+use crate::camera::Camera;
+use crate::geometry::angle;
+use crate::locate::{self, Located, Solver};
+use crate::plot::{Axis, Line, Panel, Scale, panels};
+use crate::scene::{Scene, Tag, Viewpoint};
+use crate::simulate::{Fault, Noise, Simulator, View};
+use crate::tags::{StartError, TagDetectorChoice};
+use crate::workers;
+
+/// Corner noise of the simulated detector: what the photos show, with tails.
+const NOISE: Noise = Noise {
+    sigma_px: 0.3,
+    tail_share: 0.02,
+};
+
+/// One condition that is swept over simulated views.
+#[derive(Debug, Clone, Copy)]
+pub struct Sweep {
+    /// A stable name.
+    pub name: &'static str,
+    /// What the amounts are.
+    pub unit: &'static str,
+    amounts: &'static [f64],
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// Corner noise of the detector, px.
+    CornerNoise,
+    /// The side of a tag of 50 mm seen from straight before it, px: the camera moves away.
+    TagSize,
+    /// One tag alone, seen under this angle to its normal, degrees.
+    Tilt,
+    /// The lens has this many times the stated camera's distortion, and the camera file none.
+    IgnoredDistortion,
+    Fault(fn(f64) -> Option<Fault>),
+}
+
+/// All sweeps over simulated views.
+pub const SWEEPS: [Sweep; 14] = [
+    Sweep {
+        name: "corner_noise",
+        unit: "corner noise, σ in px",
+        amounts: &[0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0],
+        kind: Kind::CornerNoise,
+    },
+    Sweep {
+        name: "tag_size",
+        unit: "side of a tag, px",
+        amounts: &[90.0, 60.0, 40.0, 25.0, 15.0, 10.0, 6.0],
+        kind: Kind::TagSize,
+    },
+    Sweep {
+        name: "tilt_of_a_single_tag",
+        unit: "one tag alone: tilt, °",
+        amounts: &[70.0, 50.0, 35.0, 20.0, 10.0, 5.0, 0.0],
+        kind: Kind::Tilt,
+    },
+    Sweep {
+        name: "hidden_tags",
+        unit: "share of the tags hidden",
+        amounts: &[0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95],
+        kind: Kind::Fault(|share| Some(Fault::Hidden { share })),
+    },
+    Sweep {
+        name: "cropped_view",
+        unit: "share of the picture left",
+        amounts: &[1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2],
+        kind: Kind::Fault(|share| Some(Fault::Cropped { share })),
+    },
+    Sweep {
+        name: "wrong_focal",
+        unit: "focal length, stated over true",
+        amounts: &[1.0, 1.01, 1.03, 1.06, 1.12, 1.25, 1.5],
+        kind: Kind::Fault(|factor| Some(Fault::WrongFocal { factor })),
+    },
+    Sweep {
+        name: "wrong_principal_point",
+        unit: "principal point off, px",
+        amounts: &[0.0, 5.0, 15.0, 30.0, 60.0, 120.0, 240.0],
+        kind: Kind::Fault(|px| Some(Fault::WrongPrincipalPoint { px })),
+    },
+    Sweep {
+        name: "wrong_tag_size",
+        unit: "tag size, stated over true",
+        amounts: &[1.0, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5],
+        kind: Kind::Fault(|factor| Some(Fault::WrongTagSize { factor })),
+    },
+    Sweep {
+        name: "moved_tag",
+        unit: "one card moved, mm",
+        amounts: &[0.0, 1.0, 3.0, 6.0, 12.0, 30.0, 100.0],
+        kind: Kind::Fault(|mm| Some(Fault::MovedTag { mm })),
+    },
+    Sweep {
+        name: "twisted_tag",
+        unit: "one card turned, °",
+        amounts: &[0.0, 1.0, 3.0, 6.0, 15.0, 45.0, 90.0],
+        kind: Kind::Fault(|deg| Some(Fault::TwistedTag { deg })),
+    },
+    Sweep {
+        name: "wrong_corner",
+        unit: "one corner off, px",
+        amounts: &[0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 40.0],
+        kind: Kind::Fault(|px| Some(Fault::WrongCorner { px })),
+    },
+    Sweep {
+        name: "duplicated_id",
+        unit: "0: as it is, 1: an id seen twice",
+        amounts: &[0.0, 1.0],
+        kind: Kind::Fault(|there| (there > 0.0).then_some(Fault::DuplicatedId)),
+    },
+    Sweep {
+        name: "wrong_id",
+        unit: "0: as it is, 1: a tag read as another",
+        amounts: &[0.0, 1.0],
+        kind: Kind::Fault(|there| (there > 0.0).then_some(Fault::WrongId)),
+    },
+    Sweep {
+        name: "ignored_distortion",
+        unit: "ignored distortion, × this lens's",
+        amounts: &[0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0],
+        kind: Kind::IgnoredDistortion,
+    },
+];
+
+/// What one method did at one amount of one condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Step {
+    pub sweep: &'static str,
+    pub unit: &'static str,
+    pub amount: f64,
+    /// The solver, on simulated views; the tag detector, on photos.
+    pub method: &'static str,
+    /// Views with at least one tag, or photos.
+    pub views: usize,
+    /// Share of them that got a pose.
+    pub answered: f64,
+    /// Of the answered ones.
+    pub azimuth_error_median_deg: Option<f64>,
+    pub distance_error_median_percent: Option<f64>,
+    /// Share of the views answered with another azimuth bin than the true one, the truth being more than 1° inside its bin.
+    pub silently_wrong: f64,
+}
+
+/// Answers gathered for one step.
+#[derive(Default)]
+struct Tally {
+    views: usize,
+    azimuth_deg: Vec<f64>,
+    distance_percent: Vec<f64>,
+    wrong: usize,
+}
+
+impl Tally {
+    fn count(&mut self, answer: Option<Located>, truth: &Viewpoint, scene: &Scene) {
+        self.views += 1;
+        let Some(located) = answer else { return };
+        let view = &located.viewpoint;
+        self.azimuth_deg
+            .push(angle::turn(view.azimuth_deg, truth.azimuth_deg).abs());
+        self.distance_percent
+            .push(100.0 * (view.distance_mm / truth.distance_mm - 1.0).abs());
+        self.wrong += usize::from(is_silently_wrong(view, truth, scene));
+    }
+
+    fn step(mut self, (sweep, unit, amount): (&'static str, &'static str, f64), method: &'static str) -> Step {
+        let share = |n: usize| n as f64 / self.views.max(1) as f64;
+        Step {
+            sweep,
+            unit,
+            amount,
+            method,
+            views: self.views,
+            answered: share(self.azimuth_deg.len()),
+            silently_wrong: share(self.wrong),
+            azimuth_error_median_deg: median(&mut self.azimuth_deg),
+            distance_error_median_percent: median(&mut self.distance_percent),
+        }
+    }
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// Every sweep over simulated views of a scene, `views` at each amount, every solver on the same ones. The same seed gives the
+/// same steps. `on_done` is called after each amount.
+pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done: impl Fn() + Sync) -> Vec<Step> {
+    let jobs: Vec<(usize, Sweep, f64)> = SWEEPS
+        .iter()
+        .flat_map(|sweep| sweep.amounts.iter().map(|amount| (*sweep, *amount)))
+        .enumerate()
+        .map(|(i, (sweep, amount))| (i, sweep, amount))
+        .collect();
+    let steps = workers::map(
+        &jobs,
+        || Ok::<_, std::convert::Infallible>(()),
+        |(), (i, sweep, amount)| Ok(sweep_step(sweep, *amount, scene, camera, views, seed + *i as u64)),
+        on_done,
+    );
+    match steps {
+        Ok(steps) => steps.into_iter().flatten().collect(),
+        Err(never) => match never {},
+    }
+}
+
+/// How many amounts [`on_views`] goes through.
+pub fn view_steps() -> usize {
+    SWEEPS.iter().map(|sweep| sweep.amounts.len()).sum()
+}
+
+fn sweep_step(sweep: &Sweep, amount: f64, scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<Step> {
+    let mut tallies: Vec<Tally> = Solver::all().iter().map(|_| Tally::default()).collect();
+    let mut maker = Maker::new(sweep.kind, amount, scene, camera, seed);
+    for _ in 0..views {
+        let Some(view) = maker.view() else { continue };
+        for (solver, tally) in Solver::all().into_iter().zip(&mut tallies) {
+            let answer = locate::locate_by(solver, &view.seen, &view.scene, &view.camera);
+            tally.count(answer.ok(), &view.viewpoint, scene);
+        }
+    }
+    let at = (sweep.name, sweep.unit, amount);
+    Solver::all()
+        .iter()
+        .zip(tallies)
+        .map(|(solver, tally)| tally.step(at, solver.name()))
+        .collect()
+}
+
+/// Makes the views of one step.
+struct Maker<'a> {
+    kind: Kind,
+    amount: f64,
+    scene: &'a Scene,
+    /// As it truly is.
+    camera: Camera,
+    stated: &'a Camera,
+    seed: u64,
+    made: u64,
+}
+
+impl<'a> Maker<'a> {
+    fn new(kind: Kind, amount: f64, scene: &'a Scene, stated: &'a Camera, seed: u64) -> Self {
+        let camera = match kind {
+            Kind::IgnoredDistortion => {
+                let stronger = stated.distortion().map(|k| amount * k);
+                stated.clone().with_distortion(&stronger)
+            }
+            _ => stated.clone(),
+        };
+        Self {
+            kind,
+            amount,
+            scene,
+            camera,
+            stated,
+            seed: seed << 32,
+            made: 0,
+        }
+    }
+
+    /// The next view, if any tag is seen on it.
+    fn view(&mut self) -> Option<View> {
+        self.made += 1;
+        let seed = self.seed + self.made;
+        let sigma_px = match self.kind {
+            Kind::CornerNoise => self.amount,
+            _ => NOISE.sigma_px,
+        };
+        let noise = Noise { sigma_px, ..NOISE };
+        let view = match self.kind {
+            Kind::Tilt => self.lone_tag(noise, seed)?,
+            _ => self.ring(noise, seed),
+        };
+        (!view.seen.is_empty()).then_some(view)
+    }
+
+    fn ring(&self, noise: Noise, seed: u64) -> View {
+        let mut simulator = Simulator::new(self.scene, &self.camera, noise, seed);
+        let distance_mm = match self.kind {
+            Kind::TagSize => {
+                let away = self.stated.fx * 50.0 / self.amount;
+                away..1.001 * away
+            }
+            _ => 600.0..1600.0,
+        };
+        let viewpoint = simulator.viewpoint(5.0..40.0, distance_mm);
+        let fault = match self.kind {
+            Kind::Fault(fault) => fault(self.amount),
+            Kind::IgnoredDistortion => Some(Fault::IgnoredDistortion),
+            Kind::CornerNoise | Kind::TagSize | Kind::Tilt => None,
+        };
+        simulator.view(&viewpoint, fault)
+    }
+
+    /// A view of one of the scene's tags alone, from a direction that makes the wanted angle with the tag's normal.
+    fn lone_tag(&self, noise: Noise, seed: u64) -> Option<View> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let tag = &self.scene.tags[rng.random_range(0..self.scene.tags.len())];
+        let alone = Scene {
+            tags: vec![tag.clone()],
+            ..self.scene.clone()
+        };
+        let away = rng.random_range(600.0..1200.0);
+        let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let centre = tag.centre_mm + away * tilted(tag, self.amount, around);
+        let viewpoint = Viewpoint::of_camera(centre, tag.centre_mm);
+        // The camera looks at the tag, so the viewpoint is taken from there; the view's own is from the model's target.
+        let mut simulator = Simulator::new(&alone, &self.camera, noise, seed);
+        let pose = crate::simulate::looking_at(&viewpoint, tag.centre_mm);
+        let seen = simulator.seen(&pose);
+        (!seen.is_empty()).then(|| View {
+            viewpoint: Viewpoint::of_camera(centre, self.scene.model.target_mm()),
+            pose,
+            seen,
+            scene: self.scene.clone(),
+            camera: self.camera.clone(),
+            struck: None,
+        })
+    }
+}
+
+/// The unit direction `tilt_deg` off a tag's normal, towards `around` (radians) in its plane.
+fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
+    let normal = tag.right.cross(&tag.up);
+    let aside = around.cos() * tag.right + around.sin() * tag.up;
+    let (sin, cos) = tilt_deg.to_radians().sin_cos();
+    cos * normal + sin * aside
+}
+
+/// Every way to spoil the photos, with some tag detectors and the default solver. `on_done` is called after each spoiled photo.
+///
+/// # Errors
+/// A detector that does not start.
+pub fn on_photos(
+    samples: &[Sample],
+    scene: &Scene,
+    camera: &Camera,
+    detectors: &[TagDetectorChoice],
+    seed: u64,
+    on_done: impl Fn() + Sync,
+) -> Result<Vec<Step>, StartError> {
+    let families = scene.families();
+    let places = tags_of(samples, scene)?;
+    let jobs: Vec<(Spoil, f64)> = Spoil::ALL
+        .iter()
+        .flat_map(|spoil| spoil.amounts().iter().map(|amount| (*spoil, *amount)))
+        .collect();
+    let open = || {
+        detectors
+            .iter()
+            .map(|choice| choice.open(&families))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let steps = workers::map(
+        &jobs,
+        open,
+        |open, (spoil, amount)| {
+            let mut tallies: Vec<Tally> = detectors.iter().map(|_| Tally::default()).collect();
+            for (i, (sample, tags)) in samples.iter().zip(&places).enumerate() {
+                let mut rng = Pcg64Mcg::seed_from_u64(seed + i as u64);
+                let photo = spoil.apply(&sample.grey, *amount, tags, &mut rng);
+                // A cut photo comes as one of another size, and the camera file cannot know.
+                let fitting = camera.scaled_to(photo.width(), photo.height()).ok();
+                for (detector, tally) in open.iter_mut().zip(&mut tallies) {
+                    let answer = fitting
+                        .as_ref()
+                        .and_then(|camera| locate::locate(&detector.find(&photo), scene, camera).ok());
+                    tally.count(answer, &sample.truth, scene);
+                }
+                on_done();
+            }
+            let at = (spoil.name(), spoil.unit(), *amount);
+            let steps = detectors.iter().zip(tallies);
+            Ok(steps
+                .map(|(choice, tally)| tally.step(at, choice.name()))
+                .collect::<Vec<_>>())
+        },
+        || {},
+    )?;
+    Ok(steps.into_iter().flatten().collect())
+}
+
+/// How many spoiled photos [`on_photos`] looks at.
+pub fn photo_steps(photos: usize) -> usize {
+    photos * Spoil::ALL.iter().map(|spoil| spoil.amounts().len()).sum::<usize>()
+}
+
+/// Where the tags are in the photos as they were taken.
+fn tags_of(samples: &[Sample], scene: &Scene) -> Result<Vec<Vec<Quad>>, StartError> {
+    workers::map(
+        samples,
+        || TagDetectorChoice::default().open(&scene.families()),
+        |detector, sample| {
+            Ok(detector
+                .find(&sample.grey)
+                .into_iter()
+                .map(|tag| tag.corners_px)
+                .collect())
+        },
+        || {},
+    )
+}
+
+/// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
+/// error of the answered.
+pub fn draw(title: &str, steps: &[Step]) -> String {
+    let mut methods: Vec<&str> = Vec::new();
+    let mut sweeps: Vec<&str> = Vec::new();
+    for step in steps {
+        if !methods.contains(&step.method) {
+            methods.push(step.method);
+        }
+        if !sweeps.contains(&step.sweep) {
+            sweeps.push(step.sweep);
+        }
+    }
+    let most = steps.iter().map(|step| step.views).max().unwrap_or(0);
+    let total: usize = steps.iter().map(|step| step.views).sum::<usize>() / methods.len().max(1);
+    let notes = [
+        format!(
+            "{total} views in all, up to {most} at each amount. Shares of views: answered (solid), silently wrong (dashed)."
+        ),
+        "Silently wrong: another azimuth bin than the true one, the truth being more than 1° inside its bin."
+            .to_owned(),
+    ];
+    let all: Vec<Panel> = sweeps
+        .iter()
+        .flat_map(|sweep| {
+            let of_sweep: Vec<&Step> = steps.iter().filter(|step| step.sweep == *sweep).collect();
+            [shares(&of_sweep, &methods), errors(&of_sweep, &methods)]
+        })
+        .collect();
+    let names: Vec<String> = methods.iter().map(|m| (*m).to_owned()).collect();
+    panels(title, &notes, &names, 4, &all)
+}
+
+fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
+    let line = |series: usize, is_dashed: bool, value: fn(&Step) -> f64| Line {
+        series,
+        values: of_method(steps, methods[series])
+            .map(|step| Some(value(step)))
+            .collect(),
+        is_dashed,
+    };
+    let numbers = 0..methods.len();
+    let answered = numbers.clone().map(|i| line(i, false, |step| step.answered));
+    let wrong = numbers.map(|i| line(i, true, |step| step.silently_wrong));
+    Panel {
+        title: steps.first().map_or("", |step| step.unit).to_owned(),
+        steps: amounts(steps, methods),
+        y: Axis {
+            title: "share of views".to_owned(),
+            scale: Scale::Linear,
+            low: 0.0,
+            high: 1.0,
+        },
+        lines: answered.chain(wrong).collect(),
+    }
+}
+
+fn errors(steps: &[&Step], methods: &[&str]) -> Panel {
+    let line = |series: usize| Line {
+        series,
+        values: of_method(steps, methods[series])
+            .map(|step| step.azimuth_error_median_deg)
+            .collect(),
+        is_dashed: false,
+    };
+    let lines: Vec<Line> = (0..methods.len()).map(line).collect();
+    let values = lines.iter().flat_map(|line| line.values.iter().flatten().copied());
+    Panel {
+        title: String::new(),
+        steps: amounts(steps, methods),
+        y: Axis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
+        lines,
+    }
+}
+
+fn of_method<'a>(steps: &'a [&Step], method: &'a str) -> impl Iterator<Item = &'a Step> {
+    steps.iter().copied().filter(move |step| step.method == method)
+}
+
+fn amounts(steps: &[&Step], methods: &[&str]) -> Vec<String> {
+    let first = methods.first().copied().unwrap_or_default();
+    of_method(steps, first).map(|step| format!("{}", step.amount)).collect()
+}
+
+/// The detectors that photos are spoiled for: the default, what it rests on, and the fastest rivals that read the scene's tags.
+pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
+    let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
+    TagDetectorChoice::ALL.into_iter().filter(reads_all).collect()
+}
+
+/// A line a sweep and method: up to which amount nearly all is answered, and how often it was silently wrong at worst.
+pub fn summary(steps: &[Step]) -> String {
+    let mut text = format!(
+        "{:<22} {:<16} {:>7} {:>22} {:>26}\n",
+        "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"
+    );
+    let mut seen: Vec<(&str, &str)> = Vec::new();
+    for step in steps {
+        if seen.contains(&(step.sweep, step.method)) {
+            continue;
+        }
+        seen.push((step.sweep, step.method));
+        let of: Vec<&Step> = steps
+            .iter()
+            .filter(|s| (s.sweep, s.method) == (step.sweep, step.method))
+            .collect();
+        let views: usize = of.iter().map(|s| s.views).sum();
+        let good = of.iter().take_while(|s| s.answered >= 0.9).last();
+        let good = good.map_or("–".to_owned(), |s| s.amount.to_string());
+        let worst = of.iter().max_by(|a, b| a.silently_wrong.total_cmp(&b.silently_wrong));
+        let worst = worst.map_or(String::new(), |s| match s.silently_wrong {
+            0.0 => "never".to_owned(),
+            share => format!("{:.2} % at {}", 100.0 * share, s.amount),
+        });
+        text += &format!(
+            "{:<22} {:<16} {views:>7} {good:>22} {worst:>26}\n",
+            step.sweep, step.method
+        );
+    }
+    text
+}
