@@ -5,6 +5,7 @@
 
 pub mod camera;
 pub mod cli;
+pub mod colour_chart;
 pub mod detect;
 pub mod files;
 pub mod geometry;

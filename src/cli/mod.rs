@@ -1,5 +1,6 @@
 //! One file per subcommand: arguments in, library call, text out.
 
+mod colour;
 mod demo;
 mod detectors;
 mod locate;
@@ -30,6 +31,7 @@ enum Command {
     Print(print::Args),
     Scene(scene::Args),
     Pattern(pattern::Args),
+    Colour(colour::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
     Score(score::Args),
@@ -57,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Print(args) => print::run(args, out),
         Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
+        Command::Colour(args) => colour::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),
