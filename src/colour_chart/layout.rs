@@ -158,7 +158,7 @@ impl ChartLayout {
     }
 }
 
-/// The cube, then blacks, then greys that divide the grey axis evenly, `count` in all.
+/// The cube, then blacks, then greys between the cube's that divide the grey axis nearly evenly, `count` in all.
 fn colours(kind: ChartKind, count: usize) -> Vec<[u8; 3]> {
     let levels = kind.levels();
     let cube = levels
@@ -167,7 +167,11 @@ fn colours(kind: ChartKind, count: usize) -> Vec<[u8; 3]> {
     let mut all: Vec<_> = cube.collect();
     all.extend([[0; 3]; MORE_BLACKS]);
     let greys = count.saturating_sub(all.len());
-    let grey = |i: usize| (255.0 * (i as f64 + 0.5) / greys as f64).round() as u8;
+    let grey = |i: usize| {
+        let level = (255.0 * (i as f64 + 1.0) / (greys as f64 + 1.0)).round() as u8;
+        // A level of the cube is there already.
+        if levels.contains(&level) { level - 20 } else { level }
+    };
     all.extend((0..greys).map(|i| [grey(i); 3]));
     all
 }
@@ -199,11 +203,6 @@ mod tests {
             let colours: BTreeSet<_> = chart.patches.iter().map(|p| p.asked_rgb).collect();
             let blacks = chart.patches.iter().filter(|p| p.asked_rgb == [0; 3]).count();
             let greys = chart.patches.len() - cube - MORE_BLACKS;
-            println!(
-                "{kind:?}: {} patches, {} whites, {greys} greys",
-                chart.patches.len(),
-                chart.whites.len()
-            );
             assert_eq!((colours.len(), blacks), (cube + greys, 1 + MORE_BLACKS), "{kind:?}");
             let cells: BTreeSet<_> = chart
                 .whites

@@ -27,7 +27,9 @@ pub enum ChartError {
     TagsMissing { ids: String },
     #[error("tag {id} of the chart is partly covered or has a reflection on it; take the photo again")]
     TagCovered { id: u32 },
-    #[error("the chart's tags are {off_mm:.1} mm from a flat sheet; lay the paper flat, or tape it to something stiff")]
+    #[error(
+        "the chart's tags are {off_mm:.1} mm from a flat sheet in a straight lens; lay the paper flat, tape it to something stiff, or take the photo from further away"
+    )]
     NotFlat { off_mm: f64 },
     #[error("a patch of the chart has only {pixels:.0} pixels a side, and {least:.0} are needed; go nearer")]
     TooSmall { pixels: f64, least: f64 },

@@ -83,9 +83,12 @@ pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Reading, Chart
         .iter()
         .map(|patch| take(patch.cell))
         .collect::<Result<Vec<_>, _>>()?;
-    refuse_bad_exposure(&whites, &inked)?;
+    refuse_clipped(&whites)?;
+    refuse_dark(&whites)?;
     let light = light_on(&whites, &chart)?;
+    // A reflection is clipped as well, and exposing less would not help.
     refuse_reflections(&inked, &light)?;
+    refuse_clipped(&inked)?;
     let (patchiness_median, patchiness_worst) = evenness(&inked, &light)?;
     let relative = |(cell, sample): &(Cell, Sample)| over(sample.light, light.at(cell.centre_mm()));
     let asked = chart.layout.patches.iter().map(|patch| patch.asked_rgb);
@@ -148,14 +151,17 @@ pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, V
     Ok((PrintedColours::of_light(source, asked.zip(means)), disagreements))
 }
 
-fn refuse_bad_exposure(whites: &[(Cell, Sample)], inked: &[(Cell, Sample)]) -> Result<(), ChartError> {
-    let clipped = |(_, sample): &&(Cell, Sample)| sample.clipped > MOST_CLIPPED;
-    if let Some((cell, sample)) = whites.iter().chain(inked).find(clipped) {
-        return Err(ChartError::Overexposed {
+fn refuse_clipped(cells: &[(Cell, Sample)]) -> Result<(), ChartError> {
+    match cells.iter().find(|(_, sample)| sample.clipped > MOST_CLIPPED) {
+        Some((cell, sample)) => Err(ChartError::Overexposed {
             place: place(*cell),
             share_percent: 100.0 * sample.clipped,
-        });
+        }),
+        None => Ok(()),
     }
+}
+
+fn refuse_dark(whites: &[(Cell, Sample)]) -> Result<(), ChartError> {
     let weakest = whites
         .iter()
         .flat_map(|(_, sample)| sample.light)

@@ -1,4 +1,5 @@
-//! A printer, and a camera before the print: everything that stands between a chart's file and its photo.
+//! A printer, and a camera before the print: everything that stands between a chart's file and its photo. The formulas of colour
+//! are written out here, so that they are not the program's.
 
 use std::collections::HashMap;
 
@@ -81,15 +82,17 @@ pub struct View {
     /// Standard deviation of the noise, in 8-bit levels.
     pub noise: f64,
     pub jpeg_quality: u8,
-    /// Light that reaches the sensor from everywhere, as a share of white.
-    pub flare: f64,
+    /// Barrel distortion at the picture's corners, as a share of their distance from the middle.
+    pub barrel: f64,
+    /// How far the middle of the sheet is from where flat paper has it, px.
+    pub bend_px: f64,
 }
 
 /// An ordinary photo by hand.
 pub const VIEW: View = View {
     seed: 1,
-    width: 1500,
-    height: 2000,
+    width: 1200,
+    height: 1600,
     fill: 0.86,
     askew: 0.05,
     turn_deg: 0.0,
@@ -99,7 +102,8 @@ pub const VIEW: View = View {
     blur_px: 1.0,
     noise: 2.0,
     jpeg_quality: 90,
-    flare: 0.0,
+    barrel: 0.0,
+    bend_px: 0.0,
 };
 
 /// Photographs a page: `sheet` is what the printer was asked for.
@@ -116,7 +120,9 @@ pub fn photo_with(sheet: &RgbImage, printer: &Printer, view: &View, touch: impl 
     let (w, h) = (f64::from(sheet.width()) - 1.0, f64::from(sheet.height()) - 1.0);
     let to_sheet = homography(&corners, &[[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]]);
     let desk = Rgb([0.18_f32, 0.13, 0.09]);
-    let mut seen = Picture::from_fn(view.width, view.height, |x, y| averaged(&print, &to_sheet, x, y, desk));
+    let mut seen = Picture::from_fn(view.width, view.height, |x, y| {
+        averaged(&print, &to_sheet, view, (x, y), desk)
+    });
     if view.blur_px > 0.0 {
         seen = imageops::blur(&seen, view.blur_px as f32);
     }
@@ -124,7 +130,7 @@ pub fn photo_with(sheet: &RgbImage, printer: &Printer, view: &View, touch: impl 
         let light = light(view, x, y);
         let pixel = seen.get_pixel(x, y).0;
         Rgb([0, 1, 2].map(|i| {
-            let value = f64::from(pixel[i]) * light * view.gain[i] + view.flare;
+            let value = f64::from(pixel[i]) * light * view.gain[i];
             (encoded(value) + view.noise * normal(&mut rng))
                 .round()
                 .clamp(0.0, 255.0) as u8
@@ -165,17 +171,26 @@ fn corners(view: &View, rng: &mut Pcg64Mcg, aspect: f64) -> [[f64; 2]; 4] {
     })
 }
 
-/// Nine bilinear looks a pixel.
-fn averaged(print: &Picture, to_sheet: &Matrix3<f64>, x: u32, y: u32, desk: Rgb<f32>) -> Rgb<f32> {
+/// Four bilinear looks a pixel.
+fn averaged(print: &Picture, to_sheet: &Matrix3<f64>, view: &View, at: (u32, u32), desk: Rgb<f32>) -> Rgb<f32> {
     let mut sum = [0.0_f32; 3];
-    for i in 0..9 {
-        let (dx, dy) = (f64::from(i % 3 - 1) / 3.0, f64::from(i / 3 - 1) / 3.0);
-        let p = to_sheet * Vector3::new(f64::from(x) + dx, f64::from(y) + dy, 1.0);
-        let (sx, sy) = ((p.x / p.z) as f32, (p.y / p.z) as f32);
-        let pixel = imageops::interpolate_bilinear(print, sx, sy).unwrap_or(desk);
-        sum.iter_mut().zip(pixel.0).for_each(|(sum, v)| *sum += v / 9.0);
+    for i in 0..4 {
+        let (dx, dy) = (f64::from(i % 2) / 2.0 - 0.25, f64::from(i / 2) / 2.0 - 0.25);
+        let [x, y] = straightened(view, f64::from(at.0) + dx, f64::from(at.1) + dy);
+        let p = to_sheet * Vector3::new(x, y, 1.0);
+        let pixel = imageops::interpolate_bilinear(print, (p.x / p.z) as f32, (p.y / p.z) as f32).unwrap_or(desk);
+        sum.iter_mut().zip(pixel.0).for_each(|(sum, v)| *sum += v / 4.0);
     }
     Rgb(sum)
+}
+
+/// Where a flat sheet and a straight lens would have the point that is seen here.
+fn straightened(view: &View, x: f64, y: f64) -> [f64; 2] {
+    let (w, h) = (f64::from(view.width) / 2.0, f64::from(view.height) / 2.0);
+    let (u, v) = (x - w, y - h);
+    let grown = 1.0 + view.barrel * (u * u + v * v) / (w * w + h * h);
+    let bowed = view.bend_px * (1.0 - (v / h).powi(2)).max(0.0);
+    [w + grown * u + bowed, h + grown * v]
 }
 
 /// Through four points exactly.
@@ -194,7 +209,7 @@ fn homography(from: &[[f64; 2]; 4], to: &[[f64; 2]; 4]) -> Matrix3<f64> {
     Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0)
 }
 
-/// IEC 61966-2-1, written out here so that it is not the program's.
+/// IEC 61966-2-1.
 fn linear(level: u8) -> f64 {
     let v = f64::from(level) / 255.0;
     if v <= 0.04045 {
