@@ -6,6 +6,7 @@
 pub mod camera;
 pub mod chart;
 pub mod cli;
+pub mod colour_chart;
 pub mod detect;
 pub mod files;
 pub mod geometry;

@@ -2,6 +2,7 @@
 
 mod camera;
 mod chart;
+mod colour;
 mod demo;
 mod detectors;
 mod locate;
@@ -34,6 +35,7 @@ enum Command {
     Scene(scene::Args),
     Pattern(pattern::Args),
     Camera(camera::Args),
+    Colour(colour::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
     Score(score::Args),
@@ -64,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
         Command::Camera(args) => camera::run(args, out),
+        Command::Colour(args) => colour::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),

@@ -1,15 +1,22 @@
-//! `scaleproof pattern`: make patterns.
+//! `scaleproof pattern`: make patterns, and check what a printer makes of them.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use serde::Serialize;
 
+use super::print::write_files;
 use super::{CommandResult, Outcome};
 use crate::files;
-use crate::pattern::Pattern;
+use crate::pattern::gamut::{PRINTABLE_DELTA_E, PatternFate, fate};
+use crate::pattern::{Pattern, contrast};
+use crate::print::printer::PrinterFile;
 
-/// Make patterns
+/// So many of the worst colours are listed; `--json` has all.
+const LISTED: usize = 8;
+
+/// Make and check patterns
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -20,6 +27,8 @@ pub struct Args {
 enum What {
     /// A square of uniformly random colours: the baseline every optimised pattern must beat
     Random(RandomArgs),
+    /// What a printer makes of a pattern: non-printability score, colours out of its gamut, a preview
+    Check(CheckArgs),
 }
 
 #[derive(clap::Args)]
@@ -35,10 +44,40 @@ struct RandomArgs {
     output: PathBuf,
 }
 
+#[derive(clap::Args)]
+struct CheckArgs {
+    /// The pattern: a PNG with one pixel per cell
+    pattern: PathBuf,
+    /// The printer file that `colour read` put the printer's colours in; without it, printing is not judged
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// The pattern as it comes out of the printer: a PNG with one pixel per cell
+    #[arg(short, long, value_name = "PNG", requires = "printer")]
+    output: Option<PathBuf>,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// `pattern check --json`.
+#[derive(Serialize)]
+struct Answer {
+    pattern_sha256: String,
+    cells: usize,
+    distinct_colours: usize,
+    /// Between neighbouring cells.
+    contrast_delta_e_median: f64,
+    /// The same of the printed cells.
+    printed_contrast_delta_e_median: Option<f64>,
+    /// `null` without a printer.
+    print: Option<PatternFate>,
+}
+
 /// Runs `scaleproof pattern …`.
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Random(args) => run_random(&args, out),
+        What::Check(args) => run_check(&args, out),
     }
 }
 
@@ -48,4 +87,101 @@ fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
     let (path, cells) = (args.output.display(), args.cells);
     writeln!(out, "{path}: {cells} × {cells} random cells, seed {}", args.seed)?;
     Ok(Outcome::Done)
+}
+
+fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
+    let pattern = Pattern::load(&args.pattern)?;
+    let (mut print, mut printed_contrast) = (None, None);
+    if let Some(path) = &args.printer {
+        let Some(colours) = PrinterFile::load(path)?.colours else {
+            let path = path.display();
+            return Err(format!(
+                "{path} has the printer's lengths but not its colours; add them: scaleproof print chart, then scaleproof colour read \
+                 PHOTO -o {path}"
+            )
+            .into());
+        };
+        let gamut = colours.gamut();
+        let printed = pattern.recoloured(|rgb| gamut.printed(rgb).rgb())?;
+        if let Some(output) = &args.output {
+            let inputs = [Some(args.pattern.as_path()), args.printer.as_deref()];
+            write_files(&[(output.clone(), printed.to_png()?)], &inputs)?;
+        }
+        printed_contrast = Some(contrast::median_delta_e(&printed));
+        print = Some(fate(&pattern, &colours));
+    }
+    let counts = pattern.colour_counts();
+    let answer = Answer {
+        pattern_sha256: pattern.sha256().to_owned(),
+        cells: counts.values().sum(),
+        distinct_colours: counts.len(),
+        contrast_delta_e_median: contrast::median_delta_e(&pattern),
+        printed_contrast_delta_e_median: printed_contrast,
+        print,
+    };
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string(&answer)?)?;
+    } else {
+        describe(args, &answer, out)?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn describe(args: &CheckArgs, answer: &Answer, out: &mut dyn Write) -> std::io::Result<()> {
+    let (path, contrast) = (args.pattern.display(), answer.contrast_delta_e_median);
+    let (cells, colours) = (answer.cells, answer.distinct_colours);
+    writeln!(
+        out,
+        "{path}: {cells} cells in {colours} colours; neighbouring cells differ by ΔE2000 {contrast:.1} (median)"
+    )?;
+    let Some(print) = &answer.print else {
+        return writeln!(
+            out,
+            "No printer is named, so nothing is said about printing: give --printer with a file of `scaleproof colour read`."
+        );
+    };
+    let printed_contrast = answer.printed_contrast_delta_e_median.unwrap_or_default();
+    writeln!(
+        out,
+        "printed as it is: ΔE2000 {:.1} off (mean over cells); neighbouring cells then differ by {printed_contrast:.1}",
+        print.printed_delta_e_mean
+    )?;
+    writeln!(
+        out,
+        "out of the printer's gamut (no printable colour within ΔE2000 {PRINTABLE_DELTA_E}): {:.1} % of the cells; with the best colours \
+         asked for, ΔE2000 {:.1} off (mean)",
+        100.0 * print.out_of_gamut_share,
+        print.best_delta_e_mean
+    )?;
+    writeln!(
+        out,
+        "NPS {:.4}: mean distance of a cell to the nearest measured colour, in sRGB with channels from 0 to 1",
+        print.nps
+    )?;
+    let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
+    let row =
+        |a: &str, b: &str, c: &str, d: &str, e: &str, f: &str| format!("{a:<9}{b:>6}  {c:<9}{d:>7}  {e:<16}{f:>7}");
+    writeln!(
+        out,
+        "{}",
+        row("colour", "cells", "printed", "ΔE2000", "best: ask → get", "ΔE2000")
+    )?;
+    for c in print.colours.iter().take(LISTED) {
+        let (printed_off, best_off) = (format!("{:.1}", c.printed_delta_e), format!("{:.1}", c.best_delta_e));
+        let best = format!("{}→{}", hex(c.best_ask_rgb), hex(c.best_rgb));
+        let (wanted, printed) = (hex(c.wanted_rgb), hex(c.printed_rgb));
+        writeln!(
+            out,
+            "{}",
+            row(&wanted, &c.cells.to_string(), &printed, &printed_off, &best, &best_off)
+        )?;
+    }
+    match print.colours.len().saturating_sub(LISTED) {
+        0 => {}
+        more => writeln!(out, "… and {more} colours that fare better; --json has all")?,
+    }
+    if let Some(output) = &args.output {
+        writeln!(out, "preview in measured colours: {}", output.display())?;
+    }
+    Ok(())
 }

@@ -1,7 +1,11 @@
 //! The repeated pattern: a small grid of coloured cells, stored as a PNG with one pixel per cell.
 
 pub mod colour;
+pub mod contrast;
+pub mod gamut;
+pub mod printed;
 
+use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -86,6 +90,26 @@ impl Pattern {
     /// Cells down.
     pub fn rows(&self) -> u32 {
         self.cells.height()
+    }
+
+    /// Every colour with the number of its cells.
+    pub fn colour_counts(&self) -> BTreeMap<[u8; 3], usize> {
+        let mut counts = BTreeMap::new();
+        for cell in self.cells.pixels() {
+            *counts.entry(cell.0).or_default() += 1;
+        }
+        counts
+    }
+
+    /// The same pattern in other colours.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn recoloured(&self, colour: impl Fn([u8; 3]) -> [u8; 3]) -> Result<Self, PatternError> {
+        let mut cells = self.cells.clone();
+        cells.pixels_mut().for_each(|cell| cell.0 = colour(cell.0));
+        let sha256 = files::sha256_hex(&png_of(&cells)?);
+        Ok(Self { cells, sha256 })
     }
 
     /// The pattern as a PNG file with one pixel per cell.

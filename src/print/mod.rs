@@ -1,9 +1,10 @@
 //! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`] or [`svg`].
 //!
-//! One file or folder per kind of print ([`template`], [`tags`], [`board`], [`check`]); what they share ([`page`], [`paper`],
+//! One file or folder per kind of print ([`template`], [`tags`], [`board`], [`check`], [`chart`]); what they share ([`page`], [`paper`],
 //! [`frame`], [`ruler`], [`lettering`], [`shapes`], [`printer`]) stands beside them.
 
 pub mod board;
+pub mod chart;
 pub mod check;
 pub mod date;
 pub mod frame;
@@ -67,6 +68,10 @@ pub enum PrintError {
          at 100 % (no fit to page) and measure both rulers in mm"
     )]
     ImplausiblePrinter { axis: &'static str, measured_mm: f64 },
+    #[error("the smallest colour chart is {chart_mm} mm and the paper has {free_mm} mm for it; use larger paper")]
+    NoRoomForChart { chart_mm: String, free_mm: String },
+    #[error("tag {id} of the colour chart could not be drawn by the AprilTag library")]
+    NoTagImage { id: u32 },
     #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`", path = path.display())]
     BadPrinterFile { path: PathBuf, reason: String },
     #[error("the PDF could not be put together: {reason}")]

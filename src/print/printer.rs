@@ -1,4 +1,5 @@
-//! A printer's own scale: measured once on paper, kept in `printer.toml`, and taken back from every later sheet.
+//! A printer's own scale: measured once on paper, kept in `printer.toml`, and taken back from every later sheet. The file may
+//! also carry the printer's colours, which no sheet is changed by.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use super::lettering::number;
 use super::ruler;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use crate::files;
+use crate::pattern::printed::PrintedColours;
 
 /// What the rulers of every sheet measure on a perfect printer.
 pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
@@ -23,15 +25,22 @@ pub struct Printer {
     y_mm: f64,
 }
 
-/// The file `printer.toml`. The factors repeat what the lengths say, for people and other programs.
+/// The lengths in the file `printer.toml`. The factors repeat what the lengths say, for people and other programs.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PrinterFile {
+struct Lengths {
     nominal_mm: f64,
     measured_x_mm: f64,
     measured_y_mm: f64,
     correction_x: f64,
     correction_y: f64,
+}
+
+/// What a printer file says. One that only `colour read` has written tells of no lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrinterFile {
+    pub printer: Printer,
+    pub colours: Option<PrintedColours>,
 }
 
 impl Printer {
@@ -95,25 +104,68 @@ impl Printer {
     /// # Errors
     /// A file that is missing, no printer file, contradicts itself or tells of an implausible printer.
     pub fn load(path: &Path) -> Result<Self, PrintError> {
-        let bad = |reason: String| PrintError::BadPrinterFile {
-            path: path.to_owned(),
-            reason,
-        };
-        let text = files::read_text(path).map_err(|e| bad(e.to_string()))?;
-        let file: PrinterFile = toml::from_str(&text).map_err(|e| bad(e.message().to_owned()))?;
-        if file.nominal_mm != NOMINAL_MM {
-            return Err(bad(format!("nominal_mm must be {NOMINAL_MM}")));
+        Ok(PrinterFile::load(path)?.printer)
+    }
+
+    fn of_lengths(lengths: &Lengths) -> Result<Self, String> {
+        if lengths.nominal_mm != NOMINAL_MM {
+            return Err(format!("nominal_mm must be {NOMINAL_MM}"));
         }
-        let printer = Self::measured(file.measured_x_mm, file.measured_y_mm).map_err(|e| bad(e.to_string()))?;
+        let printer = Self::measured(lengths.measured_x_mm, lengths.measured_y_mm).map_err(|e| e.to_string())?;
         let (x, y) = printer.factors();
         // The file has six decimals.
-        let agrees = (x - file.correction_x).abs() < 1e-5 && (y - file.correction_y).abs() < 1e-5;
+        let agrees = (x - lengths.correction_x).abs() < 1e-5 && (y - lengths.correction_y).abs() < 1e-5;
         if !agrees {
-            return Err(bad(
-                "its correction factors are not 100 over its measured lengths".into()
-            ));
+            return Err("its correction factors are not 100 over its measured lengths".into());
         }
         Ok(printer)
+    }
+
+    fn lengths(&self) -> Lengths {
+        let rounded = |value: f64| (value * 1e6).round() / 1e6;
+        let (x, y) = self.factors();
+        Lengths {
+            nominal_mm: NOMINAL_MM,
+            measured_x_mm: rounded(self.x_mm),
+            measured_y_mm: rounded(self.y_mm),
+            correction_x: rounded(x),
+            correction_y: rounded(y),
+        }
+    }
+}
+
+impl PrinterFile {
+    /// Reads a `printer.toml`.
+    ///
+    /// # Errors
+    /// As for [`Printer::load`], and colours that contradict themselves.
+    pub fn load(path: &Path) -> Result<Self, PrintError> {
+        let text = files::read_text(path).map_err(|e| e.to_string());
+        text.and_then(|text| Self::parse(&text))
+            .map_err(|reason| PrintError::BadPrinterFile {
+                path: path.to_owned(),
+                reason,
+            })
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        let plain = |e: toml::de::Error| e.message().to_owned();
+        let mut table: toml::Table = toml::from_str(text).map_err(plain)?;
+        let colours: Option<PrintedColours> = table
+            .remove("colour")
+            .map(toml::Value::try_into)
+            .transpose()
+            .map_err(plain)?;
+        if let Some(colours) = &colours {
+            colours.check()?;
+        }
+        // A file of colours alone says nothing of lengths; then the printer is taken at its word.
+        let printer = if table.is_empty() && colours.is_some() {
+            Printer::EXACT
+        } else {
+            Printer::of_lengths(&table.try_into().map_err(plain)?)?
+        };
+        Ok(Self { printer, colours })
     }
 
     /// The content of a `printer.toml`.
@@ -121,19 +173,21 @@ impl Printer {
     /// # Errors
     /// Only if the encoder fails.
     pub fn to_toml(&self) -> Result<String, PrintError> {
-        let rounded = |value: f64| (value * 1e6).round() / 1e6;
-        let (x, y) = self.factors();
-        let file = PrinterFile {
-            nominal_mm: NOMINAL_MM,
-            measured_x_mm: rounded(self.x_mm),
-            measured_y_mm: rounded(self.y_mm),
-            correction_x: rounded(x),
-            correction_y: rounded(y),
-        };
-        let table = toml::to_string(&file).map_err(|e| PrintError::Pdf { reason: e.to_string() })?;
-        Ok(format!(
-            "# What this printer makes of 100 mm: x along the short side of the paper (across a roll), y along the other.\n{table}"
-        ))
+        let failed = |e: toml::ser::Error| PrintError::Pdf { reason: e.to_string() };
+        let mut parts = Vec::new();
+        if self.printer != Printer::EXACT || self.colours.is_none() {
+            let lengths = toml::to_string(&self.printer.lengths()).map_err(failed)?;
+            parts.push(format!(
+                "# What this printer makes of 100 mm: x along the short side of the paper (across a roll), y along the other.\n{lengths}"
+            ));
+        }
+        if let Some(colours) = &self.colours {
+            let colours = colours.to_toml().map_err(failed)?;
+            parts.push(format!(
+                "# What this printer makes of colours, relative to the paper's white, by `scaleproof colour read`.\n{colours}"
+            ));
+        }
+        Ok(parts.join("\n"))
     }
 }
 
@@ -245,8 +299,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("printer.toml");
         let printer = Printer::measured(99.3, 99.8).unwrap();
-        std::fs::write(&path, printer.to_toml().unwrap()).unwrap();
-        assert_eq!(Printer::load(&path), Ok(printer));
+        let file = PrinterFile { printer, colours: None };
+        std::fs::write(&path, file.to_toml().unwrap()).unwrap();
+        assert_eq!(PrinterFile::load(&path), Ok(file));
     }
 
     #[test]

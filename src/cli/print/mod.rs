@@ -1,6 +1,7 @@
 //! `scaleproof print`: sheets for the printer.
 
 mod board;
+mod chart;
 mod check;
 mod tags;
 mod template;
@@ -36,6 +37,8 @@ enum What {
     Tags(tags::TagsArgs),
     /// Print a calibration board, and write the file that describes it
     Board(board::BoardArgs),
+    /// A chart of colours, to be photographed for `colour read`
+    Chart(chart::ChartArgs),
     /// One page that shows whether the printer keeps lengths
     Check(check::CheckArgs),
     /// Write down what the rulers measured, as printer.toml
@@ -48,6 +51,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Template(args) => template::run(&args, out),
         What::Tags(args) => tags::run(&args, out),
         What::Board(args) => board::run(&args, out),
+        What::Chart(args) => chart::run(&args, out),
         What::Check(args) => check::run(&args, out),
         What::Verify(args) => verify::run(&args, out),
     }
@@ -71,7 +75,7 @@ impl Format {
 }
 
 /// A file to be written: where, and its bytes.
-type NewFile = (PathBuf, Vec<u8>);
+pub(super) type NewFile = (PathBuf, Vec<u8>);
 
 /// The pages as files: one PDF, or an SVG a page.
 fn as_files(
@@ -143,7 +147,9 @@ fn svg_path(output: &Path, name: &str) -> PathBuf {
 /// A sheet of paper; what is not tiled does not fit a roll.
 fn cut_paper(text: &str) -> Result<Paper, Box<dyn Error>> {
     if text.starts_with("roll") {
-        return Err("tags and boards are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into());
+        return Err(
+            "tags, boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into(),
+        );
     }
     Ok(text.parse()?)
 }

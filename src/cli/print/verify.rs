@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome, printer};
+use super::{CommandResult, Outcome};
 use crate::files;
-use crate::print::printer::Printer;
+use crate::print::printer::{Printer, PrinterFile};
 
 #[derive(clap::Args)]
 pub struct VerifyArgs {
@@ -33,8 +33,16 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
         .into());
     }
     let measured = Printer::measured(args.x_mm, args.y_mm)?;
-    let printer = printer(args.printer.as_deref())?.remeasured(&measured)?;
-    files::write_atomically(&args.output, printer.to_toml()?.as_bytes())?;
+    let known = args.printer.as_deref().map(PrinterFile::load).transpose()?;
+    let printer = known
+        .as_ref()
+        .map_or(Printer::EXACT, |file| file.printer)
+        .remeasured(&measured)?;
+    let file = PrinterFile {
+        printer,
+        colours: known.and_then(|file| file.colours),
+    };
+    files::write_atomically(&args.output, file.to_toml()?.as_bytes())?;
     let output = args.output.display();
     writeln!(out, "{output}: {}; print with --printer {output}", printer.caption())?;
     Ok(Outcome::Done)

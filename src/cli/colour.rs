@@ -1,0 +1,168 @@
+//! `scaleproof colour`: what the printer makes of colours, read in a photo of the chart.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use serde::Serialize;
+
+use super::print::write_files;
+use super::{CommandResult, Outcome};
+use crate::colour_chart::read::{FAMILIES, Quality, Reading, average, read};
+use crate::pattern::printed::PrintedColours;
+use crate::photo::Photo;
+use crate::print::printer::{Printer, PrinterFile};
+use crate::tags::AprilTagC;
+
+/// Measure a printer's colours
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Read the chart of `print chart` in photos of it
+    ///
+    /// Several photos of one print are averaged. Colours are relative to the paper's white under the photo's light; the
+    /// camera's own tone curve and colours cannot be told from the printer's and stay in them.
+    Read(ReadArgs),
+}
+
+#[derive(clap::Args)]
+struct ReadArgs {
+    /// Photos of one print (JPEG or PNG); they are never changed
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// The printer file to put the colours in; the lengths of one that is there are kept
+    #[arg(short, long, value_name = "TOML")]
+    output: Option<PathBuf>,
+    /// One JSON object instead of a summary
+    #[arg(long)]
+    json: bool,
+}
+
+/// A photo in `--json`.
+#[derive(Serialize)]
+struct PhotoLine {
+    file: String,
+    sha256: String,
+    #[serde(flatten)]
+    quality: Quality,
+    /// Mean ΔE2000 of its patches from the mean of all photos.
+    delta_e_from_mean: f64,
+}
+
+/// `--json`.
+#[derive(Serialize)]
+struct Answer<'a> {
+    photos: Vec<PhotoLine>,
+    colour: &'a PrintedColours,
+}
+
+/// Runs `scaleproof colour …`.
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match args.what {
+        What::Read(args) => run_read(&args, out),
+    }
+}
+
+fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
+    // What is there must be a printer file, or it would be lost.
+    let there = args.output.as_deref().filter(|path| path.exists());
+    let old = there.map(PrinterFile::load).transpose()?;
+    let mut tags = AprilTagC::new(&FAMILIES)?;
+    let readings = args.photos.iter().map(|path| {
+        let photo = Photo::open(path).map_err(|e| e.to_string())?;
+        read(&photo, &mut tags).map_err(|e| format!("{}: {e}", path.display()))
+    });
+    let readings = readings.collect::<Result<Vec<Reading>, String>>()?;
+    let (colours, disagreements) = average(&readings, concat!("scaleproof ", env!("CARGO_PKG_VERSION")))?;
+    if let Some(path) = &args.output {
+        let file = PrinterFile {
+            printer: old.as_ref().map_or(Printer::EXACT, |file| file.printer),
+            colours: Some(colours.clone()),
+        };
+        let inputs: Vec<Option<&Path>> = args.photos.iter().map(|photo| Some(photo.as_path())).collect();
+        write_files(&[(path.clone(), file.to_toml()?.into_bytes())], &inputs)?;
+    }
+    if args.json {
+        let photos = args.photos.iter().zip(&readings).zip(&disagreements);
+        let line = |((path, reading), off): ((&PathBuf, &Reading), &f64)| PhotoLine {
+            file: path.display().to_string(),
+            sha256: reading.sha256.clone(),
+            quality: reading.quality,
+            delta_e_from_mean: *off,
+        };
+        let answer = Answer {
+            photos: photos.map(line).collect(),
+            colour: &colours,
+        };
+        writeln!(out, "{}", serde_json::to_string(&answer)?)?;
+    } else {
+        summarise(args, &readings, &disagreements, &colours, out)?;
+        if let Some(path) = &args.output {
+            let replaced = old.is_some_and(|file| file.colours.is_some());
+            let verb = if replaced { "new colours in" } else { "written to" };
+            writeln!(
+                out,
+                "{verb} {}; next: scaleproof pattern check P.png --printer {}",
+                path.display(),
+                path.display()
+            )?;
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+fn summarise(
+    args: &ReadArgs,
+    readings: &[Reading],
+    disagreements: &[f64],
+    colours: &PrintedColours,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    for ((path, reading), off) in args.photos.iter().zip(readings).zip(disagreements) {
+        let q = &reading.quality;
+        let name = path.display();
+        let light = format!("light {:?} within {:.1} %", q.light, 100.0 * q.light_error).to_lowercase();
+        let flat = format!("patches of {:.0} px, flat within {:.2} mm", q.patch_px, q.off_mm);
+        writeln!(
+            out,
+            "{name}: chart {}, {flat}, {light}, ΔE2000 {off:.2} from the mean",
+            colours.chart
+        )?;
+        if q.at_zero > 0 {
+            writeln!(
+                out,
+                "note: {} patches of {name} have a channel at 0; they may be darker or more saturated than read",
+                q.at_zero
+            )?;
+        }
+    }
+    let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
+    writeln!(
+        out,
+        "mean ΔE2000 between asked and printed: {:.1}",
+        colours.delta_e_mean
+    )?;
+    writeln!(
+        out,
+        "gamut: {:.0} cubic CIELAB units, {:.0} % of sRGB; darkest {}, most saturated {}",
+        colours.gamut_volume_lab,
+        100.0 * colours.gamut_share_of_srgb,
+        hex(colours.darkest_rgb),
+        hex(colours.most_saturated_rgb)
+    )?;
+    writeln!(
+        out,
+        "greys between the levels are met within ΔE2000 {:.1} by interpolating",
+        colours.interpolation_delta_e_mean
+    )?;
+    writeln!(
+        out,
+        "Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be told \
+         from the printer's."
+    )
+}

@@ -1,0 +1,112 @@
+//! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
+
+use super::PrintError;
+use super::lettering::number;
+use super::page::{Media, Page};
+use super::printer::Printer;
+use super::shapes::{Placement, black_modules};
+use super::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet};
+use crate::colour_chart::layout::{ChartKind, ChartLayout, ChartTag, FAMILY, PATCH_MM, TAG_MM};
+use crate::tags::TagImage;
+
+/// A chart ready to be written.
+#[derive(Debug, Clone)]
+pub struct Chart {
+    pub layout: ChartLayout,
+    /// Where it lies (page frame).
+    pub area: RectMm,
+    pub sheet: Sheet,
+}
+
+/// Draws the chart with the most colours that the paper has room for.
+///
+/// # Errors
+/// Paper without room for the smallest chart, upright and across.
+pub fn chart(media: Media) -> Result<Chart, PrintError> {
+    let (layout, page, area) = placed(media)?;
+    let corner = PointMm::new(area.left_mm, area.top_mm);
+    let mut marks: Vec<Mark> = layout
+        .patches
+        .iter()
+        .map(|p| patch(p.cell.centre_mm(), p.asked_rgb, corner))
+        .collect();
+    for tag in &layout.tags {
+        marks.push(drawn(tag, corner)?);
+    }
+    let label = format!("chart {}", layout.kind.name());
+    let sheet = page.sheet(marks, &captions(&layout, &media.printer), &label);
+    Ok(Chart { layout, area, sheet })
+}
+
+fn placed(media: Media) -> Result<(ChartLayout, Page, RectMm), PrintError> {
+    let pages = Page::both_ways(media)?;
+    for kind in ChartKind::ALL {
+        let layout = ChartLayout::new(kind);
+        let (width, height) = layout.size_mm;
+        let fits = |page: &&Page| width <= page.0.usable.width_mm() && height <= page.0.usable.height_mm();
+        if let Some(page) = pages.iter().find(fits) {
+            let usable = page.0.usable;
+            let left = usable.left_mm + (usable.width_mm() - width) / 2.0;
+            let bottom = usable.bottom_mm + (usable.height_mm() - height) / 2.0;
+            let area = RectMm::new(left, bottom, left + width, bottom + height);
+            return Ok((layout, *page, area));
+        }
+    }
+    let size = |(width, height): (f64, f64)| format!("{} × {}", number(width), number(height));
+    let [.., smallest] = ChartKind::ALL;
+    let free = pages
+        .first()
+        .map(|page| (page.0.usable.width_mm(), page.0.usable.height_mm()));
+    Err(PrintError::NoRoomForChart {
+        chart_mm: size(ChartLayout::new(smallest).size_mm),
+        free_mm: size(free.unwrap_or_default()),
+    })
+}
+
+/// `corner`: the chart's upper left (page frame). The chart's y runs down, the page's up.
+fn on_page([x, y]: [f64; 2], corner: PointMm) -> PointMm {
+    PointMm::new(corner.x_mm + x, corner.y_mm - y)
+}
+
+fn patch(centre_mm: [f64; 2], colour: [u8; 3], corner: PointMm) -> Mark {
+    let (centre, h) = (on_page(centre_mm, corner), PATCH_MM / 2.0);
+    let area = RectMm::new(centre.x_mm - h, centre.y_mm - h, centre.x_mm + h, centre.y_mm + h);
+    Mark::Fill(Fill { area, colour })
+}
+
+fn drawn(tag: &ChartTag, corner: PointMm) -> Result<Mark, PrintError> {
+    let image = TagImage::new(FAMILY, tag.id).ok_or(PrintError::NoTagImage { id: tag.id })?;
+    let place = Placement {
+        centre: on_page(tag.centre_mm, corner),
+        right: [1.0, 0.0],
+        module_mm: TAG_MM / image.border_modules() as f64,
+    };
+    Ok(Mark::Area {
+        outlines: black_modules(image.modules(), &place),
+        colour: BLACK,
+    })
+}
+
+fn captions(layout: &ChartLayout, printer: &Printer) -> Vec<String> {
+    let ids = layout.kind.tag_ids();
+    vec![
+        "Print at 100 %, on the paper and with the settings of the later sheets; let the ink dry. Lay it flat, in even light from the side."
+            .to_owned(),
+        "Photograph all of it sharply, from above, without flash and a little dark: white paper must not be at the end of the scale."
+            .to_owned(),
+        format!(
+            "Colour chart {}: {} patches, {} cells of bare paper, tag36h11 {} to {} of {} mm",
+            layout.kind.name(),
+            layout.patches.len(),
+            layout.whites.len(),
+            ids[0],
+            ids[4],
+            number(TAG_MM)
+        ),
+        format!(
+            "Then: scaleproof colour read PHOTO -o printer.toml · {} · scaleproof {}",
+            printer.caption(),
+            env!("CARGO_PKG_VERSION")
+        ),
+    ]
+}
