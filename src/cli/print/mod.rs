@@ -2,6 +2,7 @@
 
 mod board;
 mod check;
+mod paint;
 mod tags;
 mod template;
 mod verify;
