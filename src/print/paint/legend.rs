@@ -21,7 +21,7 @@ const SWATCH_AT_MM: f64 = 9.0;
 const NAME_AT_MM: f64 = 24.0;
 const NAME_MM: f64 = 40.0;
 const HEX_AT_MM: f64 = 66.0;
-const NUMBERS_AT_MM: [f64; 5] = [98.0, 118.0, 140.0, 153.0, TABLE_MM];
+const NUMBERS_AT_MM: [f64; 5] = [98.0, 118.0, 138.0, 156.0, TABLE_MM];
 const NUMBER_HEADS: [&str; 5] = ["area cm²", "stencil", "touch up", "ΔE mean", "max"];
 
 /// The steps from printed sheets to a painted model.
@@ -33,7 +33,7 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
         "With a brush: the sheets 'numbers' show each patch with its paint's number. They are cut at the crop marks and \
          laid edge to edge; seams that meet have the same letter."
             .to_owned(),
-        "With a spray: every paint has a stencil for every sheet it occurs on. Cut out what is grey, the holes in the \
+        "With a spray: every paint has a stencil for every sheet it occurs on. Cut out what is tinted, the holes in the \
          corners too, and the frame at its outer line."
             .to_owned(),
         "Mark the four corner holes of the first stencil of a sheet on the model or on masking tape, and lay every other \

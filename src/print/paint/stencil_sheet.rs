@@ -1,4 +1,4 @@
-//! A stencil on its sheet: openings in grey, to be cut out; the rim with its label, and registration holes at the same place for every
+//! A stencil on its sheet: openings tinted, to be cut out; the rim with its label, and registration holes at the same place for every
 //! paint.
 
 use super::plane::{Outline, mm};
@@ -9,8 +9,8 @@ use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
 use crate::print::template::{Captions, Front, Layout, SheetPlan, TemplateRequest, around, guides};
 
-/// What is to be cut out.
-pub const OPENING: Rgb = [190, 190, 190];
+/// What is to be cut out: light, to spare ink, and no colour of lines and text.
+const OPENING: Rgb = [255, 214, 140];
 const LINE_MM: f64 = 0.15;
 const LABEL_MM: f64 = 3.5;
 const HOLE_MM: f64 = 3.0;
