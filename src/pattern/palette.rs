@@ -16,10 +16,12 @@ pub const MAX_PAINTS: usize = 24;
 /// Most paints a palette file may offer.
 pub const MAX_PALETTE: usize = 256;
 
-/// k-means is started this often, and the tightest result kept.
-const RESTARTS: u64 = 24;
+/// k-means is started between so many times, and the tightest result kept: often on few colours, where that takes no time.
+const RESTARTS: (usize, usize) = (4, 200);
+/// Distances of one step, over all starts, that take no time.
+const CHEAP: usize = 2_000_000;
 /// Lloyd's steps of one start; on a few hundred colours it settles long before.
-const MOST_STEPS: usize = 200;
+const MOST_STEPS: usize = 100;
 
 /// Why a pattern was not reduced to paints. Each variant says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -29,7 +31,7 @@ pub enum PaletteError {
     #[error("{asked} paints cannot be made; ask for 2 to {MAX_PAINTS}")]
     BadCount { asked: usize },
     #[error("the pattern has {distinct} colour{}, fewer than the {asked} paints asked for; ask for {}", if *distinct == 1 { "" } else { "s" },
-        if *distinct < 2 { "no paints: one colour needs no stencil".to_owned() } else { format!("2 to {distinct}") })]
+        if *distinct < 2 { "no paints: one colour needs no stencil".to_owned() } else if *distinct == 2 { "2".to_owned() } else { format!("2 to {distinct}") })]
     FewerColours { asked: usize, distinct: usize },
     #[error("the pattern's colours are too alike for {asked} paints: two of them would be {hex}; ask for fewer")]
     Alike { asked: usize, hex: String },
@@ -168,7 +170,8 @@ impl Painted {
         if count > distinct {
             return Err(PaletteError::FewerColours { asked: count, distinct });
         }
-        let best = (0..RESTARTS)
+        let restarts = (CHEAP / (distinct * count)).clamp(RESTARTS.0, RESTARTS.1);
+        let best = (0..restarts as u64)
             .map(|seed| k_means(&colours, count, seed))
             .min_by(|a, b| a.spread.total_cmp(&b.spread));
         let Some(Clusters { means, of, .. }) = best else {
