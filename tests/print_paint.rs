@@ -341,7 +341,7 @@ fn the_cut_layer_is_what_a_cutter_needs() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
+    #![proptest_config(ProptestConfig::with_cases(20))]
     /// Any pattern, size, tile and number of paints: every stencil is sound, and the areas add up.
     #[test]
     fn stencils_of_any_pattern_are_sound(

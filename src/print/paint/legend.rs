@@ -52,6 +52,9 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
     steps
 }
 
+/// A paint, counted from 0, and its area.
+type Line<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
+
 /// The pages of the table.
 pub fn sheets(frame: &Frame, painted: &Painted, areas: &[PaintArea], captions: &Captions) -> Vec<Sheet> {
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
@@ -59,9 +62,9 @@ pub fn sheets(frame: &Frame, painted: &Painted, areas: &[PaintArea], captions: &
     let rows = ((frame.usable.height_mm() / (ROW_MM * factor)).floor() as usize)
         .saturating_sub(5)
         .max(1);
-    let lines: Vec<(usize, (&UsedPaint, &PaintArea))> = painted.paints.iter().zip(areas).enumerate().collect();
+    let lines: Vec<Line> = painted.paints.iter().zip(areas).enumerate().collect();
     let last = lines.len().div_ceil(rows).saturating_sub(1);
-    let page = |(i, lines): (usize, &[(usize, (&UsedPaint, &PaintArea))])| {
+    let page = |(i, lines): (usize, &[Line])| {
         let mut table = Table {
             frame,
             factor,

@@ -79,7 +79,7 @@ impl Area {
 
     /// The corners of every piece, each with the one that follows.
     pub fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
-        self.outlines().flat_map(|outline| edges(outline))
+        self.outlines().flat_map(edges)
     }
 
     pub fn bounds(&self) -> Option<Bounds> {
