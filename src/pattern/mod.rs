@@ -3,6 +3,7 @@
 pub mod colour;
 pub mod contrast;
 pub mod gamut;
+pub mod palette;
 pub mod printed;
 
 use std::collections::BTreeMap;

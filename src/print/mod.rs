@@ -10,6 +10,7 @@ pub mod date;
 pub mod frame;
 pub mod lettering;
 pub mod page;
+pub mod paint;
 pub mod paper;
 pub mod pdf;
 pub mod printer;

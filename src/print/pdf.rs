@@ -191,6 +191,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
             colour,
         } => text_ops(*at, *size_mm, *anchor, text, *colour),
         Mark::Area { outlines, colour } => area_ops(outlines, *colour),
+        Mark::Cut { .. } => Vec::new(),
         Mark::Stamped { stamp, at, clip } => {
             let id = stamps.id_of(stamp);
             let mut ops = vec![Op::SaveGraphicsState, rectangle(*clip, PaintMode::Clip)];

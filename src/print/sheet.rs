@@ -107,6 +107,10 @@ pub enum Mark {
         at: Vec<PointMm>,
         clip: RectMm,
     },
+    /// Closed outlines for a cutter: lines of the layer "cut" in SVG. Paper shows them by the [`Mark::Area`] of the same outlines.
+    Cut {
+        outlines: Vec<Vec<PointMm>>,
+    },
 }
 
 impl Mark {

@@ -1,7 +1,7 @@
 //! Sheets → SVG, one file a sheet: what Inkscape opens as a page, and what a cutter's program places as one job.
 //!
-//! A user unit is a millimetre. Whatever is printed is in the layer "print"; the layer "cut" holds the outline of the piece and
-//! is hidden, so that it is on paper only where someone wants it. Text stays text, in [`lettering::FAMILY`] where that is
+//! A user unit is a millimetre. Whatever is printed is in the layer "print"; the layer "cut" holds the outline of the piece,
+//! and of what is cut out of it, and is hidden, so that it is on paper only where someone wants it. Text stays text, in [`lettering::FAMILY`] where that is
 //! installed and squeezed to the same width where it is not.
 
 use std::fmt::Write;
@@ -22,11 +22,12 @@ pub fn write(title: &str, sheet: &Sheet) -> String {
          <title>{}</title>\n<defs>\n{}</defs>\n\
          <g id=\"print\" inkscape:groupmode=\"layer\" inkscape:label=\"print\">\n{}</g>\n\
          <g id=\"cut\" inkscape:groupmode=\"layer\" inkscape:label=\"cut\" style=\"display:none\">\n\
-         <rect {} fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>\n</g>\n</svg>\n",
+         <rect {} fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>\n{}</g>\n</svg>\n",
         escaped(title),
         page.definitions,
         page.content,
         page.corner_and_size(sheet.trim),
+        page.cuts,
     )
 }
 
@@ -37,6 +38,7 @@ struct Page {
     clips: usize,
     definitions: String,
     content: String,
+    cuts: String,
 }
 
 impl Page {
@@ -47,6 +49,7 @@ impl Page {
             clips: 0,
             definitions: String::new(),
             content: String::new(),
+            cuts: String::new(),
         };
         sheet.marks.iter().for_each(|mark| page.mark(mark));
         page
@@ -74,21 +77,36 @@ impl Page {
                 colour,
             } => self.text(*at, *size_mm, *anchor, text, *colour),
             Mark::Area { outlines, colour } => self.filled(outlines, *colour),
+            Mark::Cut { outlines } => self.cut(outlines),
             Mark::Stamped { stamp, at, clip } => self.stamped(stamp, at, *clip),
         }
     }
 
     /// One path, so that outlines which share an edge show no hairline; SVG fills by the nonzero rule, as the PDF does.
     fn filled(&mut self, outlines: &[Vec<PointMm>], colour: Rgb) {
-        let mut path = String::new();
-        for outline in outlines {
-            for (i, corner) in outline.iter().enumerate() {
-                let (x, y) = self.place(*corner);
-                let _ = write!(path, "{}{x} {y}", if i == 0 { 'M' } else { 'L' });
-            }
-            path.push('Z');
-        }
+        let path: String = outlines.iter().map(|outline| self.closed(outline)).collect();
         let _ = writeln!(self.content, "<path d=\"{path}\" fill=\"{}\"/>", hex(colour));
+    }
+
+    /// A path an outline, so that a cutter can order them.
+    fn cut(&mut self, outlines: &[Vec<PointMm>]) {
+        for outline in outlines {
+            let path = self.closed(outline);
+            let _ = writeln!(
+                self.cuts,
+                "<path d=\"{path}\" fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>"
+            );
+        }
+    }
+
+    fn closed(&self, outline: &[PointMm]) -> String {
+        let mut path = String::new();
+        for (i, corner) in outline.iter().enumerate() {
+            let (x, y) = self.place(*corner);
+            let _ = write!(path, "{}{x} {y}", if i == 0 { 'M' } else { 'L' });
+        }
+        path.push('Z');
+        path
     }
 
     fn line(&mut self, ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) {

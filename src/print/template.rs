@@ -7,7 +7,8 @@ mod seams;
 
 use std::sync::Arc;
 
-pub use furniture::{guides, rulers};
+pub use cover::cover;
+pub use furniture::{Captions, around, guides, rulers};
 pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
 pub use seams::Seams;
 
@@ -91,10 +92,10 @@ impl Template {
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`], and whatever [`layout`] refuses.
 pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, PrintError> {
-    let cell_mm = checked_cell_mm(pattern, request)?;
+    let cell_mm = cell_mm(pattern, request)?;
     let layout = layout(&request.layout)?;
     let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
-    let captions = furniture::Captions::new(pattern, request, cell_mm);
+    let captions = Captions::new(pattern, request, cell_mm);
     let sheet = |plan: &SheetPlan| {
         let mut marks = vec![stamp.on(plan)];
         marks.extend(furniture::all(&layout, plan, &captions));
@@ -107,12 +108,19 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
         }
     };
     let sheets = layout.sheets.iter().map(sheet).collect();
-    let mut pages = printer::corrected(vec![cover::cover(&layout, &captions)], layout.cover.setup.stretch());
+    let mut pages = printer::corrected(
+        vec![cover(&layout, &captions, "How to assemble", &cover::assembly(&layout))],
+        layout.cover.setup.stretch(),
+    );
     pages.extend(printer::corrected(sheets, layout.frame.setup.stretch()));
     Ok(Template { layout, cell_mm, pages })
 }
 
-fn checked_cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, PrintError> {
+/// Width and height of a cell.
+///
+/// # Errors
+/// Numbers that are not positive, cells below [`MIN_CELL_MM`].
+pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, PrintError> {
     let (tile_mm, scale) = (request.tile_mm, request.scale);
     if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
         let wanted = "the printed width of one repeat of the pattern, above 0 and up to 10000 mm";

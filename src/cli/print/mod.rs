@@ -3,6 +3,7 @@
 mod board;
 mod chart;
 mod check;
+mod paint;
 mod tags;
 mod template;
 mod verify;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
+use super::paint::{self, PaintArgs};
 use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::pattern::Pattern;
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
@@ -35,10 +36,22 @@ pub struct TemplateArgs {
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,
     /// Strip that neighbouring sheets share for gluing, in mm
-    #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 8.0,
+        allow_negative_numbers = true,
+        conflicts_with = "paint"
+    )]
     overlap_mm: f64,
     /// How far the pattern runs on beyond the template's outer edge, in mm
-    #[arg(long, value_name = "MM", default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 2.0,
+        allow_negative_numbers = true,
+        conflicts_with = "paint"
+    )]
     bleed_mm: f64,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
@@ -55,6 +68,8 @@ pub struct TemplateArgs {
     /// A day for the caption, as YYYY-MM-DD
     #[arg(long, value_name = "DATE")]
     date: Option<String>,
+    #[command(flatten)]
+    paint: PaintArgs,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -98,6 +113,10 @@ impl From<Orientation> for paper::Orientation {
 pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let format = Format::of(args.format, &args.output);
+    if let Some(paints) = args.paint.paints()? {
+        let inputs = [Some(&*args.pattern), args.printer.as_deref(), args.paint.palette_file()];
+        return paint::run(&pattern, request(args)?, &paints, (format, &args.output), &inputs, out);
+    }
     let (made, first) = write(
         &pattern,
         &request(args)?,

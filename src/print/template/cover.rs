@@ -21,12 +21,12 @@ const MAP_MOST_MM: f64 = 150.0;
 /// Wider text than this is hard to read, whatever the roll.
 const BODY_MOST_MM: f64 = 320.0;
 
-/// Draws the first page.
-pub fn cover(layout: &Layout, captions: &Captions) -> Sheet {
+/// Draws the first page: a heading, numbered steps, the map and the scale check.
+pub fn cover(layout: &Layout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
     let frame = &layout.cover;
     let area = frame.usable;
     let title_size = TITLE_MM;
-    let title = format!("How to assemble: {}", captions.title(title_size, 0.5 * area.width_mm()));
+    let title = format!("{heading}: {}", captions.title(title_size, 0.5 * area.width_mm()));
     let title_y = area.top_mm - CAP_HEIGHT * title_size;
     let size_mm = fitting_size_mm(&title, title_size, area.width_mm());
     let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title)];
@@ -37,7 +37,7 @@ pub fn cover(layout: &Layout, captions: &Captions) -> Sheet {
     } else {
         (body.width_mm(), false)
     };
-    let (text, steps_end) = steps(layout, body, steps_width);
+    let (text, steps_end) = steps(instructions, body, steps_width);
     marks.extend(text);
     let map_room = match beside {
         true => RectMm::new(
@@ -63,10 +63,10 @@ pub fn cover(layout: &Layout, captions: &Captions) -> Sheet {
 }
 
 /// The numbered instructions, and where they end.
-fn steps(layout: &Layout, body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
+fn steps(instructions: &[&str], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
     let mut marks = Vec::new();
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
-    for (i, step) in instructions(layout).iter().enumerate() {
+    for (i, step) in instructions.iter().enumerate() {
         marks.push(Mark::text(
             (body.left_mm, y),
             TEXT_MM,
@@ -87,7 +87,8 @@ fn steps(layout: &Layout, body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
     (marks, y + LEADING_MM)
 }
 
-fn instructions(layout: &Layout) -> Vec<&'static str> {
+/// The steps from printed sheets to a piece on the model.
+pub fn assembly(layout: &Layout) -> Vec<&'static str> {
     let mut steps = vec!["Print at 100 %, without fit to page. Measure both rulers below before you cut anything."];
     if layout.sheets.len() == 1 {
         steps.push("Cut at the crop marks. The pattern runs on beyond them, so that no white edge is left.");

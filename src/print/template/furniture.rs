@@ -39,7 +39,13 @@ const MAP_LEAST_MM: f64 = 1.5;
 /// All marks of one sheet besides the pattern.
 pub fn all(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let mut marks = guides(layout, plan);
-    marks.extend(rulers(&layout.frame));
+    marks.extend(around(layout, plan, captions));
+    marks
+}
+
+/// What stands around the content, whatever it is: rulers, captions, arrows, sheet id and mini-map.
+pub fn around(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
+    let mut marks = rulers(&layout.frame);
     marks.extend(captions.marks(layout.frame.printable));
     marks.extend(captions.arrows(&layout.frame));
     marks.extend(key(layout, plan));

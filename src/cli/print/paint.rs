@@ -1,0 +1,145 @@
+//! The paint mode of `scaleproof print template`: sheets to paint by number, and stencils.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{CommandResult, Format, Outcome, as_files, write_files};
+use crate::pattern::Pattern;
+use crate::pattern::palette::{Paint, Painted, Palette};
+use crate::print::lettering::number;
+use crate::print::paint::{PaintArea, PaintRequest, PaintSheets, paint_sheets};
+use crate::print::template::TemplateRequest;
+
+#[derive(clap::Args)]
+pub struct PaintArgs {
+    /// Paint instead of paper: reduce the pattern to this many paints, with a stencil for each
+    #[arg(long, value_name = "N", group = "paint", allow_negative_numbers = true)]
+    paints: Option<i64>,
+    /// The same, with the nearest paints of a palette file: [[paint]] tables with name and rgb
+    #[arg(long, value_name = "TOML", group = "paint")]
+    palette: Option<PathBuf>,
+    /// With paints: the least width of a stencil's bridges and openings, in mm
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 1.5,
+        allow_negative_numbers = true,
+        requires = "paint"
+    )]
+    min_feature_mm: f64,
+    /// With paints: stencils as seen from the back, to be cut from the back side of a film
+    #[arg(long, requires = "paint")]
+    mirror: bool,
+}
+
+/// How the paints are found, and what their stencils must hold.
+pub struct Paints {
+    source: Source,
+    min_feature_mm: f64,
+    mirror: bool,
+}
+
+enum Source {
+    Count(usize),
+    Palette(Palette),
+}
+
+impl PaintArgs {
+    /// `None`: paper.
+    pub fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
+        let source = match (self.paints, &self.palette) {
+            // A negative number is as impossible as none.
+            (Some(count), _) => Source::Count(usize::try_from(count).unwrap_or(0)),
+            (None, Some(file)) => Source::Palette(Palette::load(file)?),
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(Paints {
+            source,
+            min_feature_mm: self.min_feature_mm,
+            mirror: self.mirror,
+        }))
+    }
+
+    pub fn palette_file(&self) -> Option<&Path> {
+        self.palette.as_deref()
+    }
+}
+
+pub fn run(
+    pattern: &Pattern,
+    template: TemplateRequest,
+    paints: &Paints,
+    (format, output): (Format, &Path),
+    inputs: &[Option<&Path>],
+    out: &mut dyn Write,
+) -> CommandResult {
+    let painted = match &paints.source {
+        Source::Count(count) => Painted::by_count(pattern, *count)?,
+        Source::Palette(palette) => Painted::by_palette(pattern, palette)?,
+    };
+    let title = format!(
+        "Paint sheets of {}, tile {} mm",
+        template.pattern_name,
+        number(template.tile_mm)
+    );
+    let request = PaintRequest {
+        template,
+        min_feature_mm: paints.min_feature_mm,
+        mirror: paints.mirror,
+    };
+    let made = paint_sheets(pattern, &painted, &request)?;
+    let files = as_files(format, output, &title, (&made.names, &made.pages))?;
+    write_files(&files, inputs)?;
+    let first = files.first().map_or(output, |(path, _)| path);
+    report(first, &painted, &made, out)?;
+    Ok(Outcome::Done)
+}
+
+fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Write) -> std::io::Result<()> {
+    let (paints, sheets) = (painted.paints.len(), made.layout.sheets.len());
+    let stencils = made
+        .names
+        .iter()
+        .filter(|name| name.starts_with("paint") && name.contains('-'))
+        .count();
+    writeln!(
+        out,
+        "{}: {paints} paints, {} to paint by number, {}; print at 100 %",
+        file.display(),
+        counted(sheets, "sheet"),
+        counted(stencils, "stencil")
+    )?;
+    let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
+        let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);
+        format!("{name:<26} {cells:>10.2} {open:>10.2} {left:>10.2} {mean:>8.1} {max:>8.1}")
+    };
+    writeln!(
+        out,
+        "{:<26} {:>10} {:>10} {:>10} {:>8} {:>8}",
+        "paint", "area cm²", "stencil", "touch up", "ΔE mean", "ΔE max"
+    )?;
+    for (i, (used, area)) in painted.paints.iter().zip(&made.areas).enumerate() {
+        let Paint { name, .. } = &used.paint;
+        let hex = used.paint.hex();
+        // A paint of k-means is called by its colour, which need not stand there twice.
+        let name = if *name == hex {
+            String::new()
+        } else {
+            format!(" {name}")
+        };
+        let name = format!("{:>2} {hex}{name}", i + 1);
+        writeln!(out, "{}", row(&name, *area, used.mean_delta_e, used.max_delta_e))?;
+    }
+    let all = made.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {
+        cells_mm2: sum.cells_mm2 + area.cells_mm2,
+        openings_mm2: sum.openings_mm2 + area.openings_mm2,
+        bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
+    });
+    let (mean, max) = painted.delta_e();
+    writeln!(out, "{}", row("panel", all, mean, max))
+}
+
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
