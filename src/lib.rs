@@ -9,6 +9,7 @@ pub mod detect;
 pub mod files;
 pub mod geometry;
 pub mod locate;
+pub mod mesh;
 pub mod pattern;
 pub mod photo;
 pub mod print;

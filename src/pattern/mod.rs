@@ -1,6 +1,7 @@
 //! The repeated pattern: a small grid of coloured cells, stored as a PNG with one pixel per cell.
 
 pub mod colour;
+pub mod world_aligned;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};

@@ -18,6 +18,7 @@ pub mod sheet;
 pub mod svg;
 pub mod tags;
 pub mod template;
+pub mod wrap;
 
 use std::path::PathBuf;
 
@@ -69,6 +70,15 @@ pub enum PrintError {
     ImplausiblePrinter { axis: &'static str, measured_mm: f64 },
     #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`", path = path.display())]
     BadPrinterFile { path: PathBuf, reason: String },
+    #[error(
+        "the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm; give --length-mm, or \
+         --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene"
+    )]
+    OtherSize { mesh_mm: String, scene_mm: String },
+    #[error(
+        "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
+    )]
+    NothingToPrint,
     #[error("the PDF could not be put together: {reason}")]
     Pdf { reason: String },
 }

@@ -5,7 +5,11 @@
 //! installed and squeezed to the same width where it is not.
 
 use std::fmt::Write;
+use std::io::Cursor;
 use std::sync::Arc;
+
+use base64::prelude::{BASE64_STANDARD, Engine};
+use image::{ImageFormat, RgbImage};
 
 use super::lettering::{self, FAMILY};
 use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
@@ -75,11 +79,23 @@ impl Page {
             } => self.text(*at, *size_mm, *anchor, text, *colour),
             Mark::Area { outlines, colour } => self.filled(outlines, *colour),
             Mark::Stamped { stamp, at, clip } => self.stamped(stamp, at, *clip),
+            Mark::Clipped { to, marks } => {
+                let path = self.path(to);
+                self.clip(&format!("<path d=\"{path}\"/>"));
+                marks.iter().for_each(|mark| self.mark(mark));
+                self.content.push_str("</g>\n");
+            }
+            Mark::Image { picture, area } => self.image(picture, *area),
         }
     }
 
     /// One path, so that outlines which share an edge show no hairline; SVG fills by the nonzero rule, as the PDF does.
     fn filled(&mut self, outlines: &[Vec<PointMm>], colour: Rgb) {
+        let path = self.path(outlines);
+        let _ = writeln!(self.content, "<path d=\"{path}\" fill=\"{}\"/>", hex(colour));
+    }
+
+    fn path(&self, outlines: &[Vec<PointMm>]) -> String {
         let mut path = String::new();
         for outline in outlines {
             for (i, corner) in outline.iter().enumerate() {
@@ -88,7 +104,28 @@ impl Page {
             }
             path.push('Z');
         }
-        let _ = writeln!(self.content, "<path d=\"{path}\" fill=\"{}\"/>", hex(colour));
+        path
+    }
+
+    /// A PNG inside the file, whose pixels stay squares where they are enlarged.
+    fn image(&mut self, picture: &RgbImage, area: RectMm) {
+        let mut png = Cursor::new(Vec::new());
+        // Encoding into memory cannot fail: the picture is not empty and 8-bit RGB.
+        let _ = picture.write_to(&mut png, ImageFormat::Png);
+        let (place, data) = (self.corner_and_size(area), BASE64_STANDARD.encode(png.into_inner()));
+        let _ = writeln!(
+            self.content,
+            "<image {place} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+             xlink:href=\"data:image/png;base64,{data}\"/>"
+        );
+    }
+
+    /// Opens a group that shows only what lies inside a shape.
+    fn clip(&mut self, shape: &str) {
+        let clip = self.clips;
+        self.clips += 1;
+        let _ = writeln!(self.definitions, "<clipPath id=\"clip{clip}\">{shape}</clipPath>");
+        let _ = writeln!(self.content, "<g clip-path=\"url(#clip{clip})\">");
     }
 
     fn line(&mut self, ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) {
@@ -123,13 +160,7 @@ impl Page {
     fn stamped(&mut self, stamp: &Arc<Stamp>, at: &[PointMm], clip: RectMm) {
         let stamp = self.stamp(stamp);
         let clip_rect = self.corner_and_size(clip);
-        let clip = self.clips;
-        self.clips += 1;
-        let _ = writeln!(
-            self.definitions,
-            "<clipPath id=\"clip{clip}\"><rect {clip_rect}/></clipPath>"
-        );
-        let _ = writeln!(self.content, "<g clip-path=\"url(#clip{clip})\">");
+        self.clip(&format!("<rect {clip_rect}/>"));
         for place in at {
             let (x, y) = self.place(*place);
             let _ = writeln!(self.content, "<use xlink:href=\"#stamp{stamp}\" x=\"{x}\" y=\"{y}\"/>");

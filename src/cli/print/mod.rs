@@ -5,6 +5,7 @@ mod check;
 mod tags;
 mod template;
 mod verify;
+mod wrap;
 
 use std::error::Error;
 use std::io::Write;
@@ -32,6 +33,8 @@ pub struct Args {
 enum What {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
+    /// Wrap a pattern around a model: five panels cut to its outline
+    Wrap(wrap::WrapArgs),
     /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
     Tags(tags::TagsArgs),
     /// Print a calibration board, and write the file that describes it
@@ -46,6 +49,7 @@ enum What {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => template::run(&args, out),
+        What::Wrap(args) => wrap::run(&args, out),
         What::Tags(args) => tags::run(&args, out),
         What::Board(args) => board::run(&args, out),
         What::Check(args) => check::run(&args, out),

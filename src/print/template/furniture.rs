@@ -42,7 +42,7 @@ pub fn all(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> 
     marks.extend(rulers(&layout.frame));
     marks.extend(captions.marks(layout.frame.printable));
     marks.extend(captions.arrows(&layout.frame));
-    marks.extend(key(layout, plan));
+    marks.extend(key(layout, plan, captions));
     marks
 }
 
@@ -163,6 +163,7 @@ fn sides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
 
 /// The captions at the foot, the same on every sheet.
 pub struct Captions {
+    piece: Option<&'static str>,
     name: String,
     facts: String,
     making: String,
@@ -184,6 +185,7 @@ impl Captions {
         let date = request.date.as_ref().map(ToString::to_string);
         let making = [Some(request.layout.printer.caption()), Some(program), date];
         Self {
+            piece: None,
             name: printable(&request.pattern_name),
             facts: facts.join(" · "),
             making: making.into_iter().flatten().collect::<Vec<_>>().join(" · "),
@@ -194,6 +196,13 @@ impl Captions {
             ),
             front: request.front,
         }
+    }
+
+    /// The captions of one piece of several, whose name stands in them and before the ids of its sheets.
+    pub fn of_piece(mut self, piece: &'static str) -> Self {
+        self.facts = format!("{piece} panel · {}", self.facts);
+        self.piece = Some(piece);
+        self
     }
 
     /// What the template is of, shortened to a width.
@@ -245,14 +254,16 @@ fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
 }
 
 /// The sheet's id above a tiny map of all sheets with this one filled.
-fn key(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
+fn key(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let map = map_area(layout);
     let mut marks = vec![Mark::Fill(Fill {
         area: map_cell(layout, map, plan),
         colour: GREY,
     })];
     marks.extend(map_grid(layout, map));
-    let id = plan.id();
+    let id = captions
+        .piece
+        .map_or(plan.id(), |piece| format!("{piece} {}", plan.id()));
     let size_mm = fitting_size_mm(&id, ID_MM, KEY_WIDTH_MM);
     let place = (map.right_mm, map.top_mm + ID_GAP_MM);
     marks.push(Mark::text(place, size_mm, Anchor::Right, id));
