@@ -10,6 +10,7 @@ pub mod frame;
 pub mod lettering;
 pub mod page;
 pub mod paper;
+pub mod patch;
 pub mod pdf;
 pub mod printer;
 pub mod ruler;
@@ -79,6 +80,18 @@ pub enum PrintError {
         "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
     )]
     NothingToPrint,
+    #[error("the patch {path} cannot be used ({reason})", path = path.display())]
+    BadPatch { path: PathBuf, reason: String },
+    #[error("the paint has no {side} panel; choose another panel or other materials")]
+    NoPanel { side: &'static str },
+    #[error(
+        "the patch lies wholly beside the {side} panel, which reaches from {low_mm} to {high_mm} mm (right, up); give a place on it"
+    )]
+    OffPanel {
+        side: &'static str,
+        low_mm: String,
+        high_mm: String,
+    },
     #[error("the PDF could not be put together: {reason}")]
     Pdf { reason: String },
 }

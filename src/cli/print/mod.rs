@@ -2,6 +2,7 @@
 
 mod board;
 mod check;
+mod patch;
 mod tags;
 mod template;
 mod verify;
@@ -35,6 +36,8 @@ enum What {
     Template(template::TemplateArgs),
     /// Wrap a pattern around a model: five panels cut to its outline
     Wrap(wrap::WrapArgs),
+    /// Print finished patches: their places on the panels of a model, and each to cut out
+    Patch(patch::PatchArgs),
     /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
     Tags(tags::TagsArgs),
     /// Print a calibration board, and write the file that describes it
@@ -50,6 +53,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => template::run(&args, out),
         What::Wrap(args) => wrap::run(&args, out),
+        What::Patch(args) => patch::run(&args, out),
         What::Tags(args) => tags::run(&args, out),
         What::Board(args) => board::run(&args, out),
         What::Check(args) => check::run(&args, out),

@@ -181,19 +181,24 @@ impl Captions {
             format!("cell {} mm", number(cell_mm)),
             format!("scale 1:{}", number(scale)),
         ];
-        let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned();
-        let date = request.date.as_ref().map(ToString::to_string);
-        let making = [Some(request.layout.printer.caption()), Some(program), date];
         Self {
             piece: None,
             name: printable(&request.pattern_name),
             facts: facts.join(" · "),
-            making: making.into_iter().flatten().collect::<Vec<_>>().join(" · "),
-            true_size: format!(
-                "True size: 45 mm here = {} mm on the car (1:{}).",
-                number(45.0 * scale),
-                number(scale)
-            ),
+            making: making(request),
+            true_size: true_size(scale),
+            front: request.front,
+        }
+    }
+
+    /// The captions of a picture that is printed as it is, with these facts about it.
+    pub fn of_picture(request: &TemplateRequest, facts: &str) -> Self {
+        Self {
+            piece: None,
+            name: printable(&request.pattern_name),
+            facts: printable(facts),
+            making: making(request),
+            true_size: true_size(request.scale),
             front: request.front,
         }
     }
@@ -243,6 +248,22 @@ impl Captions {
         }
         marks
     }
+}
+
+/// By which printer, program and when.
+fn making(request: &TemplateRequest) -> String {
+    let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned();
+    let date = request.date.as_ref().map(ToString::to_string);
+    let making = [Some(request.layout.printer.caption()), Some(program), date];
+    making.into_iter().flatten().collect::<Vec<_>>().join(" · ")
+}
+
+fn true_size(scale: f64) -> String {
+    format!(
+        "True size: 45 mm here = {} mm on the car (1:{}).",
+        number(45.0 * scale),
+        number(scale)
+    )
 }
 
 /// An arrow of [`ARROW_MM`] around `centre`.

@@ -11,6 +11,7 @@ mod panel;
 mod region;
 mod seams;
 
+pub(super) use draw::{cut_line, moved};
 pub use panel::{Face, PRINTED, Paint, Panel};
 pub use region::{Contour, Point, Region};
 
@@ -49,7 +50,7 @@ pub struct WrapRequest {
 
 impl WrapRequest {
     /// What a panel is as a template.
-    fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
+    pub(super) fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
             Side::Left => Front::Left,
             Side::Right => Front::Right,
@@ -88,11 +89,16 @@ pub struct Piece {
 impl Piece {
     /// The page place of (u, v) = (0, 0) on a sheet: the page shows the plane moved by it.
     pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
-        [
-            plan.printed.left_mm - plan.carried.left_mm - self.corner[0],
-            plan.printed.top_mm + plan.carried.top_mm - self.corner[1],
-        ]
+        moved_by_mm(plan, self.corner)
     }
+}
+
+/// The page place of (u, v) = (0, 0) on a sheet, when its template's top-left corner is at `corner` of the plane.
+pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
+    [
+        plan.printed.left_mm - plan.carried.left_mm - corner[0],
+        plan.printed.top_mm + plan.carried.top_mm - corner[1],
+    ]
 }
 
 /// The panels of a model, drawn.
@@ -174,8 +180,7 @@ impl Wrap {
 /// # Errors
 /// No surface on any side, and whatever the layout and the cells of a template refuse.
 pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, PrintError> {
-    let all: Vec<usize> = (0..mesh.materials().len()).collect();
-    let paint = Paint::of(mesh, if materials.is_empty() { &all } else { materials });
+    let paint = Paint::of_materials(mesh, materials);
     let panels = paint.panels();
     if panels.is_empty() {
         return Err(PrintError::NothingToPrint);

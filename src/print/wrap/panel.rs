@@ -65,7 +65,7 @@ pub struct Paint {
 
 impl Paint {
     /// The triangles of some materials; those without area are left out.
-    pub fn of(mesh: &Mesh, materials: &[usize]) -> Self {
+    fn of(mesh: &Mesh, materials: &[usize]) -> Self {
         let (mut faces, mut others) = (Vec::new(), Vec::new());
         for triangle in mesh.triangles() {
             let corners = mesh.corners_mm(triangle);
@@ -85,6 +85,12 @@ impl Paint {
             }
         }
         Self { faces, others }
+    }
+
+    /// The same; without any materials, all are paint.
+    pub fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
+        let all: Vec<usize> = (0..mesh.materials().len()).collect();
+        Self::of(mesh, if materials.is_empty() { &all } else { materials })
     }
 
     pub fn surface_mm2(&self) -> f64 {
