@@ -212,7 +212,7 @@ impl Soup {
         if let Some(bad) = corners
             .iter()
             .flat_map(|p| p.iter())
-            .find(|c| !(c.abs() <= MAX_COORDINATE))
+            .find(|c| c.is_nan() || c.abs() > MAX_COORDINATE)
         {
             return Err(Trouble::Damaged(format!("a coordinate is {bad}")));
         }

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: polygons with the materials that `usemtl` names. The material library beside it is not read.
+//! Wavefront OBJ: convex polygons with the materials that `usemtl` names. The material library beside it is not read.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -27,7 +27,8 @@ pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
             .iter()
             .map(|[x, y, z]| Point3::new(f64::from(*x), f64::from(*y), f64::from(*z)))
             .collect();
-        let name = mesh.material_id.and_then(|id| names.get(id));
+        // The file's own mtllib lines hand the same library over again, after the first.
+        let name = mesh.material_id.and_then(|id| names.get(id % names.len().max(1)));
         let material = soup.material(name.map_or(NO_MATERIAL, String::as_str));
         let mut rest = &mesh.indices[..];
         // Without arities all faces are triangles.

@@ -7,7 +7,7 @@ use super::*;
 const BOX_MM: [f64; 3] = [40.0, 20.0, 10.0];
 
 fn obj_of(mesh: &Mesh) -> Vec<u8> {
-    let mut text = String::new();
+    let mut text = "mtllib box.mtl\nmtllib more.mtl\n".to_owned();
     for p in &mesh.points {
         text += &format!("v {} {} {}\n", p.x, p.y, p.z);
     }

@@ -10,7 +10,7 @@ use super::PrintError;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::template::{Layout, SheetPlan, furniture, layout};
-use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, moved, moved_by_mm};
+use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
 use crate::pattern::world_aligned::Side;
 
@@ -245,6 +245,7 @@ impl Patches {
                 to: vec![plan.printed.outline()],
                 marks: content,
             }];
+            marks.push(cutter_path(region, by, plan));
             marks.extend(furniture::all(&layout, plan, &captions));
             sheets.push(page(&layout, plan, marks));
             self.page_names.push(format!("{name}-{}", plan.id()));

@@ -225,6 +225,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
                 polygon(outlines, PaintMode::Fill),
             ]
         }
+        Mark::Cut { .. } => Vec::new(),
         // A path of nothing would cut nothing off.
         Mark::Clipped { to, .. } if to.is_empty() => Vec::new(),
         Mark::Clipped { to, marks } => {

@@ -199,7 +199,7 @@ impl Stretch {
                 *at = self.point(*at);
                 *size_mm *= self.factors.0;
             }
-            Mark::Area { outlines, .. } => {
+            Mark::Area { outlines, .. } | Mark::Cut { outlines } => {
                 outlines
                     .iter_mut()
                     .flatten()

@@ -127,6 +127,10 @@ pub enum Mark {
         to: Vec<Vec<PointMm>>,
         marks: Vec<Mark>,
     },
+    /// What a cutter follows instead of the sheet's trim; not printed.
+    Cut {
+        outlines: Vec<Vec<PointMm>>,
+    },
     /// A picture that fills an area; its pixels are neither mixed nor left out.
     Image {
         picture: Arc<RgbImage>,

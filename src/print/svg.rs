@@ -26,11 +26,11 @@ pub fn write(title: &str, sheet: &Sheet) -> String {
          <title>{}</title>\n<defs>\n{}</defs>\n\
          <g id=\"print\" inkscape:groupmode=\"layer\" inkscape:label=\"print\">\n{}</g>\n\
          <g id=\"cut\" inkscape:groupmode=\"layer\" inkscape:label=\"cut\" style=\"display:none\">\n\
-         <rect {} fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>\n</g>\n</svg>\n",
+         {} fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>\n</g>\n</svg>\n",
         escaped(title),
         page.definitions,
         page.content,
-        page.corner_and_size(sheet.trim),
+        page.cut_shape(sheet.trim),
     )
 }
 
@@ -41,6 +41,8 @@ struct Page {
     clips: usize,
     definitions: String,
     content: String,
+    /// The path a cutter follows; empty where it is the trim.
+    cut: String,
 }
 
 impl Page {
@@ -51,6 +53,7 @@ impl Page {
             clips: 0,
             definitions: String::new(),
             content: String::new(),
+            cut: String::new(),
         };
         sheet.marks.iter().for_each(|mark| page.mark(mark));
         page
@@ -85,6 +88,7 @@ impl Page {
                 marks.iter().for_each(|mark| self.mark(mark));
                 self.content.push_str("</g>\n");
             }
+            Mark::Cut { outlines } => self.cut.push_str(&self.path(outlines)),
             Mark::Image { picture, area } => self.image(picture, *area),
         }
     }
@@ -182,6 +186,14 @@ impl Page {
         }
         self.definitions.push_str("</g>\n");
         number
+    }
+
+    /// The beginning of the element that a cutter follows.
+    fn cut_shape(&self, trim: RectMm) -> String {
+        match self.cut.as_str() {
+            "" => format!("<rect {}", self.corner_and_size(trim)),
+            path => format!("<path d=\"{path}\""),
+        }
     }
 
     fn place(&self, p: PointMm) -> (String, String) {

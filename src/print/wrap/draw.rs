@@ -16,7 +16,7 @@ const CUT_GAP_MM: f64 = 0.1;
 const CUT_LINE_MM: f64 = 0.15;
 /// Edges within a panel are marked lightly: they lie on the pattern.
 const EDGE_LINE_MM: f64 = 0.06;
-const EDGE_DASH_MM: (f64, f64) = (1.0, 4.0);
+const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
@@ -90,6 +90,7 @@ impl Drawing<'_> {
             to: vec![plan.printed.outline()],
             marks: self.lines(by),
         });
+        marks.push(cutter_path(&self.piece.panel.region, by, plan));
         marks.extend(self.letters.iter().flat_map(|mark| letter(mark, by, plan)));
         marks.extend(furniture::all(layout, plan, &self.captions));
         Sheet {
@@ -113,6 +114,15 @@ impl Drawing<'_> {
             ));
         }
         marks
+    }
+}
+
+/// What a cutter follows on a sheet: the part of the region's border that the sheet shows.
+pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
+    let sheet = plan.printed.outline();
+    let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
+    Mark::Cut {
+        outlines: moved(region.and(&sheet).contours(), by),
     }
 }
 

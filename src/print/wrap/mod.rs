@@ -11,7 +11,7 @@ mod panel;
 mod region;
 mod seams;
 
-pub(super) use draw::{cut_line, moved};
+pub(super) use draw::{cut_line, cutter_path, moved};
 pub use panel::{Face, PRINTED, Paint, Panel};
 pub use region::{Contour, Point, Region};
 
