@@ -11,6 +11,7 @@ pub mod detect;
 pub mod files;
 pub mod geometry;
 pub mod locate;
+pub mod mesh;
 pub mod pattern;
 pub mod photo;
 pub mod plot;

@@ -5,6 +5,7 @@ pub mod contrast;
 pub mod gamut;
 pub mod palette;
 pub mod printed;
+pub mod world_aligned;
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

@@ -12,6 +12,7 @@ pub mod lettering;
 pub mod page;
 pub mod paint;
 pub mod paper;
+pub mod patch;
 pub mod pdf;
 pub mod printer;
 pub mod ruler;
@@ -20,6 +21,7 @@ pub mod sheet;
 pub mod svg;
 pub mod tags;
 pub mod template;
+pub mod wrap;
 
 use std::path::PathBuf;
 
@@ -75,6 +77,27 @@ pub enum PrintError {
     NoTagImage { id: u32 },
     #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`", path = path.display())]
     BadPrinterFile { path: PathBuf, reason: String },
+    #[error(
+        "the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm; give --length-mm, or \
+         --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene"
+    )]
+    OtherSize { mesh_mm: String, scene_mm: String },
+    #[error(
+        "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
+    )]
+    NothingToPrint,
+    #[error("the patch {path} cannot be used ({reason})", path = path.display())]
+    BadPatch { path: PathBuf, reason: String },
+    #[error("the paint has no {side} panel; choose another panel or other materials")]
+    NoPanel { side: &'static str },
+    #[error(
+        "the patch lies wholly beside the {side} panel, which reaches from {low_mm} to {high_mm} mm (right, up); give a place on it"
+    )]
+    OffPanel {
+        side: &'static str,
+        low_mm: String,
+        high_mm: String,
+    },
     #[error("the PDF could not be put together: {reason}")]
     Pdf { reason: String },
 }

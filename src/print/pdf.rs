@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
+use image::RgbImage;
 use lopdf::{Dictionary, Document, Object, StringFormat};
 use printpdf::{
-    Color, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode, PdfDocument,
-    PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem, TextMatrix, WindingOrder,
-    XObject, XObjectId, XObjectTransform,
+    Color, CurTransMat, DictItem, ExternalStream, ExternalXObject, Line, LineDashPattern, LinePoint, Op, PaintMode,
+    PdfDocument, PdfFontHandle, PdfPage, PdfSaveOptions, Point, Polygon, PolygonRing, Pt, Rect, TextItem, TextMatrix,
+    WindingOrder, XObject, XObjectId, XObjectTransform,
 };
 
 use super::PrintError;
@@ -111,28 +112,66 @@ fn corners(area: RectMm) -> Vec<Object> {
         .to_vec()
 }
 
-/// The stamps met so far; each becomes one form XObject however often it is placed.
+/// The stamps and pictures met so far; each becomes one XObject however often it is placed.
 #[derive(Default)]
-struct Stamps(Vec<Arc<Stamp>>);
+struct Stamps {
+    stamps: Vec<Arc<Stamp>>,
+    pictures: Vec<Arc<RgbImage>>,
+}
 
 impl Stamps {
     fn id_of(&mut self, stamp: &Arc<Stamp>) -> XObjectId {
-        let known = self.0.iter().position(|known| Arc::ptr_eq(known, stamp));
-        let index = known.unwrap_or_else(|| {
-            self.0.push(Arc::clone(stamp));
-            self.0.len() - 1
-        });
-        XObjectId(format!("Stamp{index}"))
+        XObjectId(format!("Stamp{}", index_of(&mut self.stamps, stamp)))
+    }
+
+    fn id_of_picture(&mut self, picture: &Arc<RgbImage>) -> XObjectId {
+        XObjectId(format!("Picture{}", index_of(&mut self.pictures, picture)))
     }
 
     fn into_objects(self) -> BTreeMap<XObjectId, XObject> {
-        let objects = self
-            .0
-            .iter()
-            .enumerate()
-            .map(|(i, stamp)| (XObjectId(format!("Stamp{i}")), form(stamp)));
-        objects.collect()
+        let stamps = self.stamps.iter().enumerate();
+        let forms = stamps.map(|(i, stamp)| (XObjectId(format!("Stamp{i}")), form(stamp)));
+        let pictures = self.pictures.iter().enumerate();
+        let images = pictures.map(|(i, picture)| (XObjectId(format!("Picture{i}")), image_object(picture)));
+        forms.chain(images).collect()
     }
+}
+
+/// The place of a shared thing in a list, which it joins if it is new.
+fn index_of<T>(known: &mut Vec<Arc<T>>, thing: &Arc<T>) -> usize {
+    known.iter().position(|k| Arc::ptr_eq(k, thing)).unwrap_or_else(|| {
+        known.push(Arc::clone(thing));
+        known.len() - 1
+    })
+}
+
+/// A lossless image XObject with every pixel as it is: printpdf's own image type goes through its optimiser.
+fn image_object(picture: &RgbImage) -> XObject {
+    let number = |n: u32| DictItem::Int(i64::from(n));
+    let dict = BTreeMap::from([
+        ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
+        ("Subtype".to_owned(), DictItem::Name(b"Image".to_vec())),
+        ("Width".to_owned(), number(picture.width())),
+        ("Height".to_owned(), number(picture.height())),
+        ("ColorSpace".to_owned(), DictItem::Name(b"DeviceRGB".to_vec())),
+        ("BitsPerComponent".to_owned(), number(8)),
+        ("Interpolate".to_owned(), DictItem::Bool(false)),
+    ]);
+    external(dict, picture.as_raw().clone())
+}
+
+fn external(dict: BTreeMap<String, DictItem>, content: Vec<u8>) -> XObject {
+    let stream = ExternalStream {
+        dict,
+        content,
+        compress: true,
+    };
+    XObject::External(ExternalXObject {
+        stream,
+        width: None,
+        height: None,
+        dpi: None,
+    })
 }
 
 /// A form XObject. printpdf's own form type cannot carry the required BBox, so this is an "external" stream.
@@ -155,17 +194,7 @@ fn form(stamp: &Stamp) -> XObject {
         // Writing to a String cannot fail.
         let _ = writeln!(content, "{r} {g} {b} rg {x} {y} {w} {h} re f");
     }
-    let stream = ExternalStream {
-        dict,
-        content: content.into_bytes(),
-        compress: true,
-    };
-    XObject::External(ExternalXObject {
-        stream,
-        width: None,
-        height: None,
-        dpi: None,
-    })
+    external(dict, content.into_bytes())
 }
 
 fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
@@ -190,8 +219,36 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
             text,
             colour,
         } => text_ops(*at, *size_mm, *anchor, text, *colour),
-        Mark::Area { outlines, colour } => area_ops(outlines, *colour),
+        Mark::Area { outlines, colour } => vec![
+            Op::SetFillColor { col: color(*colour) },
+            polygon(outlines, PaintMode::Fill),
+        ],
         Mark::Cut { .. } => Vec::new(),
+        // A path of nothing would cut nothing off.
+        Mark::Clipped { to, .. } if to.is_empty() => Vec::new(),
+        Mark::Clipped { to, marks } => {
+            let mut ops = vec![Op::SaveGraphicsState, polygon(to, PaintMode::Clip)];
+            ops.extend(marks.iter().flat_map(|mark| mark_ops(mark, stamps)));
+            ops.push(Op::RestoreGraphicsState);
+            ops
+        }
+        Mark::Image { picture, area } => {
+            let [x, y, width, height] =
+                [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(|mm| pt(mm).0);
+            // An image fills the unit square of its frame.
+            let matrix = CurTransMat::Raw([width, 0.0, 0.0, height, x, y]);
+            let transform = XObjectTransform {
+                no_auto_scale: true,
+                ..XObjectTransform::default()
+            };
+            let id = stamps.id_of_picture(picture);
+            vec![
+                Op::SaveGraphicsState,
+                Op::SetTransformationMatrix { matrix },
+                Op::UseXobject { id, transform },
+                Op::RestoreGraphicsState,
+            ]
+        }
         Mark::Stamped { stamp, at, clip } => {
             let id = stamps.id_of(stamp);
             let mut ops = vec![Op::SaveGraphicsState, rectangle(*clip, PaintMode::Clip)];
@@ -256,7 +313,7 @@ fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colo
     ]
 }
 
-fn area_ops(outlines: &[Vec<PointMm>], colour: Rgb) -> Vec<Op> {
+fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
     let corner = |p: &PointMm| LinePoint {
         p: Point {
             x: pt(p.x_mm),
@@ -269,10 +326,10 @@ fn area_ops(outlines: &[Vec<PointMm>], colour: Rgb) -> Vec<Op> {
     };
     let polygon = Polygon {
         rings: outlines.iter().map(ring).collect(),
-        mode: PaintMode::Fill,
+        mode,
         winding_order: WindingOrder::NonZero,
     };
-    vec![Op::SetFillColor { col: color(colour) }, Op::DrawPolygon { polygon }]
+    Op::DrawPolygon { polygon }
 }
 
 fn text_ops(at: PointMm, size_mm: f64, anchor: Anchor, text: &str, colour: Rgb) -> Vec<Op> {

@@ -253,7 +253,7 @@ impl Stretch {
                 *at = self.point(*at);
                 *size_mm *= self.factors.0;
             }
-            Mark::Area { outlines, .. } | Mark::Cut { outlines } => {
+            Mark::Area { outlines, .. } | Mark::Cut { outlines, .. } => {
                 outlines
                     .iter_mut()
                     .flatten()
@@ -264,6 +264,11 @@ impl Stretch {
                 at.iter_mut().for_each(|place| *place = self.point(*place));
                 *clip = self.area(*clip);
             }
+            Mark::Clipped { to, marks } => {
+                to.iter_mut().flatten().for_each(|corner| *corner = self.point(*corner));
+                marks.iter_mut().for_each(|mark| self.apply(mark, stamps));
+            }
+            Mark::Image { area, .. } => *area = self.area(*area),
         }
     }
 

@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use image::RgbImage;
+
 /// 8-bit sRGB.
 pub type Rgb = [u8; 3];
 
@@ -48,6 +50,19 @@ impl RectMm {
 
     pub fn height_mm(&self) -> f64 {
         self.top_mm - self.bottom_mm
+    }
+
+    /// The corners, counter-clockwise.
+    pub fn outline(&self) -> Vec<PointMm> {
+        let Self {
+            left_mm: l,
+            bottom_mm: b,
+            right_mm: r,
+            top_mm: t,
+        } = *self;
+        [(l, b), (r, b), (r, t), (l, t)]
+            .map(|(x, y)| PointMm::new(x, y))
+            .to_vec()
     }
 }
 
@@ -107,9 +122,21 @@ pub enum Mark {
         at: Vec<PointMm>,
         clip: RectMm,
     },
-    /// Closed outlines for a cutter: lines of the layer "cut" in SVG. Paper shows them by the [`Mark::Area`] of the same outlines.
+    /// Marks of which only what lies inside any of the closed outlines is shown; holes run the other way round.
+    Clipped {
+        to: Vec<Vec<PointMm>>,
+        marks: Vec<Mark>,
+    },
+    /// Closed outlines for a cutter, lines of the layer "cut" in SVG; not printed.
     Cut {
         outlines: Vec<Vec<PointMm>>,
+        /// Whether they are the finished piece, so that the sheet's trim is not cut as well.
+        is_piece: bool,
+    },
+    /// A picture that fills an area; its pixels are neither mixed nor left out.
+    Image {
+        picture: Arc<RgbImage>,
+        area: RectMm,
     },
 }
 

@@ -5,7 +5,11 @@
 //! installed and squeezed to the same width where it is not.
 
 use std::fmt::Write;
+use std::io::Cursor;
 use std::sync::Arc;
+
+use base64::prelude::{BASE64_STANDARD, Engine};
+use image::{ImageFormat, RgbImage};
 
 use super::lettering::{self, FAMILY};
 use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
@@ -22,14 +26,15 @@ pub fn write(title: &str, sheet: &Sheet) -> String {
          <title>{}</title>\n<defs>\n{}</defs>\n\
          <g id=\"print\" inkscape:groupmode=\"layer\" inkscape:label=\"print\">\n{}</g>\n\
          <g id=\"cut\" inkscape:groupmode=\"layer\" inkscape:label=\"cut\" style=\"display:none\">\n\
-         <rect {} fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>\n{}</g>\n</svg>\n",
+         {}</g>\n</svg>\n",
         escaped(title),
         page.definitions,
         page.content,
-        page.corner_and_size(sheet.trim),
-        page.cuts,
+        page.cut_shapes(sheet.trim),
     )
 }
+
+const CUT_LINE: &str = "fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"";
 
 /// A sheet on its way to SVG, whose y runs down.
 struct Page {
@@ -38,7 +43,10 @@ struct Page {
     clips: usize,
     definitions: String,
     content: String,
+    /// What a cutter follows besides the trim.
     cuts: String,
+    /// False where an outline is cut instead of the trim.
+    cuts_trim: bool,
 }
 
 impl Page {
@@ -50,6 +58,7 @@ impl Page {
             definitions: String::new(),
             content: String::new(),
             cuts: String::new(),
+            cuts_trim: true,
         };
         sheet.marks.iter().for_each(|mark| page.mark(mark));
         page
@@ -77,25 +86,57 @@ impl Page {
                 colour,
             } => self.text(*at, *size_mm, *anchor, text, *colour),
             Mark::Area { outlines, colour } => self.filled(outlines, *colour),
-            Mark::Cut { outlines } => self.cut(outlines),
             Mark::Stamped { stamp, at, clip } => self.stamped(stamp, at, *clip),
+            Mark::Clipped { to, marks } => {
+                let path = self.path(to);
+                self.clip(&format!("<path d=\"{path}\"/>"));
+                marks.iter().for_each(|mark| self.mark(mark));
+                self.content.push_str("</g>\n");
+            }
+            Mark::Cut { outlines, is_piece } => {
+                self.cut(outlines);
+                self.cuts_trim &= !is_piece;
+            }
+            Mark::Image { picture, area } => self.image(picture, *area),
         }
     }
 
     /// One path, so that outlines which share an edge show no hairline; SVG fills by the nonzero rule, as the PDF does.
     fn filled(&mut self, outlines: &[Vec<PointMm>], colour: Rgb) {
-        let path: String = outlines.iter().map(|outline| self.closed(outline)).collect();
+        let path = self.path(outlines);
         let _ = writeln!(self.content, "<path d=\"{path}\" fill=\"{}\"/>", hex(colour));
+    }
+
+    fn path(&self, outlines: &[Vec<PointMm>]) -> String {
+        outlines.iter().map(|outline| self.closed(outline)).collect()
+    }
+
+    /// A PNG inside the file, whose pixels stay squares where they are enlarged.
+    fn image(&mut self, picture: &RgbImage, area: RectMm) {
+        let mut png = Cursor::new(Vec::new());
+        // Encoding into memory cannot fail: the picture is not empty and 8-bit RGB.
+        let _ = picture.write_to(&mut png, ImageFormat::Png);
+        let (place, data) = (self.corner_and_size(area), BASE64_STANDARD.encode(png.into_inner()));
+        let _ = writeln!(
+            self.content,
+            "<image {place} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+             xlink:href=\"data:image/png;base64,{data}\"/>"
+        );
+    }
+
+    /// Opens a group that shows only what lies inside a shape.
+    fn clip(&mut self, shape: &str) {
+        let clip = self.clips;
+        self.clips += 1;
+        let _ = writeln!(self.definitions, "<clipPath id=\"clip{clip}\">{shape}</clipPath>");
+        let _ = writeln!(self.content, "<g clip-path=\"url(#clip{clip})\">");
     }
 
     /// A path an outline, so that a cutter can order them.
     fn cut(&mut self, outlines: &[Vec<PointMm>]) {
         for outline in outlines {
-            let path = self.closed(outline);
-            let _ = writeln!(
-                self.cuts,
-                "<path d=\"{path}\" fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"/>"
-            );
+            let shape = format!("<path d=\"{}\"", self.closed(outline));
+            let _ = writeln!(self.cuts, "{shape} {CUT_LINE}/>");
         }
     }
 
@@ -141,13 +182,7 @@ impl Page {
     fn stamped(&mut self, stamp: &Arc<Stamp>, at: &[PointMm], clip: RectMm) {
         let stamp = self.stamp(stamp);
         let clip_rect = self.corner_and_size(clip);
-        let clip = self.clips;
-        self.clips += 1;
-        let _ = writeln!(
-            self.definitions,
-            "<clipPath id=\"clip{clip}\"><rect {clip_rect}/></clipPath>"
-        );
-        let _ = writeln!(self.content, "<g clip-path=\"url(#clip{clip})\">");
+        self.clip(&format!("<rect {clip_rect}/>"));
         for place in at {
             let (x, y) = self.place(*place);
             let _ = writeln!(self.content, "<use xlink:href=\"#stamp{stamp}\" x=\"{x}\" y=\"{y}\"/>");
@@ -169,6 +204,15 @@ impl Page {
         }
         self.definitions.push_str("</g>\n");
         number
+    }
+
+    /// Everything a cutter follows, the trim last.
+    fn cut_shapes(&self, trim: RectMm) -> String {
+        let mut shapes = self.cuts.clone();
+        if self.cuts_trim {
+            let _ = writeln!(shapes, "<rect {} {CUT_LINE}/>", self.corner_and_size(trim));
+        }
+        shapes
     }
 
     fn place(&self, p: PointMm) -> (String, String) {

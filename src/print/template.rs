@@ -1,16 +1,15 @@
 //! The tiled template: a repeated pattern at true size, spread over sheets that are cut, overlapped and glued.
 
-mod cover;
-mod furniture;
+pub(super) mod cover;
+pub(super) mod furniture;
 mod layout;
 mod seams;
 
 use std::sync::Arc;
 
-pub use cover::cover;
 pub use furniture::{Captions, around, guides, rulers};
 pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
-pub use seams::Seams;
+pub use seams::{Seams, letters};
 
 use super::PrintError;
 use super::date::Date;
@@ -97,7 +96,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
     let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
     let captions = Captions::new(pattern, request, cell_mm);
     let sheet = |plan: &SheetPlan| {
-        let mut marks = vec![stamp.on(plan)];
+        let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
         marks.extend(furniture::all(&layout, plan, &captions));
         Sheet {
             width_mm: layout.frame.page.width_mm,
@@ -109,7 +108,12 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
     };
     let sheets = layout.sheets.iter().map(sheet).collect();
     let mut pages = printer::corrected(
-        vec![cover(&layout, &captions, "How to assemble", &cover::assembly(&layout))],
+        vec![cover::cover(
+            &layout,
+            &captions,
+            "How to assemble",
+            &cover::assembly(&layout),
+        )],
         layout.cover.setup.stretch(),
     );
     pages.extend(printer::corrected(sheets, layout.frame.setup.stretch()));
@@ -148,14 +152,14 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Prin
 }
 
 /// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
-struct PatternStamp {
+pub(super) struct PatternStamp {
     stamp: Arc<Stamp>,
     width_mm: f64,
     height_mm: f64,
 }
 
 impl PatternStamp {
-    fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
+    pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
         let across = repeats(cell_mm * f64::from(pattern.columns()), size_mm.0) * pattern.columns();
         let down = repeats(cell_mm * f64::from(pattern.rows()), size_mm.1) * pattern.rows();
         let cells = (0..down).flat_map(|row| (0..across).map(move |column| (row, column)));
@@ -181,16 +185,17 @@ impl PatternStamp {
         }
     }
 
-    /// The part of the repeated pattern that a sheet carries.
-    fn on(&self, plan: &SheetPlan) -> Mark {
+    /// The part of the repeated pattern that a sheet carries; a top-left cell begins at `start_mm` of the template frame.
+    pub(super) fn on(&self, plan: &SheetPlan, start_mm: (f64, f64)) -> Mark {
         let (carried, printed) = (plan.carried, plan.printed);
-        let columns = blocks(carried.left_mm, carried.right_mm, self.width_mm);
-        let rows = blocks(carried.top_mm, carried.bottom_mm, self.height_mm);
+        let (start_x, start_y) = start_mm;
+        let columns = blocks(carried.left_mm - start_x, carried.right_mm - start_x, self.width_mm);
+        let rows = blocks(carried.top_mm - start_y, carried.bottom_mm - start_y, self.height_mm);
         let at = rows
             .flat_map(|row| columns.clone().map(move |column| (row, column)))
             .map(|(row, column)| PointMm {
-                x_mm: printed.left_mm + (f64::from(column) * self.width_mm - carried.left_mm),
-                y_mm: printed.top_mm - (f64::from(row) * self.height_mm - carried.top_mm),
+                x_mm: printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm),
+                y_mm: printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm),
             })
             .collect();
         Mark::Stamped {

@@ -139,6 +139,7 @@ fn pair(tilt_deg: f64, ridge_deg: f64, turns: [f64; 2], sizes: [f64; 2], rooms: 
             centre_mm: Point3::new(at[0], at[1], 0.0) + to * (above * cos) + Vector3::z() * (below * sin),
             right: level * tc + slope * ts,
             up: slope * tc - level * ts,
+            sigma: None,
         }
     };
     Scene {

@@ -4,9 +4,11 @@ mod board;
 mod chart;
 mod check;
 mod paint;
+mod patch;
 mod tags;
 mod template;
 mod verify;
+mod wrap;
 
 use std::error::Error;
 use std::io::Write;
@@ -34,6 +36,10 @@ pub struct Args {
 enum What {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
+    /// Wrap a pattern around a model: five panels cut to its outline
+    Wrap(wrap::WrapArgs),
+    /// Print finished patches: their places on the panels of a model, and each to cut out
+    Patch(patch::PatchArgs),
     /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
     Tags(tags::TagsArgs),
     /// Print a calibration board, and write the file that describes it
@@ -50,6 +56,8 @@ enum What {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => template::run(&args, out),
+        What::Wrap(args) => wrap::run(&args, out),
+        What::Patch(args) => patch::run(&args, out),
         What::Tags(args) => tags::run(&args, out),
         What::Board(args) => board::run(&args, out),
         What::Chart(args) => chart::run(&args, out),

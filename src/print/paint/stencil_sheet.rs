@@ -76,7 +76,10 @@ impl<'a> Pen<'a> {
             outlines: openings.clone(),
             colour: OPENING,
         }];
-        marks.push(Mark::Cut { outlines: openings });
+        marks.push(Mark::Cut {
+            outlines: openings,
+            is_piece: false,
+        });
         marks.extend(registration(outer, rim, hole_mm(self.min_feature_mm)));
         marks.extend(outline(outer));
         marks.push(self.label(plan, rim, number, paint));
@@ -190,10 +193,14 @@ fn mirrored(mark: Mark, piece: RectMm) -> Mark {
             outlines: outlines(all),
             colour,
         },
-        Mark::Cut { outlines: all } => Mark::Cut {
+        Mark::Cut {
+            outlines: all,
+            is_piece,
+        } => Mark::Cut {
             outlines: outlines(all),
+            is_piece,
         },
         // A stencil has none of these.
-        other @ (Mark::Fill(_) | Mark::Stamped { .. }) => other,
+        other @ (Mark::Fill(_) | Mark::Stamped { .. } | Mark::Clipped { .. } | Mark::Image { .. }) => other,
     }
 }

@@ -11,7 +11,7 @@ const TEXT_MM: f64 = 2.8;
 const LEADING_MM: f64 = 4.0;
 const GAP_MM: f64 = 4.0;
 /// Height of the scale check above the horizontal ruler.
-const CHECK_MM: f64 = 20.0;
+pub const CHECK_MM: f64 = 20.0;
 /// Largest lettering on the map.
 const MAP_ID_MM: f64 = 6.0;
 const MAP_SEAM_MM: f64 = 3.2;
@@ -62,18 +62,18 @@ pub fn cover(layout: &Layout, captions: &Captions, heading: &str, instructions: 
     }
 }
 
-/// The numbered instructions, and where they end.
-fn steps(instructions: &[&str], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
+/// Numbered instructions, and where they end.
+pub fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
     let mut marks = Vec::new();
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
-    for (i, step) in instructions.iter().enumerate() {
+    for (i, step) in texts.iter().enumerate() {
         marks.push(Mark::text(
             (body.left_mm, y),
             TEXT_MM,
             Anchor::Left,
             format!("{}.", i + 1),
         ));
-        for line in wrapped(step, TEXT_MM, width_mm - 2.0 * TEXT_MM) {
+        for line in wrapped(step.as_ref(), TEXT_MM, width_mm - 2.0 * TEXT_MM) {
             marks.push(Mark::text(
                 (body.left_mm + 2.0 * TEXT_MM, y),
                 TEXT_MM,
@@ -151,7 +151,7 @@ fn map(layout: &Layout, room: RectMm) -> Vec<Mark> {
 }
 
 /// Two blanks, named as `print verify` names them: its x is the paper's short side, whichever way round the page is.
-fn scale_check(frame: &Frame) -> Vec<Mark> {
+pub fn scale_check(frame: &Frame) -> Vec<Mark> {
     let area = frame.usable;
     let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };
     let lines = [

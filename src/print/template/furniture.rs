@@ -48,7 +48,7 @@ pub fn around(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mar
     let mut marks = rulers(&layout.frame);
     marks.extend(captions.marks(layout.frame.printable));
     marks.extend(captions.arrows(&layout.frame));
-    marks.extend(key(layout, plan));
+    marks.extend(key(layout, plan, captions));
     marks
 }
 
@@ -169,6 +169,7 @@ fn sides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
 
 /// The captions at the foot, the same on every sheet.
 pub struct Captions {
+    piece: Option<&'static str>,
     name: String,
     facts: String,
     making: String,
@@ -186,20 +187,33 @@ impl Captions {
             format!("cell {} mm", number(cell_mm)),
             format!("scale 1:{}", number(scale)),
         ];
-        let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned();
-        let date = request.date.as_ref().map(ToString::to_string);
-        let making = [Some(request.layout.printer.caption()), Some(program), date];
         Self {
+            piece: None,
             name: printable(&request.pattern_name),
             facts: facts.join(" · "),
-            making: making.into_iter().flatten().collect::<Vec<_>>().join(" · "),
-            true_size: format!(
-                "True size: 45 mm here = {} mm on the car (1:{}).",
-                number(45.0 * scale),
-                number(scale)
-            ),
+            making: making(request),
+            true_size: true_size(scale),
             front: request.front,
         }
+    }
+
+    /// The captions of a picture that is printed as it is, with these facts about it.
+    pub fn of_picture(request: &TemplateRequest, facts: &str) -> Self {
+        Self {
+            piece: None,
+            name: printable(&request.pattern_name),
+            facts: printable(facts),
+            making: making(request),
+            true_size: true_size(request.scale),
+            front: request.front,
+        }
+    }
+
+    /// The captions of one piece of several, whose name stands in them and before the ids of its sheets.
+    pub fn of_piece(mut self, piece: &'static str) -> Self {
+        self.facts = format!("{piece} panel · {}", self.facts);
+        self.piece = Some(piece);
+        self
     }
 
     /// What the template is of, shortened to a width.
@@ -242,6 +256,22 @@ impl Captions {
     }
 }
 
+/// By which printer, program and when.
+fn making(request: &TemplateRequest) -> String {
+    let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION")).to_owned();
+    let date = request.date.as_ref().map(ToString::to_string);
+    let making = [Some(request.layout.printer.caption()), Some(program), date];
+    making.into_iter().flatten().collect::<Vec<_>>().join(" · ")
+}
+
+fn true_size(scale: f64) -> String {
+    format!(
+        "True size: 45 mm here = {} mm on the car (1:{}).",
+        number(45.0 * scale),
+        number(scale)
+    )
+}
+
 /// An arrow of [`ARROW_MM`] around `centre`.
 fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
     let along = |mm: f64, aside: f64| (centre.0 + mm * dx - aside * dy, centre.1 + mm * dy + aside * dx);
@@ -251,14 +281,16 @@ fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
 }
 
 /// The sheet's id above a tiny map of all sheets with this one filled.
-fn key(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
+fn key(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let map = map_area(layout);
     let mut marks = vec![Mark::Fill(Fill {
         area: map_cell(layout, map, plan),
         colour: GREY,
     })];
     marks.extend(map_grid(layout, map));
-    let id = plan.id();
+    let id = captions
+        .piece
+        .map_or(plan.id(), |piece| format!("{piece} {}", plan.id()));
     let size_mm = fitting_size_mm(&id, ID_MM, KEY_WIDTH_MM);
     let place = (map.right_mm, map.top_mm + ID_GAP_MM);
     marks.push(Mark::text(place, size_mm, Anchor::Right, id));

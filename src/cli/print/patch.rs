@@ -1,0 +1,124 @@
+//! `scaleproof print patch`: finished patch textures on the panels of a model.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::wrap::{ModelArgs, SheetArgs};
+use super::{CommandResult, Format, Outcome, as_files, write_files};
+use crate::pattern::world_aligned::Side;
+use crate::print::patch::{Patch, Picture, patches};
+use crate::print::{paper, wrap};
+
+#[derive(clap::Args)]
+pub struct PatchArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// A finished texture, PNG or JPEG; for several patches repeat this and the next three options
+    #[arg(long, value_name = "FILE", required = true)]
+    patch: Vec<PathBuf>,
+    /// The panel it goes on
+    #[arg(long, value_enum, required = true)]
+    panel: Vec<PanelName>,
+    /// The patch's middle as the panel is seen from outside: to the right of the model's middle and above the ground (on the
+    /// roof: before the middle), in mm, as in -40,65
+    #[arg(long, value_name = "X,Y", required = true, allow_hyphen_values = true)]
+    at_mm: Vec<String>,
+    /// Its width, or width and height, in mm, as in 60 or 60x40
+    #[arg(long, value_name = "W[xH]", required = true, allow_hyphen_values = true)]
+    size_mm: Vec<String>,
+    #[command(flatten)]
+    sheets: SheetArgs,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum PanelName {
+    Left,
+    Right,
+    Roof,
+    Front,
+    Rear,
+}
+
+impl From<PanelName> for Side {
+    fn from(name: PanelName) -> Self {
+        match name {
+            PanelName::Left => Self::Left,
+            PanelName::Right => Self::Right,
+            PanelName::Roof => Self::Roof,
+            PanelName::Front => Self::Front,
+            PanelName::Rear => Self::Rear,
+        }
+    }
+}
+
+/// Runs `scaleproof print patch`.
+pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
+    let wanted = asked(args)?;
+    let model = args.model.load()?;
+    let panels = wrap::Paint::of_materials(&model.mesh, &model.materials).panels();
+    let sheets = &args.sheets;
+    let request = sheets.request(1.0, model.scale, Path::new(""))?;
+    let made = patches(&panels, &wanted, &request)?;
+    let format = Format::of(sheets.format, &sheets.output);
+    let title = format!("Patches of {}", wanted[0].name);
+    let files = as_files(format, &sheets.output, &title, (&made.page_names, &made.pages))?;
+    let mut inputs: Vec<Option<&Path>> = args.patch.iter().map(|path| Some(path.as_path())).collect();
+    inputs.extend([
+        args.model.mesh.as_deref(),
+        args.model.scene.as_deref(),
+        sheets.printer.as_deref(),
+    ]);
+    write_files(&files, &inputs)?;
+    writeln!(
+        out,
+        "{}: {} of panels and patches; print at 100 %",
+        files[0].0.display(),
+        match made.pages.len() {
+            1 => "1 page".to_owned(),
+            n => format!("{n} pages"),
+        }
+    )?;
+    for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
+        writeln!(
+            out,
+            "note: {:.1} % of {} lie beyond the outline of the {} panel and are cut off",
+            100.0 * off,
+            patch.name,
+            patch.side.name()
+        )?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// The patches as they were asked for: the options belong together in order.
+fn asked(args: &PatchArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+    let count = args.patch.len();
+    if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
+        return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
+    }
+    let one = |i: usize| -> Result<Patch, Box<dyn Error>> {
+        let picture = Picture::load(&args.patch[i])?;
+        let size = args.size_mm[i].trim();
+        let size_mm = match size.parse::<f64>() {
+            Ok(width) => (width, picture.height_for(width)),
+            Err(_) => paper::size_mm(size)?,
+        };
+        let name = args.patch[i].file_name().map(|n| n.to_string_lossy().into_owned());
+        Ok(Patch {
+            name: name.unwrap_or_default(),
+            picture,
+            side: args.panel[i].into(),
+            at_mm: place(&args.at_mm[i])?,
+            size_mm,
+        })
+    };
+    (0..count).map(one).collect()
+}
+
+fn place(text: &str) -> Result<[f64; 2], Box<dyn Error>> {
+    let numbers = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+    numbers.ok_or_else(|| format!("place '{text}' is not understood; write X,Y in mm, as in -40,65").into())
+}

@@ -1,0 +1,170 @@
+//! `scaleproof print wrap`: a pattern as the panels of a model.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
+use crate::mesh::{Mesh, Placement};
+use crate::pattern::Pattern;
+use crate::print::lettering;
+use crate::print::wrap::{WrapRequest, check_size, wrap};
+use crate::scene::Scene;
+
+#[derive(clap::Args)]
+pub struct WrapArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// The pattern: a PNG with one pixel per cell
+    #[arg(long, value_name = "PNG")]
+    pattern: PathBuf,
+    /// Printed width of one repeat of the pattern, in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tile_mm: f64,
+    #[command(flatten)]
+    sheets: SheetArgs,
+}
+
+/// What is wrapped.
+#[derive(clap::Args)]
+pub struct ModelArgs {
+    /// The model's surface: .glb, .obj, .stl or .ply; without it, the box of the scene's model
+    #[arg(long, value_name = "FILE", required_unless_present = "scene")]
+    pub mesh: Option<PathBuf>,
+    /// The materials that are the paint; all without it
+    #[arg(long, value_name = "NAME", num_args = 1.., requires = "mesh")]
+    material: Vec<String>,
+    /// The scene whose model this is: its size is held against the mesh's
+    #[arg(long, value_name = "TOML")]
+    pub scene: Option<PathBuf>,
+    /// Scale the mesh to this length from front to rear, in mm
+    #[arg(long, value_name = "MM", requires = "mesh", allow_negative_numbers = true)]
+    length_mm: Option<f64>,
+    /// Where the front is in the mesh file: +x, -x, +y, -y, +z or -z [default: +z in a .glb, else +x]
+    #[arg(long, value_name = "AXIS", requires = "mesh", allow_hyphen_values = true)]
+    mesh_front: Option<String>,
+    /// Where the top is in the mesh file [default: +y in a .glb, else +z]
+    #[arg(long, value_name = "AXIS", requires = "mesh", allow_hyphen_values = true)]
+    mesh_up: Option<String>,
+    /// The model is 1:SCALE (named in the captions) [default: the scene's, else 10]
+    #[arg(long, allow_negative_numbers = true)]
+    scale: Option<f64>,
+}
+
+/// What it is printed on.
+#[derive(clap::Args)]
+pub struct SheetArgs {
+    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
+    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
+    paper: String,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    #[arg(long, value_enum)]
+    pub format: Option<Format>,
+    /// Strip that neighbouring sheets share for gluing, in mm
+    #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
+    overlap_mm: f64,
+    /// Border of the paper that the printer cannot reach, in mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
+    margin_mm: f64,
+    /// Take back the stretch of this printer: a file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    pub printer: Option<PathBuf>,
+    /// A day for the caption, as YYYY-MM-DD
+    #[arg(long, value_name = "DATE")]
+    date: Option<String>,
+}
+
+/// A model ready to be printed on: its surface in the model frame, which materials are paint, its scale.
+pub struct Model {
+    pub mesh: Mesh,
+    pub materials: Vec<usize>,
+    pub scale: f64,
+}
+
+impl ModelArgs {
+    pub fn load(&self) -> Result<Model, Box<dyn Error>> {
+        let scene = self.scene.as_deref().map(Scene::open).transpose()?;
+        let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
+        let placement = Placement {
+            front: axis(&self.mesh_front)?,
+            up: axis(&self.mesh_up)?,
+            length_mm: self.length_mm,
+        };
+        let mesh = match (&self.mesh, &scene) {
+            (Some(file), _) => Mesh::load(file, &placement)?,
+            (None, Some(scene)) => Mesh::cuboid(scene.model.size_mm),
+            (None, None) => return Err("give --mesh, --scene, or both".into()),
+        };
+        if let Some(scene) = &scene {
+            check_size(&mesh, scene.model.size_mm)?;
+        }
+        Ok(Model {
+            materials: mesh.materials_named(&self.material)?,
+            mesh,
+            scale: self.scale.or(scene.map(|s| s.model.scale)).unwrap_or(10.0),
+        })
+    }
+}
+
+impl SheetArgs {
+    pub fn request(&self, tile_mm: f64, scale: f64, name: &std::path::Path) -> Result<WrapRequest, Box<dyn Error>> {
+        Ok(WrapRequest {
+            tile_mm,
+            scale,
+            pattern_name: name
+                .file_name()
+                .map(|n| n.to_string_lossy().into_owned())
+                .unwrap_or_default(),
+            date: self.date.as_deref().map(str::parse).transpose()?,
+            paper: self.paper.parse()?,
+            overlap_mm: self.overlap_mm,
+            margin_mm: self.margin_mm,
+            printer: printer(self.printer.as_deref())?,
+        })
+    }
+}
+
+/// Runs `scaleproof print wrap`.
+pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
+    let pattern = Pattern::load(&args.pattern)?;
+    let model = args.model.load()?;
+    let sheets = &args.sheets;
+    let request = sheets.request(args.tile_mm, model.scale, &args.pattern)?;
+    let made = wrap(&model.mesh, &model.materials, &pattern, &request)?;
+    let title = format!(
+        "Panels of {}, tile {} mm",
+        request.pattern_name,
+        lettering::number(request.tile_mm)
+    );
+    let format = Format::of(sheets.format, &sheets.output);
+    let files = as_files(format, &sheets.output, &title, (&made.page_names(), &made.pages))?;
+    let inputs = [
+        Some(args.pattern.as_path()),
+        args.model.mesh.as_deref(),
+        args.model.scene.as_deref(),
+        sheets.printer.as_deref(),
+    ];
+    write_files(&files, &inputs)?;
+    let [length, width, height] = model.mesh.size_mm();
+    writeln!(
+        out,
+        "{}: instructions and {} panels of a model of {length:.0} × {width:.0} × {height:.0} mm, cells of {} mm; print at 100 %",
+        files[0].0.display(),
+        made.pieces.len(),
+        lettering::number(made.cell_mm)
+    )?;
+    for fact in made.facts() {
+        writeln!(out, "{fact}")?;
+    }
+    if made.unlettered_mm > 0.0 {
+        writeln!(
+            out,
+            "note: {:.0} mm of seams have no letter, as one of their panels has no room beside them",
+            made.unlettered_mm
+        )?;
+    }
+    Ok(Outcome::Done)
+}

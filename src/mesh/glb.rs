@@ -1,0 +1,130 @@
+//! Binary glTF 2.0, with the transforms of its nodes applied; positions only. In metres, y up.
+
+use gltf::accessor::{DataType, Dimensions};
+use gltf::mesh::Mode;
+use gltf::{Accessor, Gltf, Node, Primitive, Semantic};
+use nalgebra::{Matrix4, Point3};
+
+use super::{Soup, Trouble, corner};
+
+/// Deeper trees than this are circles.
+const MAX_DEPTH: usize = 100;
+/// What a primitive without a material is called.
+const NO_MATERIAL: &str = "none";
+
+pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+    let gltf = Gltf::from_slice(bytes).map_err(Trouble::damaged)?;
+    let blob = gltf
+        .blob
+        .as_deref()
+        .ok_or_else(|| Trouble::damaged("its data are in other files; save everything in one .glb"))?;
+    let scene = gltf.default_scene().or_else(|| gltf.scenes().next());
+    let roots = scene.ok_or_else(|| Trouble::damaged("it has no scene"))?;
+    let mut budget = 100_000;
+    for root in roots.nodes() {
+        visit(&root, &Matrix4::identity(), 0, &mut budget, blob, soup)?;
+    }
+    Ok(())
+}
+
+/// `budget` is how many nodes may still be visited: a damaged tree can name a node again and again.
+fn visit(
+    node: &Node,
+    parent: &Matrix4<f64>,
+    depth: usize,
+    budget: &mut usize,
+    blob: &[u8],
+    soup: &mut Soup,
+) -> Result<(), Trouble> {
+    if depth > MAX_DEPTH || *budget == 0 {
+        return Err(Trouble::damaged("its nodes run in a circle"));
+    }
+    *budget -= 1;
+    let own = Matrix4::from(node.transform().matrix()).cast::<f64>();
+    let to_scene = parent * own;
+    for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+        read_primitive(&primitive, &to_scene, blob, soup)?;
+    }
+    node.children()
+        .try_for_each(|child| visit(&child, &to_scene, depth + 1, budget, blob, soup))
+}
+
+fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, blob: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+    match primitive.mode() {
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
+        Mode::Triangles => {}
+        Mode::TriangleStrip | Mode::TriangleFan => {
+            return Err(Trouble::damaged(
+                "it has triangle strips or fans; export plain triangles",
+            ));
+        }
+    }
+    let positions = primitive
+        .get(&Semantic::Positions)
+        .ok_or_else(|| Trouble::damaged("a surface has no positions"))?;
+    let points: Vec<Point3<f64>> = coordinates(&positions, blob)?
+        .iter()
+        .map(|p| to_scene.transform_point(p))
+        .collect();
+    let indices = match primitive.indices() {
+        Some(accessor) => whole_numbers(&accessor, blob)?,
+        None => (0..points.len()).collect(),
+    };
+    let number = primitive.material().index();
+    let name = match (primitive.material().name(), number) {
+        (Some(name), _) => name.to_owned(),
+        (None, Some(number)) => format!("material {number}"),
+        (None, None) => NO_MATERIAL.to_owned(),
+    };
+    let material = soup.material(&name);
+    // A mirroring node turns every triangle inside out (glTF 2.0, section 3.7.4).
+    let mirrored = to_scene.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+    for [a, b, c] in indices.as_chunks::<3>().0 {
+        let [a, b, c] = [corner(&points, *a)?, corner(&points, *b)?, corner(&points, *c)?];
+        soup.triangle(if mirrored { [a, c, b] } else { [a, b, c] }, material)?;
+    }
+    Ok(())
+}
+
+fn coordinates(accessor: &Accessor, blob: &[u8]) -> Result<Vec<Point3<f64>>, Trouble> {
+    if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
+        return Err(Trouble::damaged("positions are not triples of 32-bit floats"));
+    }
+    let float = |b: &[u8], i: usize| f64::from(f32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]));
+    let point = |b: &[u8]| Point3::new(float(b, 0), float(b, 4), float(b, 8));
+    Ok(items(accessor, blob)?.map(point).collect())
+}
+
+fn whole_numbers(accessor: &Accessor, blob: &[u8]) -> Result<Vec<usize>, Trouble> {
+    if accessor.dimensions() != Dimensions::Scalar {
+        return Err(Trouble::damaged("indices are not single numbers"));
+    }
+    let number: fn(&[u8]) -> usize = match accessor.data_type() {
+        DataType::U8 => |b| usize::from(b[0]),
+        DataType::U16 => |b| usize::from(u16::from_le_bytes([b[0], b[1]])),
+        DataType::U32 => |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize,
+        _ => return Err(Trouble::damaged("indices are not whole numbers")),
+    };
+    Ok(items(accessor, blob)?.map(number).collect())
+}
+
+/// The bytes of each item. The gltf crate's own readers trust offsets and counts, which damaged files have wrong.
+fn items<'a>(accessor: &Accessor, blob: &'a [u8]) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, Trouble> {
+    let (Some(view), None) = (accessor.view(), accessor.sparse()) else {
+        return Err(Trouble::damaged("it has sparse data, which this program does not read"));
+    };
+    let (size, count) = (accessor.size(), accessor.count());
+    let stride = view.stride().unwrap_or(size).max(size);
+    let past_the_end = || Trouble::damaged("its data end too early");
+    let data = view
+        .offset()
+        .checked_add(view.length())
+        .and_then(|end| blob.get(view.offset()..end))
+        .and_then(|view| view.get(accessor.offset()..))
+        .ok_or_else(past_the_end)?;
+    let needed = count.saturating_sub(1).checked_mul(stride);
+    if count > 0 && needed.and_then(|n| n.checked_add(size)).is_none_or(|n| n > data.len()) {
+        return Err(past_the_end());
+    }
+    Ok((0..count).map(move |i| &data[i * stride..i * stride + size]))
+}

@@ -1,0 +1,261 @@
+//! The model's surface: triangles with a material each, read from `.glb`, `.obj`, `.stl` or `.ply` and put into the model frame.
+//!
+//! One file per format; [`place`](Placement) brings what they give into the model frame: origin on the ground under the
+//! model's centre, x to its front, y to its left, z up; mm.
+
+mod glb;
+mod obj;
+mod placement;
+mod ply;
+mod stl;
+
+pub use placement::{Axis, Placement};
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Point3, Vector3};
+
+use crate::files::{self, FileError};
+
+/// Larger files are no model for a table. A triangle takes 50 bytes in a binary STL.
+pub const MAX_BYTES: usize = 200_000_000;
+/// More triangles than this take minutes to print and show nothing more.
+pub const MAX_TRIANGLES: usize = 1_000_000;
+/// A coordinate beyond this is damage: a thousand kilometres in mm.
+const MAX_COORDINATE: f64 = 1e9;
+
+/// Why there is no mesh. Each variant says what to change.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{path} is no mesh this program reads; give a .glb, .obj, .stl or .ply file", path = path.display())]
+    UnknownFormat { path: PathBuf },
+    #[error("{path} cannot be read as a mesh ({reason}); export it again", path = path.display())]
+    Damaged { path: PathBuf, reason: String },
+    #[error("{path} has no faces; export the model's surface as triangles", path = path.display())]
+    NoFaces { path: PathBuf },
+    #[error("{path} is too large ({what}); simplify the mesh", path = path.display())]
+    TooLarge { path: PathBuf, what: String },
+    #[error("the mesh has no material '{name}'; it has {known}")]
+    NoSuchMaterial { name: String, known: String },
+    #[error("'{text}' is no direction; write one of +x, -x, +y, -y, +z, -z")]
+    UnknownAxis { text: String },
+    #[error("front and up of the mesh lie along the same axis; give two different ones")]
+    FrontIsUp,
+    #[error("the mesh's length cannot be set to {value} mm; give the model's length, above 0 and up to 100000 mm")]
+    BadLength { value: f64 },
+    #[error("the mesh has no length along its front, so it cannot be scaled; check which way its front is")]
+    NoLength,
+}
+
+/// Triangles in space, each with a material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    points: Vec<Point3<f64>>,
+    triangles: Vec<Triangle>,
+    materials: Vec<String>,
+}
+
+/// Three corners, counter-clockwise seen from outside, and a material, as indices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Triangle {
+    pub corners: [usize; 3],
+    pub material: usize,
+}
+
+impl Mesh {
+    /// Reads a file and puts it into the model frame. Corners at the same place become one.
+    ///
+    /// # Errors
+    /// An unreadable, damaged or too large file, another format, no faces, and whatever [`Placement`] cannot do.
+    pub fn load(path: &Path, placement: &Placement) -> Result<Self, MeshError> {
+        let extension = path.extension().map(|e| e.to_ascii_lowercase());
+        let read = match extension.as_ref().and_then(|e| e.to_str()) {
+            Some("glb") => glb::read,
+            Some("obj") => obj::read,
+            Some("stl") => stl::read,
+            Some("ply") => ply::read,
+            _ => return Err(MeshError::UnknownFormat { path: path.to_owned() }),
+        };
+        let bytes = files::read(path)?;
+        let too_large = |what| MeshError::TooLarge {
+            path: path.to_owned(),
+            what,
+        };
+        if bytes.len() > MAX_BYTES {
+            return Err(too_large(format!("{} MB", bytes.len() / 1_000_000)));
+        }
+        let mut soup = Soup::default();
+        match read(&bytes, &mut soup) {
+            Ok(()) if soup.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
+            Ok(()) => placement.apply(soup.into_mesh(), extension.is_some_and(|e| e == "glb")),
+            Err(Trouble::TooManyTriangles) => Err(too_large(format!("more than {MAX_TRIANGLES} triangles"))),
+            Err(Trouble::Damaged(reason)) => Err(MeshError::Damaged {
+                path: path.to_owned(),
+                reason: reason.replace('\n', " "),
+            }),
+        }
+    }
+
+    /// A box on the ground in the model frame, of one material called `box`; `size_mm` is length, width, height.
+    pub fn cuboid(size_mm: [f64; 3]) -> Self {
+        let corner = |i: usize| {
+            let side = |bit: usize| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+            let height = if i >> 2 & 1 == 1 { size_mm[2] } else { 0.0 };
+            Point3::new(side(0) * size_mm[0], side(1) * size_mm[1], height)
+        };
+        // Each face counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z.
+        let faces: [[usize; 4]; 6] = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let halves = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+        Self {
+            points: (0..8).map(corner).collect(),
+            triangles: halves.map(|corners| Triangle { corners, material: 0 }).collect(),
+            materials: vec!["box".to_owned()],
+        }
+    }
+
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// Model frame, mm.
+    pub fn corners_mm(&self, triangle: &Triangle) -> [Point3<f64>; 3] {
+        triangle.corners.map(|i| self.points[i])
+    }
+
+    /// The names of the materials, in the file's order.
+    pub fn materials(&self) -> &[String] {
+        &self.materials
+    }
+
+    /// Which materials these names mean.
+    ///
+    /// # Errors
+    /// A name the mesh does not have.
+    pub fn materials_named(&self, names: &[String]) -> Result<Vec<usize>, MeshError> {
+        let index = |name: &String| {
+            self.materials.iter().position(|known| known == name).ok_or_else(|| {
+                let known: Vec<_> = self.materials.iter().map(|m| format!("'{m}'")).collect();
+                MeshError::NoSuchMaterial {
+                    name: name.clone(),
+                    known: known.join(", "),
+                }
+            })
+        };
+        names.iter().map(index).collect()
+    }
+
+    /// The lowest and the highest corner of the box around the whole mesh, model frame, mm.
+    pub fn bounds_mm(&self) -> (Point3<f64>, Point3<f64>) {
+        let start = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
+        self.points
+            .iter()
+            .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
+    }
+
+    /// Length, width and height of the box around the whole mesh, mm.
+    pub fn size_mm(&self) -> [f64; 3] {
+        let (low, high) = self.bounds_mm();
+        (high - low).into()
+    }
+}
+
+/// The outward normal of a triangle, not normalised: as long as twice its area.
+pub fn doubled_area(corners: &[Point3<f64>; 3]) -> Vector3<f64> {
+    (corners[1] - corners[0]).cross(&(corners[2] - corners[0]))
+}
+
+/// Why a reader of one format gave up.
+enum Trouble {
+    Damaged(String),
+    TooManyTriangles,
+}
+
+impl Trouble {
+    fn damaged(reason: impl ToString) -> Self {
+        Self::Damaged(reason.to_string())
+    }
+}
+
+/// Triangles on their way out of a file, in the file's frame and unit.
+#[derive(Default)]
+struct Soup {
+    points: Vec<Point3<f64>>,
+    triangles: Vec<Triangle>,
+    materials: Vec<String>,
+    /// The index of each place met so far, by the bits of its coordinates.
+    index: HashMap<[u64; 3], usize>,
+}
+
+impl Soup {
+    fn material(&mut self, name: &str) -> usize {
+        let known = self.materials.iter().position(|m| m == name);
+        known.unwrap_or_else(|| {
+            self.materials.push(name.to_owned());
+            self.materials.len() - 1
+        })
+    }
+
+    fn triangle(&mut self, corners: [Point3<f64>; 3], material: usize) -> Result<(), Trouble> {
+        if self.triangles.len() >= MAX_TRIANGLES {
+            return Err(Trouble::TooManyTriangles);
+        }
+        if let Some(bad) = corners
+            .iter()
+            .flat_map(|p| p.iter())
+            .find(|c| c.is_nan() || c.abs() > MAX_COORDINATE)
+        {
+            return Err(Trouble::Damaged(format!("a coordinate is {bad}")));
+        }
+        let corners = corners.map(|p| self.point(p));
+        self.triangles.push(Triangle { corners, material });
+        Ok(())
+    }
+
+    /// A polygon as a fan from its first corner, as all these formats define it for convex faces.
+    fn fan(&mut self, corners: &[Point3<f64>], material: usize) -> Result<(), Trouble> {
+        let Some((first, rest)) = corners.split_first() else {
+            return Ok(());
+        };
+        rest.windows(2)
+            .try_for_each(|pair| self.triangle([*first, pair[0], pair[1]], material))
+    }
+
+    fn point(&mut self, p: Point3<f64>) -> usize {
+        // Adding zero makes one zero of -0 and 0.
+        let key = [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
+        let points = &mut self.points;
+        *self.index.entry(key).or_insert_with(|| {
+            points.push(p);
+            points.len() - 1
+        })
+    }
+
+    fn into_mesh(self) -> Mesh {
+        Mesh {
+            points: self.points,
+            triangles: self.triangles,
+            materials: self.materials,
+        }
+    }
+}
+
+/// The corner with this index.
+fn corner(points: &[Point3<f64>], index: usize) -> Result<Point3<f64>, Trouble> {
+    points
+        .get(index)
+        .copied()
+        .ok_or_else(|| Trouble::Damaged(format!("a face names corner {index} of {}", points.len())))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,285 @@
+//! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::sync::Arc;
+
+use image::{ImageDecoder, ImageFormat, ImageReader, RgbImage};
+
+use super::PrintError;
+use super::printer;
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::template::{Layout, SheetPlan, furniture, layout};
+use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
+use crate::files;
+use crate::pattern::world_aligned::Side;
+
+/// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
+pub const MAX_PIXELS: u32 = 8192;
+/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger pictures are embedded whole.
+const MAX_RECTANGLES: u32 = 128;
+/// Around a piece on its sheets, for the line it is cut along.
+const ROOM_MM: f64 = 3.0;
+/// Less than this of a patch off its panel is rounding.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// A picture to be printed as it is.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    pixels: Arc<RgbImage>,
+    sha256: String,
+}
+
+impl Picture {
+    /// Reads an opaque PNG or JPEG.
+    ///
+    /// # Errors
+    /// An unreadable or damaged file, see-through pixels, more than [`MAX_PIXELS`] along a side.
+    pub fn load(path: &Path) -> Result<Self, PrintError> {
+        let bad = |reason: String| PrintError::BadPatch {
+            path: path.to_owned(),
+            reason,
+        };
+        let bytes = files::read(path).map_err(|e| bad(e.to_string()))?;
+        let format = image::guess_format(&bytes).ok();
+        let format = format
+            .filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg))
+            .ok_or_else(|| bad("it is neither PNG nor JPEG".into()))?;
+        let damaged = |e: image::ImageError| bad(format!("it is damaged: {e}"));
+        let decoder = ImageReader::with_format(Cursor::new(&bytes), format)
+            .into_decoder()
+            .map_err(damaged)?;
+        let (width, height) = decoder.dimensions();
+        if width > MAX_PIXELS || height > MAX_PIXELS {
+            return Err(bad(format!(
+                "it has {width}×{height} pixels, more than {MAX_PIXELS} along a side"
+            )));
+        }
+        let picture = image::DynamicImage::from_decoder(decoder).map_err(damaged)?;
+        if picture.color().has_alpha() && picture.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
+            return Err(bad(
+                "it is see-through in places: flatten it onto an opaque colour".into()
+            ));
+        }
+        Ok(Self {
+            pixels: Arc::new(picture.to_rgb8()),
+            sha256: files::sha256_hex(&bytes),
+        })
+    }
+
+    /// Height for a width that keeps the picture's proportions.
+    pub fn height_for(&self, width: f64) -> f64 {
+        width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
+    }
+
+    /// The picture over an area of a page.
+    fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
+        match stamp {
+            Some(stamp) => Mark::Stamped {
+                stamp: Arc::clone(stamp),
+                at: vec![PointMm::new(area.left_mm, area.top_mm)],
+                clip: area,
+            },
+            None => Mark::Image {
+                picture: Arc::clone(&self.pixels),
+                area,
+            },
+        }
+    }
+
+    /// Every pixel as a rectangle, if they are few. Frame: origin at the top-left corner, y up.
+    fn stamp(&self, (width_mm, height_mm): (f64, f64)) -> Option<Arc<Stamp>> {
+        let (columns, rows) = self.pixels.dimensions();
+        if columns > MAX_RECTANGLES || rows > MAX_RECTANGLES {
+            return None;
+        }
+        let (wide, high) = (width_mm / f64::from(columns), height_mm / f64::from(rows));
+        // Each runs on under its right and its lower neighbour, which cover it: no white hairlines.
+        let fill = |(column, row, pixel): (u32, u32, &image::Rgb<u8>)| {
+            let (left, top) = (f64::from(column) * wide, -f64::from(row) * high);
+            Fill {
+                area: RectMm::new(left, top - 1.25 * high, left + 1.25 * wide, top),
+                colour: pixel.0,
+            }
+        };
+        Some(Arc::new(Stamp {
+            bounds: RectMm::new(0.0, -height_mm - 0.25 * high, width_mm + 0.25 * wide, 0.0),
+            fills: self.pixels.enumerate_pixels().map(fill).collect(),
+        }))
+    }
+}
+
+/// A picture on a panel.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    /// How the captions call it: its file name.
+    pub name: String,
+    pub picture: Picture,
+    pub side: Side,
+    /// Its middle in the panel's plane: (u, v), see [`Side`].
+    pub at_mm: Point,
+    /// Width and height on the panel.
+    pub size_mm: (f64, f64),
+}
+
+impl Patch {
+    fn area(&self) -> RectMm {
+        let ([u, v], (width, height)) = (self.at_mm, self.size_mm);
+        RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
+    }
+
+    fn region(&self) -> Region {
+        let corners = self.area().outline();
+        Region::union(vec![corners.iter().map(|p| [p.x_mm, p.y_mm]).collect()])
+    }
+}
+
+/// The pages of some patches.
+#[derive(Debug, Clone)]
+pub struct Patches {
+    /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
+    /// patch as a piece. As the printer needs them.
+    pub pages: Vec<Sheet>,
+    pub page_names: Vec<String>,
+    /// What each patch lost beyond its panel's outline: a share of its area.
+    pub off_panel: Vec<f64>,
+}
+
+/// Draws patches on the panels of a model.
+///
+/// # Errors
+/// A size or place that is no number, a panel the model does not have, a patch that lies beside its panel, and whatever the
+/// layout refuses.
+pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PrintError> {
+    let mut made = Patches {
+        pages: Vec::new(),
+        page_names: Vec::new(),
+        off_panel: Vec::new(),
+    };
+    let mut shown = Vec::new();
+    for (i, patch) in patches.iter().enumerate() {
+        check(patch)?;
+        let side = patch.side.name();
+        let panel = panels.iter().find(|panel| panel.side == patch.side);
+        let panel = panel.ok_or(PrintError::NoPanel { side })?;
+        let whole = patch.region();
+        let cut = whole.and(&panel.region);
+        let off = 1.0 - cut.area_mm2() / whole.area_mm2();
+        if cut.is_empty() || off > 1.0 - LEAST_SHARE {
+            let (low, high) = panel.region.bounds().unwrap_or_default();
+            return Err(PrintError::OffPanel {
+                side,
+                low_mm: format!("{:.0},{:.0}", low[0], low[1]),
+                high_mm: format!("{:.0},{:.0}", high[0], high[1]),
+            });
+        }
+        made.off_panel.push(if off < LEAST_SHARE { 0.0 } else { off });
+        if !shown.contains(&patch.side) {
+            shown.push(patch.side);
+            let here: Vec<&Patch> = patches.iter().filter(|p| p.side == patch.side).collect();
+            made.draw(side, &panel.region, &panel.edges, &here, request)?;
+        }
+        made.draw(&format!("patch{}", i + 1), &cut, &[], &[patch], request)?;
+    }
+    Ok(made)
+}
+
+fn check(patch: &Patch) -> Result<(), PrintError> {
+    let refuse = |what, value, wanted| Err(PrintError::BadNumber { what, value, wanted });
+    for (what, side) in [("patch width", patch.size_mm.0), ("patch height", patch.size_mm.1)] {
+        if !(side > 0.0 && side <= 10_000.0) {
+            return refuse(what, side, "a width and height above 0 and up to 10000 mm");
+        }
+    }
+    match patch.at_mm.iter().find(|at| !at.is_finite()) {
+        Some(at) => refuse("patch place", *at, "two lengths in mm, as in -40,65"),
+        None => Ok(()),
+    }
+}
+
+impl Patches {
+    /// A region with the patches that lie on it, over as many sheets as it takes.
+    fn draw(
+        &mut self,
+        name: &str,
+        region: &Region,
+        edges: &[[Point; 2]],
+        on_it: &[&Patch],
+        request: &WrapRequest,
+    ) -> Result<(), PrintError> {
+        let (low, high) = region.bounds().unwrap_or_default();
+        let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
+        let side = on_it[0].side;
+        let named = WrapRequest {
+            pattern_name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+            ..request.clone()
+        };
+        let template = named.template(side, (size[0], size[1]));
+        let layout = layout(&template.layout)?;
+        let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
+        let captions = furniture::Captions::of_picture(&template, &facts);
+        let stamps: Vec<_> = on_it.iter().map(|p| p.picture.stamp(p.size_mm)).collect();
+        let corner = [low[0] - ROOM_MM, high[1] + ROOM_MM];
+        let mut sheets = Vec::new();
+        for plan in &layout.sheets {
+            let by = moved_by_mm(plan, corner);
+            let pictures = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
+                let area = patch.area();
+                let area = RectMm::new(
+                    area.left_mm + by[0],
+                    area.bottom_mm + by[1],
+                    area.right_mm + by[0],
+                    area.top_mm + by[1],
+                );
+                patch.picture.mark(stamp.as_ref(), area)
+            });
+            let on_sheet = Mark::Clipped {
+                to: moved(region.contours(), by),
+                marks: pictures.collect(),
+            };
+            let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
+            let mut content = vec![on_sheet];
+            content.extend(edges.iter().map(|[a, b]| Mark::line(at(a), at(b), EDGE_LINE_MM)));
+            content.extend(cut_line(region, by));
+            let mut marks = vec![Mark::Clipped {
+                to: vec![plan.printed.outline()],
+                marks: content,
+            }];
+            marks.push(cutter_path(region, by, plan));
+            marks.extend(furniture::all(&layout, plan, &captions));
+            sheets.push(page(&layout, plan, marks));
+            self.page_names.push(format!("{name}-{}", plan.id()));
+        }
+        self.pages
+            .extend(printer::corrected(sheets, layout.frame.setup.stretch()));
+        Ok(())
+    }
+}
+
+const EDGE_LINE_MM: f64 = 0.1;
+
+fn page(layout: &Layout, plan: &SheetPlan, marks: Vec<Mark>) -> Sheet {
+    Sheet {
+        width_mm: layout.frame.page.width_mm,
+        height_mm: layout.frame.page.height_mm,
+        trim: plan.trim,
+        bleed: plan.printed,
+        marks,
+    }
+}
+
+impl Patch {
+    /// Size, place and hash, for the caption.
+    fn fact(&self) -> String {
+        let number = super::lettering::number;
+        format!(
+            "{} × {} mm on the {} panel at {}, {} mm, sha256 {}",
+            number(self.size_mm.0),
+            number(self.size_mm.1),
+            self.side.name(),
+            number(self.at_mm[0]),
+            number(self.at_mm[1]),
+            self.picture.sha256.get(..12).unwrap_or_default()
+        )
+    }
+}

@@ -1,0 +1,191 @@
+//! The first page: how to put the panels on the model, what each costs, and all of them small with their seam letters.
+
+use super::draw::moved;
+use super::seams::Seams;
+use super::{Panel, Point, Region, Wrap, WrapRequest};
+use crate::pattern::Pattern;
+use crate::pattern::world_aligned::Side;
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
+use crate::print::printer;
+use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
+use crate::print::template::{cover, furniture};
+
+const TITLE_MM: f64 = 5.0;
+const TEXT_MM: f64 = 2.5;
+const LEADING_MM: f64 = 3.5;
+const GAP_MM: f64 = 4.0;
+const LINE_MM: f64 = 0.15;
+const LETTER_MM: f64 = 2.6;
+const GREY: Rgb = [215, 215, 215];
+/// The panels are shown no larger than it takes.
+const MOST_SCALE: f64 = 0.5;
+/// Wider text than this is hard to read, whatever the roll.
+const BODY_MOST_MM: f64 = 320.0;
+
+const STEPS: [&str; 4] = [
+    "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
+    "Glue the sheets of a panel that takes several: lay them out by their ids, cut at the crop marks of the left and upper edge, \
+     and glue each with its cut edge on the dashed line of its neighbour. Capital letters show which edges meet.",
+    "Cut out each panel along the inner side of its line; the pattern runs on beyond it. Dashes within a panel are edges of the \
+     model.",
+    "Put the panels on the model by their outlines and dashes, with the arrows up and to the front. Small letters are the seams \
+     between panels: edges with the same letter meet.",
+];
+
+pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Sheet {
+    let layout = &wrap.pieces[0].layout;
+    let frame = &layout.cover;
+    let template = request.template(Side::Front, layout.size_mm());
+    let captions = furniture::Captions::new(pattern, &template, wrap.cell_mm);
+    let area = frame.usable;
+    let title = format!("Panels of a model: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
+    let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
+    let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
+    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title)];
+    let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
+    let bottom = area.bottom_mm + cover::CHECK_MM + 2.0;
+    let beside = right - area.left_mm > 1.2 * (title_y - bottom);
+    let text_right = if beside {
+        0.5 * (area.left_mm + right) - GAP_MM
+    } else {
+        right
+    };
+    let body = RectMm::new(area.left_mm, bottom, text_right, title_y - GAP_MM);
+    let (steps, end) = cover::steps(&STEPS, body, body.width_mm());
+    marks.extend(steps);
+    let (facts, end) = lines(&wrap.facts(), body, end - GAP_MM);
+    marks.extend(facts);
+    let room = match beside {
+        true => RectMm::new(text_right + 2.0 * GAP_MM, bottom, right, title_y - GAP_MM),
+        false => RectMm::new(area.left_mm, bottom, right, end - GAP_MM),
+    };
+    marks.extend(overview(wrap, seams, room));
+    marks.extend(cover::scale_check(frame));
+    marks.extend(furniture::rulers(frame));
+    marks.extend(captions.marks(frame.printable));
+    let page = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
+    let sheet = Sheet {
+        width_mm: page.right_mm,
+        height_mm: page.top_mm,
+        trim: page,
+        bleed: page,
+        marks,
+    };
+    printer::corrected_one(sheet, frame.setup.stretch())
+}
+
+/// Wrapped lines from `top_mm` down, and where they end.
+fn lines(texts: &[String], body: RectMm, top_mm: f64) -> (Vec<Mark>, f64) {
+    let mut marks = Vec::new();
+    let mut y = top_mm;
+    for line in texts.iter().flat_map(|text| wrapped(text, TEXT_MM, body.width_mm())) {
+        marks.push(Mark::text((body.left_mm, y), TEXT_MM, Anchor::Left, line));
+        y -= LEADING_MM;
+    }
+    (marks, y)
+}
+
+/// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
+fn overview(wrap: &Wrap, seams: &Seams, room: RectMm) -> Vec<Mark> {
+    let size = |side: Side| {
+        let piece = wrap.pieces.iter().find(|piece| piece.panel.side == side);
+        let bounds = piece.and_then(|piece| piece.panel.region.bounds());
+        bounds.map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]])
+    };
+    let [left, right, roof, front, rear] = super::PRINTED.map(size);
+    let wide = left[0].max(right[0]).max(front[0] + rear[0]);
+    let high = (left[1] + right[1] + front[1].max(rear[1])).max(roof[1]);
+    // Gaps for letters and names, in mm of the page.
+    let gap = 3.0 * LETTER_MM;
+    let scale = ((room.width_mm() - 3.0 * gap) / (wide + roof[0])).min((room.height_mm() - 4.0 * gap) / high);
+    let scale = scale.min(MOST_SCALE);
+    if scale <= 0.0 {
+        return Vec::new();
+    }
+    let (x0, y0) = (room.left_mm + 0.5 * gap, room.top_mm - gap);
+    let below = |above: f64, count: f64| y0 - scale * above - count * gap;
+    let third = below(left[1] + right[1], 2.0);
+    let corners = [
+        [x0, y0],
+        [x0, below(left[1], 1.0)],
+        [x0 + scale * wide + gap, y0],
+        [x0, third],
+        [x0 + scale * front[0] + gap, third],
+    ];
+    let mut marks = Vec::new();
+    for (side, corner) in super::PRINTED.into_iter().zip(corners) {
+        let Some(piece) = wrap.pieces.iter().find(|piece| piece.panel.side == side) else {
+            continue;
+        };
+        let letters = seams.marks.get(&side).map_or(&[][..], Vec::as_slice);
+        let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
+        marks.extend(small(&piece.panel, corner, scale, places));
+    }
+    marks
+}
+
+fn small<'a>(
+    panel: &Panel,
+    corner: Point,
+    scale: f64,
+    letters: impl Iterator<Item = (&'a str, Point, Point)>,
+) -> Vec<Mark> {
+    let (low, high) = panel.region.bounds().unwrap_or_default();
+    let to_page = |p: Point| {
+        [
+            corner[0] + scale * (p[0] - low[0]),
+            corner[1] + scale * (p[1] - high[1]),
+        ]
+    };
+    let scaled: Vec<Vec<Point>> = panel
+        .region
+        .contours()
+        .map(|outline| outline.iter().map(|p| to_page(*p)).collect())
+        .collect();
+    let outlines = moved(scaled.iter(), [0.0, 0.0]);
+    let mut marks = vec![Mark::Area {
+        outlines: outlines.clone(),
+        colour: GREY,
+    }];
+    let page = |p: PointMm| (p.x_mm, p.y_mm);
+    for outline in &outlines {
+        let next = outline.iter().cycle().skip(1);
+        marks.extend(
+            outline
+                .iter()
+                .zip(next)
+                .map(|(a, b)| Mark::line(page(*a), page(*b), LINE_MM)),
+        );
+    }
+    for [a, b] in &panel.edges {
+        let ([ax, ay], [bx, by]) = (to_page(*a), to_page(*b));
+        marks.push(Mark::line((ax, ay), (bx, by), 0.5 * LINE_MM));
+    }
+    for (letter, seam, at) in letters {
+        let [x, y] = to_page(seam);
+        let (dx, dy) = (at[0] - seam[0], at[1] - seam[1]);
+        let away = 0.8 * LETTER_MM / dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let baseline = y + away * dy - 0.5 * CAP_HEIGHT * LETTER_MM;
+        marks.push(Mark::text((x + away * dx, baseline), LETTER_MM, Anchor::Centre, letter));
+    }
+    let middle = name_place(&panel.region, low, high);
+    let [x, y] = to_page(middle);
+    let name = panel.side.name();
+    let size_mm = fitting_size_mm(name, 4.0, 0.8 * scale * (high[0] - low[0]));
+    marks.push(Mark::text(
+        (x, y - 0.5 * CAP_HEIGHT * size_mm),
+        size_mm,
+        Anchor::Centre,
+        name,
+    ));
+    marks
+}
+
+/// The innermost of some places.
+fn name_place(region: &Region, low: Point, high: Point) -> Point {
+    const STEPS: usize = 12;
+    let at = |axis: usize, step: usize| low[axis] + (step as f64 + 0.5) / STEPS as f64 * (high[axis] - low[axis]);
+    let places = (0..STEPS * STEPS).map(|i| [at(0, i % STEPS), at(1, i / STEPS)]);
+    let inside = |p: &Point| region.distance_mm(*p);
+    places.min_by(|a, b| inside(a).total_cmp(&inside(b))).unwrap_or(low)
+}
