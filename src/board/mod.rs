@@ -3,4 +3,6 @@
 mod corners;
 mod definition;
 
+pub use corners::Marker;
+
 pub use definition::{Definition, DefinitionError};

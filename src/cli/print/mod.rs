@@ -95,7 +95,7 @@ fn as_files(
 }
 
 /// Writes all files, or none, and none over an input.
-fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<(), Box<dyn Error>> {
+pub fn write_files(files: &[NewFile], inputs: &[Option<&Path>]) -> Result<(), Box<dyn Error>> {
     for (i, (path, _)) in files.iter().enumerate() {
         if inputs.iter().flatten().any(|input| same_place(input, path)) {
             return Err(format!(

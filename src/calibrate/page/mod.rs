@@ -1,0 +1,6 @@
+//! stub
+use super::Calibration;
+/// x
+pub fn page(_: &Calibration) -> String {
+    String::new()
+}
