@@ -6,7 +6,9 @@ use opencv::core::{Mat, Point2d, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 
 use super::markers::{self, SeenMarker};
+use super::sharpness::{BLURRED_PX, edge_width_px};
 use crate::board::{Definition, Marker};
+use crate::tags::{DictionaryError, MarkerDictionary};
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +26,10 @@ pub enum NoBoard {
     NotFound,
     #[error("{foreign} of the {seen} markers seen are not on this board: is the board file another board's?")]
     Foreign { foreign: usize, seen: usize },
+    #[error(
+        "it is blurred: its edges are {width_px:.0} px wide, more than {BLURRED_PX} px; hold board and camera still"
+    )]
+    Blurred { width_px: f64 },
     #[error(
         "only {found} of the board's {all} corners were found, {least} are needed: bring it nearer, or light it better"
     )]
@@ -43,6 +49,17 @@ pub const LEAST_CORNERS: usize = 12;
 const WIDEST_WINDOW_PX: f64 = 10.0;
 /// With less room than this around it, a corner cannot be refined without its neighbours pulling at it.
 const NARROWEST_WINDOW_PX: f64 = 2.0;
+
+/// Refuses a board whose markers OpenCV does not know.
+///
+/// # Errors
+/// A ChArUco board of an unknown dictionary.
+pub fn check(board: &Definition) -> Result<(), DictionaryError> {
+    match board {
+        Definition::Charuco { dictionary, .. } => MarkerDictionary::named(dictionary).map(drop),
+        _ => Ok(()),
+    }
+}
 
 /// Finds the board's corners to a fraction of a pixel.
 ///
@@ -74,10 +91,13 @@ pub fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoB
     };
     match found.len() {
         0 => Err(NoBoard::NotFound),
-        n if n < LEAST_CORNERS => Err(NoBoard::FewCorners {
-            found: n,
-            all: board.corners_mm().len(),
-            least: LEAST_CORNERS,
+        n if n < LEAST_CORNERS => Err(match edge_width_px(grey, &found) {
+            Some(width_px) if width_px > BLURRED_PX => NoBoard::Blurred { width_px },
+            _ => NoBoard::FewCorners {
+                found: n,
+                all: board.corners_mm().len(),
+                least: LEAST_CORNERS,
+            },
         }),
         _ => flat_enough(found, board),
     }

@@ -4,6 +4,7 @@ use super::fit::Fit;
 use super::ladder::{Rung, normal};
 use super::model::Model;
 use super::project::View;
+use super::sharpness::BLURRED_PX;
 use super::{COVERAGE, Calibration, LEAST_PHOTOS, LeftOut, Shot};
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
@@ -24,7 +25,7 @@ pub enum CalibrationError {
     )]
     FocalOpen { percent: String },
     #[error(
-        "the corners are {rms_px:.1} px off in the middle (limit {limit_px:.1} px): is this the board of the file, flat and stiff, and one camera at one zoom?"
+        "the corners are {rms_px:.1} px off, root mean square (limit {limit_px:.1} px): is this the board of the file, flat and stiff, and one camera at one zoom?"
     )]
     HighResidual { rms_px: f64, limit_px: f64 },
     #[error("no camera explains these photos: are they of one board, by one camera at one zoom?")]
@@ -36,9 +37,7 @@ pub enum CalibrationError {
 #[serde(transparent)]
 pub struct Caution(pub String);
 
-/// Edges wider than this are blurred: a corner is then found, but where a moving camera smeared it.
-const MOST_BLUR_PX: f64 = 7.0;
-/// And wider than this many times the usual of the set, so that a soft lens is not held against every photo.
+/// A photo is blurred when its edges are also wider than this many times the usual of the set, so that a soft lens is not held against every photo.
 const BLUR_TIMES: f64 = 2.0;
 /// Normals of the boards must differ by this much somewhere. Parallel planes give the same two constraints over and over (Zhang
 /// 2000, section 3.3), and with the centre unknown that leaves the focal length open, however small the residuals.
@@ -58,7 +57,7 @@ pub fn alike(shots: Vec<Shot>, mut left_out: Vec<LeftOut>) -> (Vec<Shot>, Vec<Le
     let usual = shots.iter().map(|s| s.size).find(|size| count(*size) == most);
     let mut widths: Vec<f64> = shots.iter().filter_map(|s| s.edge_width_px).collect();
     widths.sort_by(f64::total_cmp);
-    let blurred = MOST_BLUR_PX.max(BLUR_TIMES * widths.get(widths.len() / 2).copied().unwrap_or(0.0));
+    let blurred = BLURRED_PX.max(BLUR_TIMES * widths.get(widths.len() / 2).copied().unwrap_or(0.0));
     let mut kept = Vec::new();
     for shot in shots {
         let reason = match (usual, shot.edge_width_px) {
@@ -175,9 +174,6 @@ pub fn cautions(found: &Calibration) -> Vec<Caution> {
             "{} single corners disagreed with the rest and were left out",
             found.lost_corners
         ));
-    }
-    if !found.left_out.is_empty() {
-        say(format!("{} photos were left out", found.left_out.len()));
     }
     if found.chosen + 1 == Model::LADDER.len() {
         say(

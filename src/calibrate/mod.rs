@@ -25,7 +25,7 @@ use crate::photo::Photo;
 use crate::workers;
 
 pub use choice_text::{choice_lines, numbers};
-pub use detect::{NoBoard, SeenCorner};
+pub use detect::{NoBoard, SeenCorner, check};
 pub use doubt::{CalibrationError, Caution};
 pub use ladder::{Moves, Rung};
 pub use model::Model;

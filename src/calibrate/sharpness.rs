@@ -4,6 +4,9 @@ use image::GrayImage;
 
 use super::detect::SeenCorner;
 
+/// Edges wider than this are blurred: a corner is then found, but where a moving camera smeared it. Sharp photos measure 3 to 5 px.
+pub const BLURRED_PX: f64 = 9.0;
+
 /// Half side of the square looked at around a corner.
 const HALF: i64 = 7;
 

@@ -34,6 +34,7 @@ pub struct Args {
 /// Runs `scaleproof calibrate`.
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let board = Definition::open(&args.board)?;
+    calibrate::check(&board)?;
     let bar = progress::photos("looking", args.photos.len());
     let (shots, left_out) = calibrate::look(&args.photos, &board, || bar.inc(1));
     bar.finish_and_clear();

@@ -52,7 +52,7 @@ pub fn residuals(found: &Calibration) -> Markup {
         }
     };
     let note = format!(
-        "From where the camera expects a corner's place towards where it was seen, {times} times enlarged; in the middle {usual:.3} px long. \
+        "From where the camera expects a corner's place towards where it was seen, {times} times enlarged; the median is {usual:.3} px. \
          Neighbours that point the same way are what the model does not explain."
     );
     figure(found, "Residuals", &note, &body)

@@ -84,7 +84,7 @@ fn camera_table(found: &Calibration) -> Markup {
             }
         }
         p.note {
-            "σ is one standard deviation, from the scatter of the residuals (" (format!("{:.3}", found.rms_px)) " px in the middle). "
+            "σ is one standard deviation, from the scatter of the residuals (" (format!("{:.3}", found.rms_px)) " px, root mean square). "
             "It holds as far as the board is flat and the model right."
         }
     }
