@@ -12,9 +12,7 @@ use super::{COVERAGE, Calibration, LEAST_PHOTOS, LeftOut, Shot};
 pub enum CalibrationError {
     #[error("no photo shows the board; {first}")]
     NoPhotos { first: String },
-    #[error(
-        "only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; the first of the others: {first}"
-    )]
+    #[error("only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; {first}")]
     FewPhotos { usable: usize, all: usize, first: String },
     #[error(
         "all photos show the board from the same side (within {spread_deg:.0}°), which leaves the focal length open: tilt the board by 30° to 45° to the left, right, front and back"
