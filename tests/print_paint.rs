@@ -245,7 +245,7 @@ fn a_panel_over_several_sheets_is_sound_on_each() {
 /// The outlines for the cutter, in mm from the outer edge's top-left corner, y down.
 fn cut_outlines(sheet: &Sheet) -> Vec<Vec<(f64, f64)>> {
     let cuts = sheet.marks.iter().filter_map(|mark| match mark {
-        Mark::Cut { outlines } => Some(outlines),
+        Mark::Cut { outlines, .. } => Some(outlines),
         _ => None,
     });
     let place = |o: &Vec<_>| {

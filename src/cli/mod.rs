@@ -1,5 +1,6 @@
 //! One file per subcommand: arguments in, library call, text out.
 
+mod calibrate;
 mod camera;
 mod chart;
 mod colour;
@@ -30,6 +31,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Calibrate(calibrate::Args),
     Demo(demo::Args),
     Print(print::Args),
     Scene(scene::Args),
@@ -61,6 +63,7 @@ pub fn main() -> ExitCode {
     };
     let out = &mut std::io::stdout().lock();
     let result = match cli.command {
+        Command::Calibrate(args) => calibrate::run(args, out),
         Command::Demo(args) => demo::run(args, out),
         Command::Print(args) => print::run(args, out),
         Command::Scene(args) => scene::run(args, out),

@@ -1,144 +1,21 @@
-//! What a board is: the file that is written beside it, for whoever detects it.
+//! A request for a board becomes its definition, or a sentence why it cannot be printed.
 
-use serde::{Deserialize, Serialize};
-
-use super::{BoardError, BoardKind, BoardRequest, MIN_MODULE_MM, MOST_SQUARES};
+use super::{BoardError, BoardKind, BoardRequest, Definition, MIN_MODULE_MM};
 use crate::print::PrintError;
-use crate::print::lettering::number;
 use crate::tags::MarkerDictionary;
 
-/// A board by the numbers a detector needs. Lengths in mm; (columns, rows).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
-pub enum Definition {
-    /// OpenCV 4.6's layout: the top left square is black, markers stand in the white squares, row by row from the top left.
-    Charuco {
-        squares: [u32; 2],
-        square_mm: f64,
-        /// Outer edge of a marker's black border.
-        marker_mm: f64,
-        dictionary: String,
-        /// Always false: OpenCV's layout before 4.6, `setLegacyPattern(true)`.
-        legacy_layout: bool,
-    },
-    /// The top left square is black.
-    Chessboard {
-        squares: [u32; 2],
-        /// OpenCV's pattern size.
-        inner_corners: [u32; 2],
-        square_mm: f64,
-    },
-    /// Kalibr's layout: ids row by row from the bottom left, black squares in the corners between tags.
-    Aprilgrid {
-        tags: [u32; 2],
-        /// Outer edge of a tag's black border: Kalibr's `tagSize`, which it wants in metres.
-        tag_mm: f64,
-        /// The gap between two tags by the tag's size: Kalibr's `tagSpacing`.
-        tag_spacing: f64,
-        family: String,
-        /// Kalibr draws the black border two modules wide.
-        border_modules: u32,
-    },
-}
-
-impl Definition {
-    /// The dictionary of a ChArUco board unless another is asked for.
-    pub const DICTIONARY: &'static str = "DICT_5X5_100";
-    /// A ChArUco marker's share of its square.
-    const MARKER_SHARE: f64 = 0.75;
-    /// The gap of Kalibr's own grids, by the tag's size.
-    const TAG_SPACING: f64 = 0.3;
-    /// Modules of a Kalibr tag: 6 of code, 2 of border on each side.
-    pub const GRID_TAG_MODULES: u32 = 10;
-
-    /// The definition of a board that can be printed.
-    pub(super) fn of(request: &BoardRequest) -> Result<Self, BoardError> {
-        let (columns, rows) = request.squares;
-        let least = if request.kind == BoardKind::Aprilgrid { 1 } else { 3 };
-        if !(least..=MOST_SQUARES).contains(&columns) || !(least..=MOST_SQUARES).contains(&rows) {
-            return Err(BoardError::Squares { columns, rows, least });
-        }
-        positive("square", request.square_mm)?;
-        match request.kind {
-            BoardKind::Charuco => charuco(request),
-            BoardKind::Chessboard => chessboard(request),
-            BoardKind::Aprilgrid => aprilgrid(request),
-        }
+/// The definition of a board that can be printed.
+pub(super) fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
+    let (columns, rows) = request.squares;
+    let least = if request.kind == BoardKind::Aprilgrid { 1 } else { 3 };
+    if !(least..=Definition::MOST_SQUARES).contains(&columns) || !(least..=Definition::MOST_SQUARES).contains(&rows) {
+        return Err(BoardError::Squares { columns, rows, least });
     }
-
-    /// Width and height of everything printed.
-    pub fn size_mm(&self) -> (f64, f64) {
-        match self {
-            Self::Charuco { squares, square_mm, .. } | Self::Chessboard { squares, square_mm, .. } => {
-                (f64::from(squares[0]) * square_mm, f64::from(squares[1]) * square_mm)
-            }
-            Self::Aprilgrid {
-                tags,
-                tag_mm,
-                tag_spacing,
-                ..
-            } => {
-                let along = |n: u32| tag_mm * (f64::from(n) * (1.0 + tag_spacing) + tag_spacing);
-                (along(tags[0]), along(tags[1]))
-            }
-        }
-    }
-
-    /// What people call it.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Charuco { .. } => "ChArUco",
-            Self::Chessboard { .. } => "chessboard",
-            Self::Aprilgrid { .. } => "AprilGrid",
-        }
-    }
-
-    /// One line for people.
-    pub fn line(&self) -> String {
-        match self {
-            Self::Charuco {
-                squares: [x, y],
-                square_mm,
-                marker_mm,
-                dictionary,
-                ..
-            } => format!(
-                "ChArUco · {x}×{y} squares of {} mm · markers of {} mm · {dictionary} · OpenCV 4.6 layout",
-                number(*square_mm),
-                number(*marker_mm)
-            ),
-            Self::Chessboard {
-                squares: [x, y],
-                inner_corners: [across, down],
-                square_mm,
-            } => format!(
-                "chessboard · {x}×{y} squares of {} mm · {across}×{down} inner corners",
-                number(*square_mm)
-            ),
-            Self::Aprilgrid {
-                tags: [x, y],
-                tag_mm,
-                tag_spacing,
-                family,
-                ..
-            } => format!(
-                "AprilGrid (Kalibr) · {x}×{y} tags of {} mm · spacing {} · {family}",
-                number(*tag_mm),
-                number(*tag_spacing)
-            ),
-        }
-    }
-
-    /// The definition file.
-    ///
-    /// # Errors
-    /// Only if the TOML library fails.
-    pub fn to_toml(&self) -> Result<String, BoardError> {
-        let fields = toml::to_string(self).map_err(|e| BoardError::Definition { reason: e.to_string() })?;
-        Ok(format!(
-            "# {}\n# Lengths in mm; columns, rows. Written by `scaleproof print board`.\n{fields}",
-            self.line()
-        ))
+    positive("square", request.square_mm)?;
+    match request.kind {
+        BoardKind::Charuco => charuco(request),
+        BoardKind::Chessboard => chessboard(request),
+        BoardKind::Aprilgrid => aprilgrid(request),
     }
 }
 
@@ -263,7 +140,7 @@ mod tests {
             },
         };
         for kind in [BoardKind::Aprilgrid, BoardKind::Charuco, BoardKind::Chessboard] {
-            let definition = Definition::of(&BoardRequest {
+            let definition = definition(&BoardRequest {
                 kind,
                 ..request.clone()
             })

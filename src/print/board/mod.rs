@@ -3,7 +3,7 @@
 mod definition;
 mod draw;
 
-pub use definition::Definition;
+pub use crate::board::Definition;
 
 use super::PrintError;
 use super::lettering::number;
@@ -11,12 +11,11 @@ use super::page::{Media, Page};
 use super::printer::Printer;
 use super::shapes::Outline;
 use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
+use crate::board::DefinitionError;
 use crate::tags::DictionaryError;
 
 /// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
 const MIN_MODULE_MM: f64 = 0.2;
-/// More columns or rows than this are a mistake in the numbers.
-const MOST_SQUARES: u32 = 100;
 /// White paper between the board and whatever else is on the page, besides what the page keeps free anyway.
 const QUIET_MM: f64 = 1.0;
 
@@ -27,7 +26,7 @@ pub enum BoardError {
     Print(#[from] PrintError),
     #[error(transparent)]
     Dictionary(#[from] DictionaryError),
-    #[error("a board of {columns}×{rows} squares cannot be printed; give {least} to {MOST_SQUARES} each way")]
+    #[error("a board of {columns}×{rows} squares cannot be printed; give {least} to {most} each way", most = Definition::MOST_SQUARES)]
     Squares { columns: u32, rows: u32, least: u32 },
     #[error(
         "a marker of {marker_mm} mm does not fit into a square of {square_mm} mm with white around it; use a smaller --marker-mm"
@@ -49,8 +48,8 @@ pub enum BoardError {
     NoImage { id: u32 },
     #[error("the board is {board_mm} mm and the paper has {free_mm} mm for it; use larger paper or smaller squares")]
     TooLarge { board_mm: String, free_mm: String },
-    #[error("the definition could not be put together: {reason}")]
-    Definition { reason: String },
+    #[error(transparent)]
+    Definition(#[from] DefinitionError),
 }
 
 /// Which board.
@@ -90,7 +89,7 @@ pub struct Board {
 /// # Errors
 /// Numbers that make no board, too few markers in the dictionary, a board larger than the paper.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
-    let definition = Definition::of(request)?;
+    let definition = definition::definition(request)?;
     let (width, height) = definition.size_mm();
     let (page, area) = placed(request.media, width, height)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);

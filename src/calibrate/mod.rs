@@ -1,0 +1,259 @@
+//! Photos of a board become a camera no larger than they bear out, with what it is worth, or a reason why not.
+
+mod choice_text;
+mod detect;
+mod doubt;
+mod fit;
+mod ladder;
+mod markers;
+mod model;
+mod outliers;
+mod page;
+mod project;
+mod sharpness;
+mod summary;
+mod uncertainty;
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::DMatrix;
+
+use crate::board::Definition;
+use crate::camera::Camera;
+use crate::photo::Photo;
+use crate::workers;
+
+pub use choice_text::{choice_lines, numbers};
+pub use detect::{NoBoard, SeenCorner, check};
+pub use doubt::{CalibrationError, Caution};
+pub use ladder::{Moves, Rung};
+pub use model::Model;
+pub use page::page;
+pub use summary::json;
+pub use uncertainty::{Cell, Map};
+
+use project::View;
+
+/// With fewer photos than this there is nothing to hold a camera against.
+pub const LEAST_PHOTOS: usize = 4;
+
+/// A photo in which the board was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// The photo's name, for people.
+    pub file: String,
+    /// Width and height, px.
+    pub size: (u32, u32),
+    pub corners: Vec<SeenCorner>,
+    /// Width of the edges at the corners, px; `None` where it could not be measured.
+    pub edge_width_px: Option<f64>,
+}
+
+impl Shot {
+    fn view(&self, places: &[[f64; 2]]) -> View {
+        View {
+            board_mm: self.corners.iter().map(|c| places[c.id]).collect(),
+            seen_px: self.corners.iter().map(|c| c.px).collect(),
+        }
+    }
+}
+
+/// A photo that had no part in the camera, and the sentence why.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LeftOut {
+    pub file: String,
+    pub reason: String,
+}
+
+/// What one photo has to do with the camera.
+#[derive(Debug, Clone)]
+pub struct PhotoResult {
+    pub file: String,
+    /// Where the corners were seen, px, and seen minus projected, px.
+    pub corners_px: Vec<[f64; 2]>,
+    pub residuals_px: Vec<[f64; 2]>,
+    pub rms_px: f64,
+    /// Angle between the board's normal and the optical axis.
+    pub tilt_deg: f64,
+    pub distance_mm: f64,
+    pub edge_width_px: Option<f64>,
+}
+
+/// A camera and what it is worth.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    pub board: Definition,
+    pub camera: Camera,
+    /// Every model that could be fitted, from the smallest up.
+    pub rungs: Vec<Rung>,
+    /// Which of `rungs` the camera is.
+    pub chosen: usize,
+    /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit.
+    pub sigmas: [f64; model::ALL],
+    /// Over all corners, px.
+    pub rms_px: f64,
+    pub photos: Vec<PhotoResult>,
+    pub left_out: Vec<LeftOut>,
+    /// Corners left out of photos that stay.
+    pub lost_corners: usize,
+    /// Corners seen in each cell of a 10 × 10 grid over the picture, row by row.
+    pub coverage: Vec<u32>,
+    pub map: Map,
+    pub cautions: Vec<Caution>,
+}
+
+impl Calibration {
+    /// The chosen model.
+    pub fn rung(&self) -> &Rung {
+        &self.rungs[self.chosen]
+    }
+
+    /// The held-out error of the best model, px.
+    pub fn best_held_out_px(&self) -> f64 {
+        self.rungs.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Cells of the coverage grid along each side.
+pub const COVERAGE: usize = 10;
+
+/// Finds the board in every photo; those without are named with the reason. Both lists keep the photos' order.
+pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<Shot>, Vec<LeftOut>) {
+    let found = workers::map(
+        photos,
+        || Ok::<(), std::convert::Infallible>(()),
+        |(), path| Ok(look_at(path, board)),
+        on_done,
+    );
+    let (mut shots, mut left_out) = (Vec::new(), Vec::new());
+    for result in found.unwrap_or_else(|never| match never {}) {
+        match result {
+            Ok(shot) => shots.push(shot),
+            Err(out) => left_out.push(out),
+        }
+    }
+    (shots, left_out)
+}
+
+fn look_at(path: &Path, board: &Definition) -> Result<Shot, LeftOut> {
+    let file = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    let out = |reason: String| LeftOut {
+        file: file.clone(),
+        reason,
+    };
+    let photo = Photo::open(path).map_err(|e| out(e.to_string()))?;
+    let grey = photo.grey();
+    let corners = detect::find(&grey, board).map_err(|e| out(e.to_string()))?;
+    Ok(Shot {
+        edge_width_px: sharpness::edge_width_px(&grey, &corners),
+        file,
+        size: (photo.width(), photo.height()),
+        corners,
+    })
+}
+
+/// Makes a camera of the corners seen: bad photos are left out, every model of the ladder is fitted, the smallest that foretells
+/// unseen corners as well as the best is taken.
+///
+/// # Errors
+/// Photos that do not determine a camera; the sentence says what to photograph.
+pub fn calibrate(
+    shots: Vec<Shot>,
+    left_out: Vec<LeftOut>,
+    board: &Definition,
+) -> Result<Calibration, CalibrationError> {
+    let places = board.corners_mm();
+    let (shots, mut left_out) = doubt::alike(shots, left_out);
+    doubt::enough(&shots, &left_out)?;
+    let size = shots[0].size;
+    let cleaned = outliers::clean(shots, size, &places).ok_or(CalibrationError::NoFit)?;
+    left_out.extend(cleaned.dropped.into_iter().map(|(shot, reason)| LeftOut {
+        file: shot.file,
+        reason,
+    }));
+    let views: Vec<View> = cleaned.shots.iter().map(|s| s.view(&places)).collect();
+    doubt::seen_from_several_sides(&cleaned.first)?;
+    let mut rungs = ladder::climb(cleaned.first, &views);
+    let chosen = ladder::choose(&rungs).ok_or(CalibrationError::NoFit)?;
+    let fit = rungs[chosen].fit.clone();
+    doubt::determined(&rungs, chosen, &views)?;
+    doubt::fits(&fit, &views, size)?;
+    let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
+    let (w, h) = board.size_mm();
+    let middle_mm = [w / 2.0, h / 2.0];
+    ladder::compare(&mut rungs, chosen, middle_mm);
+    let photos = photo_results(&cleaned.shots, &fit, &views, middle_mm);
+    let coverage = coverage(&photos, size);
+    let map = uncertainty::map(&fit, &covariance, size);
+    let sigmas = sigmas(&fit, &covariance);
+    let mut result = Calibration {
+        board: board.clone(),
+        camera: Camera {
+            sigma_px: Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]),
+            ..model::camera(size, &fit.camera)
+        },
+        sigmas,
+        rms_px: rms_px(&fit, &views),
+        rungs,
+        chosen,
+        photos,
+        left_out,
+        lost_corners: cleaned.lost_corners,
+        coverage,
+        map,
+        cautions: Vec::new(),
+    };
+    result.cautions = doubt::cautions(&result);
+    Ok(result)
+}
+
+fn rms_px(fit: &fit::Fit, views: &[View]) -> f64 {
+    let corners: usize = views.iter().map(|v| v.seen_px.len()).sum();
+    (fit.cost / corners as f64).sqrt()
+}
+
+fn sigmas(fit: &fit::Fit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
+    let mut sigmas = [0.0; model::ALL];
+    for (i, slots) in fit.model.slots().iter().enumerate() {
+        slots
+            .iter()
+            .for_each(|slot| sigmas[*slot] = covariance[(i, i)].max(0.0).sqrt());
+    }
+    sigmas
+}
+
+fn photo_results(shots: &[Shot], fit: &fit::Fit, views: &[View], middle_mm: [f64; 2]) -> Vec<PhotoResult> {
+    let residuals = fit.residuals(views);
+    let of = |((shot, pose), residuals_px): ((&Shot, &project::Pose), Vec<[f64; 2]>)| {
+        let squared: f64 = residuals_px.iter().map(|[x, y]| x * x + y * y).sum();
+        let [x, y] = middle_mm;
+        PhotoResult {
+            file: shot.file.clone(),
+            corners_px: shot.corners.iter().map(|c| c.px).collect(),
+            rms_px: (squared / residuals_px.len().max(1) as f64).sqrt(),
+            residuals_px,
+            tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
+            distance_mm: (ladder::transform(pose) * nalgebra::Point3::new(x, y, 0.0))
+                .coords
+                .norm(),
+            edge_width_px: shot.edge_width_px,
+        }
+    };
+    shots.iter().zip(&fit.poses).zip(residuals).map(of).collect()
+}
+
+fn coverage(photos: &[PhotoResult], (width, height): (u32, u32)) -> Vec<u32> {
+    let mut cells = vec![0; COVERAGE * COVERAGE];
+    let cell = |at: f64, length: u32| {
+        let share = ((at + 0.5) / f64::from(length)).clamp(0.0, 1.0);
+        ((share * COVERAGE as f64) as usize).min(COVERAGE - 1)
+    };
+    for [x, y] in photos.iter().flat_map(|p| &p.corners_px) {
+        cells[cell(*y, height) * COVERAGE + cell(*x, width)] += 1;
+    }
+    cells
+}

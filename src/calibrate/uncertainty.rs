@@ -1,0 +1,107 @@
+//! How far a projection may be off, cell by cell of the picture.
+
+use nalgebra::{DMatrix, Matrix2, Matrix3};
+
+use super::fit::{self, Fit};
+use super::model::ALL;
+use super::project::{direction, project};
+
+/// Cells of the map across the longer side of the picture.
+const CELLS: u32 = 16;
+
+/// One cell of the map.
+#[derive(Debug, Clone, Copy, serde::Serialize)]
+pub struct Cell {
+    /// Its middle, px.
+    pub px: [f64; 2],
+    /// Standard deviation of the projection in its worst direction, px; `None` where the lens model folds back on itself.
+    pub sigma_px: Option<f64>,
+}
+
+/// The map and its columns and rows.
+#[derive(Debug, Clone)]
+pub struct Map {
+    pub columns: u32,
+    pub rows: u32,
+    /// Row by row.
+    pub cells: Vec<Cell>,
+}
+
+/// Standard deviation of where a far point is projected, given the covariance of the camera's parameters.
+///
+/// A camera that is a little wrong and turned a little projects almost as before, and whoever finds a pose finds that turn as well.
+/// So the turn that best undoes a change over the whole picture is taken out first, as in mrcal's "projection uncertainty"
+/// (implied rotation): with J the derivatives by camera, R those by a turn, M = J − R (ΣRᵀR)⁻¹ ΣRᵀJ, and Var = M Σ Mᵀ.
+pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> Map {
+    let (w, h) = (f64::from(width), f64::from(height));
+    let side = w.max(h) / f64::from(CELLS);
+    let count = |length: f64| ((length / side).round() as u32).max(1);
+    let (columns, rows) = (count(w), count(h));
+    let middles: Vec<[f64; 2]> = (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| (column, row)))
+        .map(|(column, row)| {
+            let at = |n: u32, of: u32, length: f64| (f64::from(n) + 0.5) * length / f64::from(of) - 0.5;
+            [at(column, columns, w), at(row, rows, h)]
+        })
+        .collect();
+    let derivatives: Vec<Option<Derivatives>> = middles.iter().map(|px| Derivatives::at(fit, *px)).collect();
+    let turn = implied_turn(derivatives.iter().flatten(), covariance.nrows());
+    let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| Cell {
+        px,
+        sigma_px: d
+            .as_ref()
+            .zip(turn.as_ref())
+            .map(|(d, turn)| d.sigma_px(turn, covariance)),
+    });
+    Map {
+        columns,
+        rows,
+        cells: cells.collect(),
+    }
+}
+
+/// Of one pixel: by the parameters of the model (2 × p) and by a turn of the camera (2 × 3).
+struct Derivatives {
+    by_camera: DMatrix<f64>,
+    by_turn: DMatrix<f64>,
+}
+
+impl Derivatives {
+    fn at(fit: &Fit, px: [f64; 2]) -> Option<Derivatives> {
+        let seen = direction(&fit.camera, px)?;
+        let projected = at_depth_one(seen, &fit.camera)?;
+        Some(Derivatives {
+            by_camera: fit::gathered(fit.model, &projected.by_camera),
+            by_turn: projected.by_pose.columns(0, 3).into_owned(),
+        })
+    }
+
+    fn sigma_px(&self, turn: &DMatrix<f64>, covariance: &DMatrix<f64>) -> f64 {
+        let m = &self.by_camera - &self.by_turn * turn;
+        let v = &m * covariance * m.transpose();
+        let v = Matrix2::from_fn(|r, c| v[(r, c)]);
+        v.symmetric_eigenvalues().max().max(0.0).sqrt()
+    }
+}
+
+/// The derivatives of a direction's pixel: by the camera, and by a turn about the camera's centre.
+fn at_depth_one([x, y]: [f64; 2], camera: &[f64; ALL]) -> Option<super::project::Projected> {
+    // The plane z = 0 of the board frame, put at depth 1: its point (x, y) is the direction (x, y, 1).
+    let mut projected = project(&[[x, y]], camera, &[0.0, 0.0, 0.0, 0.0, 0.0, 1.0])?;
+    // OpenCV's turn is about the board's origin, so the turn about the camera is put together from the shifts: δX = ω × X.
+    let by_shift = projected.by_pose.columns(3, 3).into_owned();
+    let cross = Matrix3::new(0.0, 1.0, -y, -1.0, 0.0, x, y, -x, 0.0);
+    let by_turn = by_shift * DMatrix::from_fn(3, 3, |r, c| cross[(r, c)]);
+    projected.by_pose.columns_mut(0, 3).copy_from(&by_turn);
+    Some(projected)
+}
+
+/// The turn (3 × p) that best undoes each parameter's change over the picture.
+fn implied_turn<'a>(all: impl Iterator<Item = &'a Derivatives>, parameters: usize) -> Option<DMatrix<f64>> {
+    let (mut h, mut g) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, parameters));
+    for d in all {
+        h += d.by_turn.transpose() * &d.by_turn;
+        g += d.by_turn.transpose() * &d.by_camera;
+    }
+    Some(h.cholesky()?.solve(&g))
+}
