@@ -190,12 +190,11 @@ pub fn calibrate(
     let coverage = coverage(&photos, size);
     let map = uncertainty::map(&fit, &covariance, size);
     let sigmas = sigmas(&fit, &covariance);
+    let mut camera = model::camera(size, &fit.camera);
+    camera.sigma_px = Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]);
     let mut result = Calibration {
         board: board.clone(),
-        camera: Camera {
-            sigma_px: Some([sigmas[0], sigmas[1], sigmas[2], sigmas[3]]),
-            ..model::camera(size, &fit.camera)
-        },
+        camera,
         sigmas,
         rms_px: rms_px(&fit, &views),
         rungs,

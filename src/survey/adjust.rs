@@ -93,8 +93,7 @@ pub(super) fn adjust(
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
 pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
     let normal = Normal::at(net, poses, Free::All, Loss::Squared, camera);
-    let (reduced, _, _) = normal.reduced(0.0)?;
-    let inverse = Cholesky::new(reduced)?.inverse();
+    let inverse = Cholesky::new(normal.reduced(0.0)?.matrix)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.tag_slot.iter().map(block).collect())
 }
@@ -144,6 +143,14 @@ struct Normal {
     ties: Vec<Vec<(usize, Matrix6<f64>)>>,
     tag_gradient: Vec<Vector6<f64>>,
     photo_gradient: Vec<Vector6<f64>>,
+}
+
+/// The normal equations without the photos.
+struct Reduced {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+    /// Of the photos' own blocks.
+    photo_inverses: Vec<Matrix6<f64>>,
 }
 
 struct Step {
@@ -215,8 +222,8 @@ impl Normal {
         }
     }
 
-    /// The tags' own system once the photos are eliminated: matrix, right side, and the inverses of the photos' blocks.
-    fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>)> {
+    /// The tags' own system once the photos are eliminated (Schur complement).
+    fn reduced(&self, damping: f64) -> Option<Reduced> {
         let damped = |m: &Matrix6<f64>| m + Matrix6::from_diagonal(&(m.diagonal() * damping));
         let n = 6 * self.tags.len();
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -224,7 +231,7 @@ impl Normal {
             matrix.fixed_view_mut::<6, 6>(6 * t, 6 * t).copy_from(&damped(block));
             right.fixed_rows_mut::<6>(6 * t).copy_from(&-self.tag_gradient[t]);
         }
-        let mut inverses = Vec::with_capacity(self.photos.len());
+        let mut photo_inverses = Vec::with_capacity(self.photos.len());
         for (p, block) in self.photos.iter().enumerate() {
             let inverse = Cholesky::new(damped(block))?.inverse();
             for (a, tie_a) in &self.ties[p] {
@@ -236,13 +243,21 @@ impl Normal {
                     view -= through * tie_b.transpose();
                 }
             }
-            inverses.push(inverse);
+            photo_inverses.push(inverse);
         }
-        Some((matrix, right, inverses))
+        Some(Reduced {
+            matrix,
+            right,
+            photo_inverses,
+        })
     }
 
     fn step(&self, damping: f64) -> Option<Step> {
-        let (matrix, right, inverses) = self.reduced(damping)?;
+        let Reduced {
+            matrix,
+            right,
+            photo_inverses,
+        } = self.reduced(damping)?;
         let tags = if right.is_empty() {
             right
         } else {
@@ -253,7 +268,7 @@ impl Normal {
                 .iter()
                 .map(|(t, tie)| tie.transpose() * tags.fixed_rows::<6>(6 * t))
                 .sum();
-            inverses[p] * -(self.photo_gradient[p] + tied)
+            photo_inverses[p] * -(self.photo_gradient[p] + tied)
         };
         let photos = (0..self.photos.len()).map(photo).collect();
         Some(Step { tags, photos })
