@@ -9,7 +9,7 @@ use scaleproof::files::sha256_hex;
 use scaleproof::pattern::Pattern;
 use scaleproof::photo::Photo;
 use scaleproof::print::board::Definition;
-use scaleproof::print::printer::Printer;
+use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
 use scaleproof::session::Session;
 
@@ -51,7 +51,7 @@ pub fn pattern(bytes: &[u8]) {
 }
 
 pub fn printer(bytes: &[u8]) {
-    if let Ok(printer) = Printer::load(&file("printer.toml", bytes)) {
+    if let Ok(printer) = PrinterFile::load(&file("printer.toml", bytes)) {
         let _ = printer.to_toml();
     }
 }
