@@ -93,8 +93,7 @@ pub(super) fn adjust(
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
 pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
     let normal = Normal::at(net, poses, Free::All, Loss::Squared, camera);
-    let (reduced, _, _) = normal.reduced(0.0)?;
-    let inverse = Cholesky::new(reduced)?.inverse();
+    let inverse = Cholesky::new(normal.reduced(0.0)?.matrix)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.tag_slot.iter().map(block).collect())
 }
@@ -144,6 +143,13 @@ struct Normal {
     ties: Vec<Vec<(usize, Matrix6<f64>)>>,
     tag_gradient: Vec<Vector6<f64>>,
     photo_gradient: Vec<Vector6<f64>>,
+}
+
+/// The tags' own system, and the inverses of the photos' blocks that led to it.
+struct Reduced {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+    inverses: Vec<Matrix6<f64>>,
 }
 
 struct Step {
@@ -215,8 +221,8 @@ impl Normal {
         }
     }
 
-    /// The tags' own system once the photos are eliminated: matrix, right side, and the inverses of the photos' blocks.
-    fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>)> {
+    /// The tags' own system once the photos are eliminated; `None` when a photo's pose is open.
+    fn reduced(&self, damping: f64) -> Option<Reduced> {
         let damped = |m: &Matrix6<f64>| m + Matrix6::from_diagonal(&(m.diagonal() * damping));
         let n = 6 * self.tags.len();
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -238,11 +244,19 @@ impl Normal {
             }
             inverses.push(inverse);
         }
-        Some((matrix, right, inverses))
+        Some(Reduced {
+            matrix,
+            right,
+            inverses,
+        })
     }
 
     fn step(&self, damping: f64) -> Option<Step> {
-        let (matrix, right, inverses) = self.reduced(damping)?;
+        let Reduced {
+            matrix,
+            right,
+            inverses,
+        } = self.reduced(damping)?;
         let tags = if right.is_empty() {
             right
         } else {
