@@ -312,8 +312,10 @@ fn sigma_is_honest_on_synthetic_views() {
             "{} fixed: {count} tags, distance in σ of the worst direction: rms {rms:.2}, largest {largest:.2}",
             fixed.len()
         );
-        // Between all error in the one direction (1) and the same in all three (√3); a little less for what is allowed for edges.
-        assert!((0.5..1.8).contains(&rms) && largest < 5.0);
+        // Between all error in the one direction (1) and the same in all three (√3). With one fixed tag σ is mostly the allowance for
+        // edges found too far in, which these views do not have: there it can only be shown not to be too small.
+        let least = if fixed.len() == 1 { 0.1 } else { 0.9 };
+        assert!((least..1.8).contains(&rms) && largest < 5.0);
     }
 }
 

@@ -145,12 +145,11 @@ struct Normal {
     photo_gradient: Vec<Vector6<f64>>,
 }
 
-/// The normal equations without the photos.
+/// The tags' own system, and the inverses of the photos' blocks that led to it.
 struct Reduced {
     matrix: DMatrix<f64>,
     right: DVector<f64>,
-    /// Of the photos' own blocks.
-    photo_inverses: Vec<Matrix6<f64>>,
+    inverses: Vec<Matrix6<f64>>,
 }
 
 struct Step {
@@ -222,7 +221,7 @@ impl Normal {
         }
     }
 
-    /// The tags' own system once the photos are eliminated (Schur complement).
+    /// The tags' own system once the photos are eliminated; `None` when a photo's pose is open.
     fn reduced(&self, damping: f64) -> Option<Reduced> {
         let damped = |m: &Matrix6<f64>| m + Matrix6::from_diagonal(&(m.diagonal() * damping));
         let n = 6 * self.tags.len();
@@ -231,7 +230,7 @@ impl Normal {
             matrix.fixed_view_mut::<6, 6>(6 * t, 6 * t).copy_from(&damped(block));
             right.fixed_rows_mut::<6>(6 * t).copy_from(&-self.tag_gradient[t]);
         }
-        let mut photo_inverses = Vec::with_capacity(self.photos.len());
+        let mut inverses = Vec::with_capacity(self.photos.len());
         for (p, block) in self.photos.iter().enumerate() {
             let inverse = Cholesky::new(damped(block))?.inverse();
             for (a, tie_a) in &self.ties[p] {
@@ -243,12 +242,12 @@ impl Normal {
                     view -= through * tie_b.transpose();
                 }
             }
-            photo_inverses.push(inverse);
+            inverses.push(inverse);
         }
         Some(Reduced {
             matrix,
             right,
-            photo_inverses,
+            inverses,
         })
     }
 
@@ -256,7 +255,7 @@ impl Normal {
         let Reduced {
             matrix,
             right,
-            photo_inverses,
+            inverses,
         } = self.reduced(damping)?;
         let tags = if right.is_empty() {
             right
@@ -268,7 +267,7 @@ impl Normal {
                 .iter()
                 .map(|(t, tie)| tie.transpose() * tags.fixed_rows::<6>(6 * t))
                 .sum();
-            photo_inverses[p] * -(self.photo_gradient[p] + tied)
+            inverses[p] * -(self.photo_gradient[p] + tied)
         };
         let photos = (0..self.photos.len()).map(photo).collect();
         Some(Step { tags, photos })

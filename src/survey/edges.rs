@@ -14,8 +14,8 @@ use crate::geometry::{Rigid, rigid};
 /// What is expected of a detector before anything is measured: σ in px.
 const EXPECTED_PX: f64 = 0.3;
 
-/// What one shift for all tags leaves, since it differs with light, blur and tilt: σ in px. Measured on the skyline photos: 0.27 px when eight
-/// fixed tags tell it, 0.18 px when near against far tags must.
+/// What one shift for all tags leaves, since it differs with light, blur and tilt: σ in px. Measured on the skyline photos:
+/// 0.27 px when eight fixed tags tell it, 0.18 px when near against far tags must.
 pub(super) const LEFT_PX: f64 = 0.1;
 
 /// The step of the differences, px.

@@ -103,9 +103,10 @@ pub struct PhotoReport {
 
 /// Surveys the tags that the photos show.
 ///
-/// Both planar branches of every sighting (IPPE: Collins & Bartoli 2014) are candidates for a photo-by-photo start (`grow.rs`); all poses
-/// are then adjusted together under a robust loss, with one shift that all tag edges share (`edges.rs`); tags that the photos disagree about are named and left out (`suspects.rs`),
-/// and the rest is adjusted once more by least squares, whose covariance, inflated by the residuals, gives each σ.
+/// Both planar branches of every sighting (IPPE: Collins & Bartoli 2014) are candidates for a start, photo by photo
+/// (`grow.rs`). All poses are then adjusted together under a robust loss, with one shift that all tag edges share (`edges.rs`).
+/// Tags that the photos disagree about are named and left out (`suspects.rs`). The rest is adjusted once more by least squares,
+/// whose covariance, inflated by the residuals, gives each σ.
 pub fn survey(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<Survey, SurveyError> {
     let (mut net, mut left_out) = network(photos, given, camera)?;
     check_connected(&net)?;
