@@ -94,6 +94,8 @@ impl Row {
 /// # Errors
 /// A detector that reads the scene's families but does not start; those that do not read them are left out.
 pub fn measure(samples: &[Sample], scene: &Scene, camera: &Camera, on_done: impl Fn()) -> Result<Vec<Row>, StartError> {
+    // Times are of one core, whatever OpenCV would like.
+    let _ = opencv::core::set_num_threads(1);
     let families = scene.families();
     let reads_all = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
     let mut rows = Vec::new();

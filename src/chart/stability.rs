@@ -413,6 +413,17 @@ fn tags_of(samples: &[Sample], scene: &Scene) -> Result<Vec<Vec<Quad>>, StartErr
     )
 }
 
+/// Over some steps: views, share answered, and the share of the answered that was silently wrong.
+pub fn total<'a>(steps: impl IntoIterator<Item = &'a Step>) -> (usize, f64, f64) {
+    let (mut views, mut answered, mut wrong) = (0, 0.0, 0.0);
+    for step in steps {
+        views += step.views;
+        answered += step.answered * step.views as f64;
+        wrong += step.silently_wrong * step.views as f64;
+    }
+    (views, answered / views.max(1) as f64, wrong / answered.max(1.0))
+}
+
 /// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
 /// error of the answered.
 pub fn draw(title: &str, steps: &[Step]) -> String {
@@ -497,10 +508,16 @@ fn amounts(steps: &[&Step], methods: &[&str]) -> Vec<String> {
     of_method(steps, first).map(|step| format!("{}", step.amount)).collect()
 }
 
-/// The detectors that photos are spoiled for: the default, what it rests on, and the fastest rivals that read the scene's tags.
+/// The detectors that photos are spoiled for: the default, the library it rests on, and the fastest rival; those of them that
+/// read the scene's tags.
 pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
-    TagDetectorChoice::ALL.into_iter().filter(reads_all).collect()
+    let compared = [
+        TagDetectorChoice::default(),
+        TagDetectorChoice::AprilTagC,
+        TagDetectorChoice::Locus,
+    ];
+    compared.into_iter().filter(reads_all).collect()
 }
 
 /// A line a sweep and method: up to which amount nearly all is answered, and how often it was silently wrong at worst.

@@ -1,0 +1,141 @@
+//! The charts that choose the defaults, on the stored photos, and the sweeps that drive every method until it breaks.
+
+mod common;
+
+use common::{assert_refused, program, skyline};
+use scaleproof::chart::locate::{CameraModel, Sample, measure};
+use scaleproof::chart::{stability, true_views};
+use scaleproof::locate::Solver;
+use scaleproof::photo::Photo;
+use scaleproof::session::Session;
+use scaleproof::tags::TagDetectorChoice;
+
+fn samples() -> (Session, Vec<Sample>) {
+    let session = Session::open(&skyline()).unwrap();
+    let files: Vec<&str> = session.photos.iter().map(|p| p.file.as_str()).collect();
+    let truths = true_views(&skyline().join("truth.json"), &files).unwrap();
+    let samples = session.photos.iter().zip(truths).map(|(entry, truth)| Sample {
+        grey: Photo::open(&session.photo_path(entry)).unwrap().grey(),
+        truth,
+    });
+    let samples = samples.collect();
+    (session, samples)
+}
+
+/// The default answers every stored photo, and nothing that answers all of them is more accurate in every figure.
+#[test]
+fn the_default_is_on_the_chart_s_accurate_end() {
+    let (session, samples) = samples();
+    let rows = measure(&samples, &session.scene, &session.camera, || {}).unwrap();
+    assert_eq!(
+        rows.len(),
+        TagDetectorChoice::ALL.len() * Solver::all().len() * CameraModel::ALL.len()
+    );
+    let default: Vec<_> = rows.iter().filter(|row| row.is_default).collect();
+    let [default] = default[..] else {
+        panic!("one row is the default")
+    };
+    println!("{}", scaleproof::chart::locate::table(&rows));
+    assert_eq!((default.answered, default.silently_wrong), (1.0, 0.0));
+    assert!(default.azimuth_error_median_deg.unwrap() <= 0.02 && default.azimuth_error_max_deg.unwrap() <= 0.1);
+    assert!(default.pitch_error_median_deg.unwrap() <= 0.02 && default.pitch_error_max_deg.unwrap() <= 0.1);
+    assert!(default.distance_error_max_mm.unwrap() <= 1.0);
+    // Without its distortion the lens misleads, which the chart must show.
+    let pinhole = rows.iter().find(|row| {
+        row.camera_model == CameraModel::Pinhole
+            && (row.tag_detector, row.solver) == (default.tag_detector, default.solver)
+    });
+    let (bent, straight) = (pinhole.unwrap(), default);
+    assert!(bent.answered < 1.0 || bent.distance_error_median_mm > straight.distance_error_median_mm);
+}
+
+/// 14 conditions, from harmless to hopeless, on 21,000 simulated views.
+#[test]
+fn swept_views_are_right_or_refused() {
+    let session = Session::open(&skyline()).unwrap();
+    let steps = stability::on_views(&session.scene, &session.camera, 250, 7, || {});
+    println!("{}", stability::summary(&steps));
+    let default = || steps.iter().filter(|step| step.method == Solver::default().name());
+    let (views, _, wrong) = stability::total(default());
+    assert!(views >= 20_000, "{views} views");
+    assert!(
+        wrong <= 0.001,
+        "{:.3} % of the answered are silently wrong",
+        100.0 * wrong
+    );
+    // A frontal tag alone is never answered.
+    let frontal = default()
+        .find(|step| step.sweep == "tilt_of_a_single_tag" && step.amount == 0.0)
+        .unwrap();
+    assert!(frontal.views > 200 && frontal.answered == 0.0, "{frontal:?}");
+    // The sweeps reach where it breaks: what cannot be known is refused.
+    let weakest = default().map(|step| step.answered).fold(1.0, f64::min);
+    assert!(weakest < 0.5, "nothing was driven until it broke");
+    // A simpler method is silently wrong where the default is not, or there would be no need for the default.
+    let (_, _, of_simplest) = stability::total(steps.iter().filter(|step| step.method == Solver::Sqpnp.name()));
+    println!("silently wrong of the answered: {wrong:.5}, plain SQPnP {of_simplest:.5}");
+}
+
+/// Seven ways to spoil the stored photos.
+#[test]
+fn spoiled_photos_are_right_or_refused() {
+    let (session, samples) = samples();
+    let detectors = [TagDetectorChoice::default()];
+    let steps = stability::on_photos(&samples, &session.scene, &session.camera, &detectors, 3, || {}).unwrap();
+    println!("{}", stability::summary(&steps));
+    let (photos, answered, wrong) = stability::total(&steps);
+    assert_eq!(photos, stability::photo_steps(samples.len()));
+    assert_eq!(wrong, 0.0);
+    assert!(answered > 0.5, "{answered}");
+    for name in ["blur", "noise", "exposure", "occlusion"] {
+        let of: Vec<_> = steps.iter().filter(|step| step.sweep == name).collect();
+        assert_eq!(of[0].answered, 1.0, "{name}: untouched photos");
+        let weakest = of.iter().map(|step| step.answered).fold(1.0, f64::min);
+        assert!(weakest < 0.5, "{name} was not driven until it broke: {weakest}");
+    }
+}
+
+#[test]
+fn the_charts_are_files_that_a_browser_can_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("charts");
+    let mut command = program();
+    command
+        .args(["chart", "stability", "--views", "3", "--session"])
+        .arg(skyline());
+    command
+        .arg("--truth")
+        .arg(skyline().join("truth.json"))
+        .arg("-o")
+        .arg(&out);
+    assert!(command.status().unwrap().success());
+    let numbers: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("stability.json")).unwrap()).unwrap();
+    assert!(numbers["rows"].as_array().unwrap().len() > 100);
+    for name in ["stability-photos.svg", "stability-views.svg"] {
+        let text = std::fs::read_to_string(out.join(name)).unwrap();
+        let document = roxmltree::Document::parse(&text).unwrap();
+        assert!(
+            document.descendants().filter(|n| n.has_tag_name("polyline")).count() > 20,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn bad_input_is_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("charts");
+    let truth = folder.path().join("truth.json");
+    let refused = |text: &str, wanted: &str| {
+        std::fs::write(&truth, text).unwrap();
+        let mut command = program();
+        command.args(["chart", "locate", "--session"]).arg(skyline());
+        command.arg("--truth").arg(&truth).arg("-o").arg(&out);
+        assert_refused(&command.output().unwrap(), &[wanted]);
+        assert!(!out.exists());
+    };
+    refused("{}", "is no truth file");
+    refused("{\"photos\": []}", "says nothing about normal_000.jpg");
+    refused("no JSON", "is no truth file");
+}
