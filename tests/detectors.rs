@@ -65,6 +65,46 @@ fn a_network_that_does_not_fit_its_manifest_is_named() {
     assert!(error.contains("other.onnx is not a model"), "{error}");
 }
 
+/// A manifest beside its network is named by its path; nothing but the name differs from a built-in one.
+#[test]
+fn a_manifest_of_the_users_own_runs_by_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let network = constant_network(&[1, 3549, 85], yolox_answer());
+    std::fs::write(folder.path().join("mine.onnx"), &network).unwrap();
+    let built_in = std::fs::read_to_string(common::home().join("detectors/yolox_nano.toml")).unwrap();
+    let hash = scaleproof::files::sha256_hex(&network);
+    let mine = built_in
+        .replace("\"yolox_nano\"", "\"mine\"")
+        .replace("yolox_nano.onnx", "mine.onnx")
+        .replace(
+            "695e750a5d5754bb5a8d5325643b59282191a7e7a564e435a415fd3c578eab14",
+            &hash,
+        );
+    let check = |text: &str| {
+        let manifest = folder.path().join("mine.toml");
+        std::fs::write(&manifest, text).unwrap();
+        let mut command = program();
+        command
+            .args(["detectors", "check", "--json", "--detector"])
+            .arg(manifest);
+        command.arg(skyline().join("normal_000.jpg")).output().unwrap()
+    };
+    let line: serde_json::Value = serde_json::from_str(stdout(&check(&mine)).lines().next().unwrap()).unwrap();
+    assert_eq!((&line["detector"], &line["label"]), (&"mine".into(), &"car".into()));
+    assert_refused(
+        &check(&mine.replace("\"mine\"", "\"yolox_nano\"")),
+        &["mine.toml", "ships with scaleproof"],
+    );
+    assert_refused(
+        &check(&mine.replace("\"mine\"", "\"../mine\"")),
+        &["mine.toml", "files are named by it"],
+    );
+    assert_refused(
+        &check(&mine.replace("[416, 416]", "[0, 416]")),
+        &["input.size_px is [0, 416]"],
+    );
+}
+
 #[test]
 fn the_list_says_what_there_is_and_what_is_missing() {
     let output = program().args(["detectors", "list"]).output().unwrap();
