@@ -7,51 +7,8 @@ use std::path::Path;
 use common::{assert_refused, program, shared, skyline, stdout};
 use scaleproof::detect::{Detector, Manifest, Runtime};
 
-/// Just enough of ONNX's protobuf (onnx.proto3) to write a network that answers with a constant.
-mod onnx {
-    fn varint(mut v: u64) -> Vec<u8> {
-        let mut out = Vec::new();
-        while v >= 0x80 {
-            out.push(v as u8 | 0x80);
-            v >>= 7;
-        }
-        out.push(v as u8);
-        out
-    }
-
-    fn int(field: u64, v: u64) -> Vec<u8> {
-        [varint(field << 3), varint(v)].concat()
-    }
-
-    fn bytes(field: u64, v: &[u8]) -> Vec<u8> {
-        [varint(field << 3 | 2), varint(v.len() as u64), v.to_vec()].concat()
-    }
-
-    /// ValueInfoProto of a float tensor.
-    fn value(name: &str, shape: &[usize]) -> Vec<u8> {
-        let dims: Vec<u8> = shape.iter().flat_map(|d| bytes(1, &int(1, *d as u64))).collect();
-        let tensor = [int(1, 1), bytes(2, &dims)].concat();
-        [bytes(1, name.as_bytes()), bytes(2, &bytes(1, &tensor))].concat()
-    }
-
-    /// images (1×3×size×size) in, `data` out, whatever the picture: output = Identity(constant).
-    pub fn constant_network(size: usize, shape: &[usize], data: &[f32]) -> Vec<u8> {
-        let dims: Vec<u8> = shape.iter().flat_map(|d| int(1, *d as u64)).collect();
-        let raw: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()).collect();
-        let constant = [dims, int(2, 1), bytes(8, b"constant"), bytes(9, &raw)].concat();
-        let node = [bytes(1, b"constant"), bytes(2, b"output"), bytes(4, b"Identity")].concat();
-        let graph = [
-            bytes(1, &node),
-            bytes(2, b"graph"),
-            bytes(5, &constant),
-            bytes(11, &value("images", &[1, 3, size, size])),
-            bytes(12, &value("output", shape)),
-        ]
-        .concat();
-        let opset = bytes(8, &int(2, 13));
-        [int(1, 7), bytes(7, &graph), opset].concat()
-    }
-}
+#[path = "common/onnx.rs"]
+mod onnx;
 
 /// A YOLOX answer with one box: centre (208, 104), 104 × 52 input pixels, at stride 8, car .72, truck .18.
 fn yolox_answer() -> Vec<f32> {
@@ -62,11 +19,18 @@ fn yolox_answer() -> Vec<f32> {
     data
 }
 
+fn constant_network(shape: &[usize], data: Vec<f32>) -> Vec<u8> {
+    onnx::network(
+        &[onnx::Input::floats("images", &[1, 3, 416, 416])],
+        &[onnx::Output::floats("output", shape, data)],
+    )
+}
+
 #[test]
 fn a_network_made_here_runs_and_its_box_lands_in_the_photo() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tiny.onnx");
-    std::fs::write(&path, onnx::constant_network(416, &[1, 3549, 85], &yolox_answer())).unwrap();
+    std::fs::write(&path, constant_network(&[1, 3549, 85], yolox_answer())).unwrap();
     let manifest = Manifest::named("yolox_nano").unwrap();
     let mut detector = Detector::open(Runtime::load().unwrap(), &manifest, &path).unwrap();
     // An odd size: the ratio is 416 / 1001.
@@ -85,7 +49,7 @@ fn a_network_made_here_runs_and_its_box_lands_in_the_photo() {
 fn a_network_that_does_not_fit_its_manifest_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("other.onnx");
-    std::fs::write(&path, onnx::constant_network(416, &[1, 10, 85], &[0.0; 850])).unwrap();
+    std::fs::write(&path, constant_network(&[1, 10, 85], vec![0.0; 850])).unwrap();
     let manifest = Manifest::named("yolox_nano").unwrap();
     let mut detector = Detector::open(Runtime::load().unwrap(), &manifest, &path).unwrap();
     let error = detector.detect(&image::RgbImage::new(64, 48)).unwrap_err().to_string();
@@ -99,6 +63,46 @@ fn a_network_that_does_not_fit_its_manifest_is_named() {
         .unwrap()
         .to_string();
     assert!(error.contains("other.onnx is not a model"), "{error}");
+}
+
+/// A manifest beside its network is named by its path; nothing but the name differs from a built-in one.
+#[test]
+fn a_manifest_of_the_users_own_runs_by_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let network = constant_network(&[1, 3549, 85], yolox_answer());
+    std::fs::write(folder.path().join("mine.onnx"), &network).unwrap();
+    let built_in = std::fs::read_to_string(common::home().join("detectors/yolox_nano.toml")).unwrap();
+    let hash = scaleproof::files::sha256_hex(&network);
+    let mine = built_in
+        .replace("\"yolox_nano\"", "\"mine\"")
+        .replace("yolox_nano.onnx", "mine.onnx")
+        .replace(
+            "695e750a5d5754bb5a8d5325643b59282191a7e7a564e435a415fd3c578eab14",
+            &hash,
+        );
+    let check = |text: &str| {
+        let manifest = folder.path().join("mine.toml");
+        std::fs::write(&manifest, text).unwrap();
+        let mut command = program();
+        command
+            .args(["detectors", "check", "--json", "--detector"])
+            .arg(manifest);
+        command.arg(skyline().join("normal_000.jpg")).output().unwrap()
+    };
+    let line: serde_json::Value = serde_json::from_str(stdout(&check(&mine)).lines().next().unwrap()).unwrap();
+    assert_eq!((&line["detector"], &line["label"]), (&"mine".into(), &"car".into()));
+    assert_refused(
+        &check(&mine.replace("\"mine\"", "\"yolox_nano\"")),
+        &["mine.toml", "ships with scaleproof"],
+    );
+    assert_refused(
+        &check(&mine.replace("\"mine\"", "\"../mine\"")),
+        &["mine.toml", "files are named by it"],
+    );
+    assert_refused(
+        &check(&mine.replace("[416, 416]", "[0, 416]")),
+        &["input.size_px is [0, 416]"],
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `scaleproof detectors`: which detectors there are, where their weights come from, and whether they work.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use serde::Serialize;
@@ -91,14 +91,17 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// The named detectors, or all.
+/// The named detectors, or all that ship with the program; a name that ends in `.toml` is a manifest of the user's own.
 pub fn chosen(names: &[String]) -> CommandResultOf<Vec<Manifest>> {
     if names.is_empty() {
         return Ok(Manifest::all()?);
     }
     let mut manifests: Vec<Manifest> = Vec::new();
     for name in names {
-        let manifest = Manifest::named(name)?;
+        let manifest = match name.ends_with(".toml") {
+            true => Manifest::open(Path::new(name))?,
+            false => Manifest::named(name)?,
+        };
         if !manifests.contains(&manifest) {
             manifests.push(manifest);
         }

@@ -12,6 +12,8 @@ use crate::files;
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
 pub enum FetchError {
+    #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
+    NoUrl { name: String, file: String },
     #[error("cannot reach {host} to fetch {name} ({reason}): go online, or copy {file} into {folder}", folder = folder.display())]
     Unreachable {
         name: String,
@@ -39,6 +41,12 @@ const MAX_BYTES: u64 = 2 << 30;
 ///
 /// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified.
 pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u64>)) -> Result<PathBuf, FetchError> {
+    if manifest.weights.url.is_empty() {
+        return Err(FetchError::NoUrl {
+            name: manifest.name.clone(),
+            file: manifest.weights.file.clone(),
+        });
+    }
     let target = folder.join(&manifest.weights.file);
     let part = folder.join(format!("{}.part", manifest.weights.file));
     let failed = |e: std::io::Error| files::FileError::Write {

@@ -6,7 +6,7 @@ use opencv::core::{Mat, Size};
 use opencv::imgproc;
 use opencv::prelude::*;
 
-use super::manifest::{Channels, Input, Kernel, Resize};
+use super::manifest::{Channels, Input, Kernel, Layout, Resize};
 use crate::geometry::BoxPx;
 
 /// Where the photo lies in the network's input.
@@ -18,6 +18,8 @@ pub(super) struct Placement {
     offset: [f64; 2],
     /// Size of the resized photo in input pixels.
     size: [u32; 2],
+    /// Width, height of the whole input, border included.
+    pub(super) canvas: [u32; 2],
     /// Size of the photo in pixels.
     pub(super) photo: [f64; 2],
 }
@@ -28,33 +30,33 @@ impl Placement {
         let [net_w, net_h] = input.size_px;
         let photo = [f64::from(photo_width), f64::from(photo_height)];
         let ratio = (f64::from(net_w) / photo[0]).min(f64::from(net_h) / photo[1]);
-        let kept = photo.map(|side| ((side * ratio) as u32).max(1));
+        let truncated = |ratio: f64| photo.map(|side| ((side * ratio) as u32).max(1));
+        let centred = |size: [u32; 2]| Placement {
+            scale: per_axis(size, photo),
+            offset: [f64::from((net_w - size[0]) / 2), f64::from((net_h - size[1]) / 2)],
+            size,
+            canvas: input.size_px,
+            photo,
+        };
+        let in_the_corner = |scale: [f64; 2], size: [u32; 2], canvas: [u32; 2]| Placement {
+            scale,
+            offset: [0.0, 0.0],
+            size,
+            canvas,
+            photo,
+        };
         match input.resize {
-            Resize::Stretch => {
-                let size = [net_w, net_h];
-                Placement {
-                    scale: per_axis(size, photo),
-                    offset: [0.0, 0.0],
-                    size,
-                    photo,
-                }
+            Resize::Stretch => in_the_corner(per_axis(input.size_px, photo), input.size_px, input.size_px),
+            Resize::Original => in_the_corner([1.0, 1.0], [photo_width, photo_height], [photo_width, photo_height]),
+            // YOLOX and the ONNX zoo's R-CNN divide by the ratio itself, not by the truncated size.
+            Resize::LetterboxTopLeft => in_the_corner([ratio, ratio], truncated(ratio), input.size_px),
+            Resize::ShortSide => {
+                let ratio = f64::from(net_w) / photo[0].min(photo[1]);
+                let size = truncated(ratio);
+                in_the_corner([ratio, ratio], size, size.map(|side| side.next_multiple_of(32)))
             }
-            // YOLOX divides by the ratio itself, not by the truncated size.
-            Resize::LetterboxTopLeft => Placement {
-                scale: [ratio, ratio],
-                offset: [0.0, 0.0],
-                size: kept,
-                photo,
-            },
-            Resize::LetterboxCentre => {
-                let offset = [f64::from((net_w - kept[0]) / 2), f64::from((net_h - kept[1]) / 2)];
-                Placement {
-                    scale: per_axis(kept, photo),
-                    offset,
-                    size: kept,
-                    photo,
-                }
-            }
+            Resize::LetterboxCentre => centred(truncated(ratio)),
+            Resize::LetterboxCentreRounded => centred(photo.map(|side| ((side * ratio).round() as u32).max(1))),
         }
     }
 
@@ -70,10 +72,10 @@ fn per_axis(size: [u32; 2], photo: [f64; 2]) -> [f64; 2] {
     [f64::from(size[0]) / photo[0], f64::from(size[1]) / photo[1]]
 }
 
-/// The input tensor, 3×height×width, channel by channel.
+/// The input tensor's numbers, in the order of the manifest's layout.
 pub(super) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> Result<Vec<f32>, String> {
     let resized = resize(photo, placement.size, input.kernel)?;
-    let [net_w, net_h] = input.size_px.map(|v| v as usize);
+    let [net_w, net_h] = placement.canvas.map(|v| v as usize);
     let [left, top] = placement.offset.map(|v| v as usize);
     let (width, plane) = (placement.size[0] as usize, net_w * net_h);
     let mut tensor = vec![0.0; 3 * plane];
@@ -83,12 +85,19 @@ pub(super) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> 
             Channels::Rgb => channel,
             Channels::Bgr => 2 - channel,
         };
-        let to = &mut tensor[channel * plane..][..plane];
-        to.fill((f32::from(input.pad) - mean) / std);
+        // Where the channel begins, and how far apart its values are.
+        let (first, step) = match input.layout {
+            Layout::Nchw | Layout::Chw => (channel * plane, 1),
+            Layout::Nhwc => (channel, 3),
+        };
+        let to = &mut tensor[first..];
+        if input.resize != Resize::ShortSide {
+            let border = (f32::from(input.pad) - mean) / std;
+            to.iter_mut().step_by(step).take(plane).for_each(|to| *to = border);
+        }
         for (y, row) in resized.chunks_exact(3 * width).enumerate() {
-            let to = &mut to[(top + y) * net_w + left..][..width];
-            to.iter_mut()
-                .zip(row.chunks_exact(3))
+            let to = to[((top + y) * net_w + left) * step..].iter_mut().step_by(step);
+            to.zip(row.chunks_exact(3))
                 .for_each(|(to, rgb)| *to = (f32::from(rgb[source]) - mean) / std);
         }
     }
@@ -128,12 +137,15 @@ fn antialiased(photo: &RgbImage, [width, height]: [u32; 2]) -> Result<Vec<u8>, B
 
 #[cfg(test)]
 mod tests {
+    use super::super::manifest::Values;
     use super::*;
     use proptest::prelude::*;
 
     fn input(resize: Resize) -> Input {
         Input {
             size_px: [416, 320],
+            layout: Layout::Nchw,
+            values: Values::F32,
             resize,
             kernel: Kernel::OpencvLinear,
             pad: 114,
@@ -155,6 +167,35 @@ mod tests {
     }
 
     #[test]
+    fn channels_last_is_the_same_picture() {
+        let photo = RgbImage::from_fn(97, 61, |x, y| image::Rgb([x as u8, y as u8, 7]));
+        let planar = input(Resize::LetterboxCentreRounded);
+        let last = Input {
+            layout: Layout::Nhwc,
+            ..planar.clone()
+        };
+        let placement = Placement::new(&planar, 97, 61);
+        let [planar, last] = [planar, last].map(|input| tensor(&photo, &input, &placement).unwrap());
+        let plane = 416 * 320;
+        assert!((0..3 * plane).all(|i| planar[i] == last[i % plane * 3 + i / plane]));
+    }
+
+    #[test]
+    fn a_given_short_side_ends_in_zeros_at_a_multiple_of_32() {
+        let photo = RgbImage::from_pixel(301, 203, image::Rgb([10, 20, 30]));
+        let input = Input {
+            size_px: [96, 96],
+            mean: [1.0; 3],
+            ..input(Resize::ShortSide)
+        };
+        let placement = Placement::new(&input, 301, 203);
+        // 301 · 96 / 203 = 142.3
+        assert_eq!((placement.size, placement.canvas), ([142, 96], [160, 96]));
+        let tensor = tensor(&photo, &input, &placement).unwrap();
+        assert_eq!((tensor[141], tensor[142]), (29.0, 0.0));
+    }
+
+    #[test]
     fn the_antialiased_kernel_averages_what_linear_skips() {
         // Every fourth column white: reduced by four, the mean is a quarter of white.
         let photo = RgbImage::from_fn(256, 64, |x, _| image::Rgb([if x % 4 == 0 { 255 } else { 0 }; 3]));
@@ -168,7 +209,7 @@ mod tests {
         #[test]
         fn boxes_come_back(
             width in 33u32..3000, height in 33u32..3000, resize in prop::sample::select(vec![
-                Resize::Stretch, Resize::LetterboxTopLeft, Resize::LetterboxCentre]),
+                Resize::Stretch, Resize::LetterboxTopLeft, Resize::LetterboxCentre, Resize::LetterboxCentreRounded]),
             x in 0.0..0.5_f64, y in 0.0..0.5_f64,
         ) {
             let p = Placement::new(&input(resize), width, height);

@@ -2,46 +2,107 @@
 
 use serde::Deserialize;
 
-/// A named list of labels.
+/// A list of labels: in a manifest, one of the names below or a list of its own, `["car", "truck"]`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(try_from = "Written")]
 pub enum Labels {
     /// The 80 classes of COCO detection, in the order of COCO's category ids.
     Coco80,
+    /// The same classes, numbered by COCO's category ids: 1–90 with gaps.
+    Coco91,
+    /// The 20 classes of Pascal VOC, in alphabetical order.
+    Voc20,
+    /// A detector's own. Kept until the program ends, so that labels are copied as the other lists are.
+    Custom(&'static [String]),
+}
+
+/// Labels as a manifest writes them.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "labels are \"coco80\", \"coco91\", \"voc20\" or a list of names"
+)]
+enum Written {
+    Named(String),
+    Custom(Vec<String>),
+}
+
+impl TryFrom<Written> for Labels {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Labels, String> {
+        match written {
+            Written::Named(name) => match name.as_str() {
+                "coco80" => Ok(Labels::Coco80),
+                "coco91" => Ok(Labels::Coco91),
+                "voc20" => Ok(Labels::Voc20),
+                _ => Err(format!(
+                    "labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names"
+                )),
+            },
+            Written::Custom(names) => {
+                let twice = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n));
+                match twice {
+                    Some((_, name)) => Err(format!("the label {name:?} is listed twice")),
+                    None if names.is_empty() => Err("the list of labels is empty".into()),
+                    None => Ok(Labels::Custom(Box::leak(names.into_boxed_slice()))),
+                }
+            }
+        }
+    }
 }
 
 impl Labels {
-    /// How many labels there are.
+    /// How many numbers a network gives: one more than the highest label.
     pub fn count(self) -> usize {
-        self.table().len()
+        match self {
+            Labels::Coco80 => COCO80.len(),
+            Labels::Coco91 => 91,
+            Labels::Voc20 => VOC20.len(),
+            Labels::Custom(names) => names.len(),
+        }
     }
 
-    /// The name of a label; `None` for a number outside the list.
+    /// The name of a label; `None` for a number outside the list or in a gap.
     pub fn name(self, label: usize) -> Option<&'static str> {
-        self.table().get(label).map(|(_, name)| *name)
+        match self {
+            Labels::Coco80 => COCO80.get(label).map(|(_, name)| *name),
+            Labels::Coco91 => COCO80
+                .iter()
+                .find(|(id, _)| *id as usize == label)
+                .map(|(_, name)| *name),
+            Labels::Voc20 => VOC20.get(label).copied(),
+            Labels::Custom(names) => names.get(label).map(String::as_str),
+        }
     }
 
     /// The number of a label by its name.
     pub fn find(self, name: &str) -> Option<usize> {
-        self.table().iter().position(|(_, n)| *n == name)
+        (0..self.count()).find(|label| self.name(*label) == Some(name))
     }
 
-    /// The category id that COCO files use for a label.
+    /// The category id that COCO files use for a label: COCO's own, else counted from 1.
     pub fn category_id(self, label: usize) -> Option<u32> {
-        self.table().get(label).map(|(id, _)| *id)
-    }
-
-    /// The label of a COCO category id.
-    pub fn of_category(self, id: u32) -> Option<usize> {
-        self.table().iter().position(|(i, _)| *i == id)
-    }
-
-    fn table(self) -> &'static [(u32, &'static str)] {
+        self.name(label)?;
         match self {
-            Labels::Coco80 => &COCO80,
+            Labels::Coco80 => COCO80.get(label).map(|(id, _)| *id),
+            Labels::Coco91 => u32::try_from(label).ok(),
+            Labels::Voc20 | Labels::Custom(_) => u32::try_from(label + 1).ok(),
         }
     }
+
+    /// The label of a category id.
+    pub fn of_category(self, id: u32) -> Option<usize> {
+        (0..self.count()).find(|label| self.category_id(*label) == Some(id))
+    }
 }
+
+/// Source: the class list of the Pascal VOC 2012 development kit.
+#[rustfmt::skip]
+const VOC20: [&str; 20] = [
+    "aeroplane", "bicycle", "bird", "boat", "bottle", "bus", "car", "cat", "chair", "cow", "diningtable", "dog", "horse",
+    "motorbike", "person", "pottedplant", "sheep", "sofa", "train", "tvmonitor",
+];
 
 /// COCO's category ids have gaps; detectors count 0–79. Source: the categories of `instances_val2017.json`.
 #[rustfmt::skip]
@@ -64,16 +125,51 @@ const COCO80: [(u32, &str); 80] = [
 mod tests {
     use super::*;
 
+    #[derive(Deserialize)]
+    struct File {
+        labels: Labels,
+    }
+
+    fn read(text: &str) -> Result<Labels, String> {
+        let file: Result<File, _> = toml::from_str(text);
+        file.map(|f| f.labels).map_err(|e| e.message().to_owned())
+    }
+
     #[test]
-    fn names_numbers_and_category_ids_agree() {
-        assert_eq!(Labels::Coco80.find("car"), Some(2));
-        assert_eq!(Labels::Coco80.category_id(79), Some(90));
-        for label in 0..80 {
-            assert_eq!(Labels::Coco80.find(Labels::Coco80.name(label).unwrap()), Some(label));
-            assert_eq!(
-                Labels::Coco80.of_category(Labels::Coco80.category_id(label).unwrap()),
-                Some(label)
-            );
+    fn names_numbers_and_category_ids_agree_in_every_list() {
+        let own = read(r#"labels = ["van", "car"]"#).unwrap();
+        for (labels, names, car) in [
+            (Labels::Coco80, 80, 2),
+            (Labels::Coco91, 80, 3),
+            (Labels::Voc20, 20, 6),
+            (own, 2, 1),
+        ] {
+            assert_eq!(labels.find("car"), Some(car));
+            let named: Vec<usize> = (0..labels.count()).filter(|l| labels.name(*l).is_some()).collect();
+            assert_eq!(named.len(), names, "{labels:?}");
+            for label in named {
+                assert_eq!(labels.find(labels.name(label).unwrap()), Some(label));
+                assert_eq!(labels.of_category(labels.category_id(label).unwrap()), Some(label));
+            }
+        }
+        // COCO's own ids, whichever way the detector counts.
+        assert_eq!(
+            (Labels::Coco80.category_id(79), Labels::Coco91.category_id(90)),
+            (Some(90), Some(90))
+        );
+        assert_eq!((Labels::Coco91.name(12), Labels::Coco91.category_id(0)), (None, None));
+    }
+
+    #[test]
+    fn lists_that_say_nothing_are_refused() {
+        for (text, word) in [
+            (r#"labels = "coco82""#, "coco82"),
+            ("labels = []", "empty"),
+            (r#"labels = ["car", "van", "car"]"#, "\"car\" is listed twice"),
+            ("labels = 3", "a list of names"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(word), "{text}: {error}");
         }
     }
 }

@@ -1,8 +1,11 @@
 //! Detector manifests: one TOML file per detector says where its weights come from, how to feed it and how to read it.
 
+use std::path::{Path, PathBuf};
+
 use serde::Deserialize;
 
 use super::Labels;
+use crate::files::{self, FileError};
 
 /// A detector this program knows.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -17,6 +20,9 @@ pub struct Manifest {
     pub weights: Weights,
     pub input: Input,
     pub head: Head,
+    /// Where the manifest lies, if it is a user's; its weights lie there too.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
 }
 
 /// The ONNX file.
@@ -24,18 +30,24 @@ pub struct Manifest {
 #[serde(deny_unknown_fields)]
 pub struct Weights {
     pub file: String,
-    /// The raw file at a pinned commit.
+    /// The raw file at a pinned commit; empty when there is none to fetch.
+    #[serde(default)]
     pub url: String,
     /// SHA-256, hex.
     pub sha256: String,
 }
 
-/// From a photo to the input tensor (1×3×height×width, f32).
+/// From a photo to the input tensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
-    /// Width, height.
+    /// Width, height. For `short_side` both are the length of the photo's shorter side; `original` has none.
+    #[serde(default)]
     pub size_px: [u32; 2],
+    #[serde(default)]
+    pub layout: Layout,
+    #[serde(default)]
+    pub values: Values,
     pub resize: Resize,
     pub kernel: Kernel,
     /// Grey level (0–255) around a letterboxed photo.
@@ -54,8 +66,36 @@ pub enum Resize {
     Stretch,
     /// Aspect ratio kept, photo in the top-left corner.
     LetterboxTopLeft,
-    /// Aspect ratio kept, photo in the middle.
+    /// Aspect ratio kept, photo in the middle, its size truncated to whole pixels.
     LetterboxCentre,
+    /// The same with the size rounded, as the YOLO programs since v5 do.
+    LetterboxCentreRounded,
+    /// Aspect ratio kept, the shorter side given; zeros right and below up to the next multiple of 32.
+    ShortSide,
+    /// The photo as it is: the network resizes.
+    Original,
+}
+
+/// The order of the input tensor's axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Layout {
+    /// 1×3×height×width.
+    #[default]
+    Nchw,
+    /// 1×height×width×3.
+    Nhwc,
+    /// 3×height×width.
+    Chw,
+}
+
+/// The numbers of the input tensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Values {
+    #[default]
+    F32,
+    U8,
 }
 
 /// The interpolation of the detector's own pipeline; another one moves scores by up to 0.07.
@@ -83,6 +123,25 @@ pub enum Head {
     Nanodet { strides: Vec<u32>, nms_iou: f64 },
     Fastestdet { nms_iou: f64 },
     Deim {},
+    Yolov4 { nms_iou: f64 },
+    Yolov5 { nms_iou: f64 },
+    Yolov8 { nms_iou: f64 },
+    Yolov10 {},
+    Rtdetr {},
+    Rfdetr {},
+    TfOd(FirstLabel),
+    SsdResnet34(FirstLabel),
+    Rcnn(FirstLabel),
+    NanodetPlus { strides: Vec<u32>, nms_iou: f64 },
+}
+
+/// How a head with numbered labels counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FirstLabel {
+    /// The number the network gives the first entry of `labels`: 1 where 0 is the background, 0 with `coco91`, whose
+    /// numbers are category ids already. Never assumed: off by one is another label, and nothing would show it.
+    pub first_label: i64,
 }
 
 /// Why a manifest was refused.
@@ -92,6 +151,10 @@ pub enum ManifestError {
     Unknown { name: String, known: String },
     #[error("the manifest {file} is not valid: {message}")]
     Syntax { file: String, message: String },
+    #[error("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name")]
+    Taken { file: String, name: String },
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
 /// The manifests that ship with the program, in the order lists and reports use.
@@ -127,14 +190,72 @@ impl Manifest {
         }
     }
 
+    /// A user's manifest, from a TOML file; its weights are looked for beside it.
+    pub fn open(path: &Path) -> Result<Manifest, ManifestError> {
+        let file = path.display().to_string();
+        let mut manifest = Manifest::parse(&files::read_text(path)?, &file)?;
+        if Manifest::all()?.iter().any(|m| m.name == manifest.name) {
+            return Err(ManifestError::Taken {
+                file,
+                name: manifest.name,
+            });
+        }
+        manifest.folder = Some(path.parent().unwrap_or(Path::new("")).to_owned());
+        Ok(manifest)
+    }
+
     /// Parses the text of a manifest; `file` is only named in errors.
     pub fn parse(text: &str, file: &str) -> Result<Manifest, ManifestError> {
-        toml::from_str(text).map_err(|e| ManifestError::Syntax {
+        let refused = |message: String| ManifestError::Syntax {
             file: file.to_owned(),
-            message: e.message().replace('\n', " "),
-        })
+            message,
+        };
+        let manifest: Manifest = toml::from_str(text).map_err(|e| refused(e.message().replace('\n', " ")))?;
+        manifest.check().map_err(refused)?;
+        Ok(manifest)
+    }
+
+    /// What TOML alone cannot say.
+    fn check(&self) -> Result<(), String> {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(is_plain) {
+            return Err(format!(
+                "name is {:?}: use letters, digits, `_`, `-` and `.`, as files are named by it",
+                self.name
+            ));
+        }
+        let Input {
+            size_px, std, resize, ..
+        } = &self.input;
+        let size_is_good = match resize {
+            Resize::Original => *size_px == [0, 0],
+            Resize::ShortSide => size_px[0] == size_px[1] && SIDES_PX.contains(&size_px[0]),
+            _ => size_px.iter().all(|side| SIDES_PX.contains(side)),
+        };
+        if !size_is_good {
+            return Err(format!(
+                "input.size_px is {size_px:?}: give width and height from 32 to 8192, twice the same for `short_side`, and \
+                 leave it out for `original`"
+            ));
+        }
+        if std.contains(&0.0) {
+            return Err("input.std has a 0, and values are divided by it".into());
+        }
+        match &self.head {
+            Head::Nanodet { strides, .. } | Head::NanodetPlus { strides, .. }
+                if strides.is_empty() || strides.contains(&0) =>
+            {
+                Err(format!(
+                    "head.strides is {strides:?}: give the strides of the network, such as [8, 16, 32]"
+                ))
+            }
+            _ => Ok(()),
+        }
     }
 }
+
+/// Input sides that some detector could have.
+const SIDES_PX: std::ops::RangeInclusive<u32> = 32..=8192;
 
 #[cfg(test)]
 mod tests {

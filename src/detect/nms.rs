@@ -11,15 +11,20 @@ pub(super) struct Candidate {
 }
 
 /// Greedy suppression within each label: a box goes when a better one of its label overlaps it by more than `iou`. Best first.
-pub(super) fn suppress(mut candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
-    candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+pub(super) fn suppress(candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
     let mut kept: Vec<Candidate> = Vec::new();
-    for c in candidates {
+    for c in sorted(candidates) {
         if kept.iter().all(|k| k.label != c.label || k.b.iou(&c.b) <= iou) {
             kept.push(c);
         }
     }
     kept
+}
+
+/// Best first; equals stay in their order.
+pub(super) fn sorted(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
+    candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+    candidates
 }
 
 #[cfg(test)]

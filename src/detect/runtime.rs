@@ -12,6 +12,7 @@ use ort::value::{DynValue, Tensor as OrtTensor};
 
 use super::heads::{self, Data, Tensor};
 use super::input::{self, Placement};
+use super::manifest::{Input, Layout, Values};
 use super::{Detection, MAX_DETECTIONS, Manifest};
 use crate::geometry::BoxPx;
 
@@ -115,7 +116,7 @@ impl Detector {
             detector: self.manifest.name.clone(),
             reason: e.to_string(),
         })?;
-        let decoded = heads::decode(&self.manifest, &outputs).map_err(failed)?;
+        let decoded = heads::decode(&self.manifest, &outputs, placement.canvas).map_err(failed)?;
         let to_photo = |b: BoxPx| match decoded.in_photo_px {
             true => b.clipped(placement.photo[0], placement.photo[1]),
             false => placement.to_photo(b),
@@ -142,30 +143,45 @@ fn run(
     tensor: Vec<f32>,
     placement: &Placement,
 ) -> ort::Result<Vec<Tensor>> {
-    let [width, height] = manifest.input.size_px.map(|v| v as usize);
-    let picture = OrtTensor::from_array(([1, 3, height, width], tensor))?;
+    let picture = picture(&manifest.input, tensor, placement)?;
     let outputs = if heads::wants_photo_size(&manifest.head) {
         let size = placement.photo.map(|v| v as i64).to_vec();
         session.run(ort::inputs![picture, OrtTensor::from_array(([1, 2], size))?])?
     } else {
         session.run(ort::inputs![picture])?
     };
-    outputs.iter().map(|(_, value)| copied(&value)).collect()
+    outputs.iter().map(|(name, value)| copied(name, &value)).collect()
 }
 
-fn copied(value: &DynValue) -> ort::Result<Tensor> {
-    let dimensions = |shape: &[i64]| shape.iter().map(|d| *d as usize).collect();
-    match value.try_extract_tensor::<i64>() {
-        Ok((shape, data)) => Ok(Tensor {
-            shape: dimensions(shape),
-            data: Data::I64(data.to_vec()),
-        }),
-        Err(_) => {
-            let (shape, data) = value.try_extract_tensor::<f32>()?;
-            Ok(Tensor {
-                shape: dimensions(shape),
-                data: Data::F32(data.to_vec()),
-            })
+/// The picture in the shape and type the network takes.
+fn picture(input: &Input, tensor: Vec<f32>, placement: &Placement) -> ort::Result<DynValue> {
+    let [width, height] = placement.canvas.map(|v| v as usize);
+    let shape = match input.layout {
+        Layout::Nchw => vec![1, 3, height, width],
+        Layout::Nhwc => vec![1, height, width, 3],
+        Layout::Chw => vec![3, height, width],
+    };
+    Ok(match input.values {
+        Values::F32 => OrtTensor::from_array((shape, tensor))?.into_dyn(),
+        Values::U8 => {
+            let bytes: Vec<u8> = tensor.into_iter().map(|v| v.round() as u8).collect();
+            OrtTensor::from_array((shape, bytes))?.into_dyn()
         }
-    }
+    })
+}
+
+fn copied(name: &str, value: &DynValue) -> ort::Result<Tensor> {
+    let (shape, data) = if let Ok((shape, data)) = value.try_extract_tensor::<i64>() {
+        (shape, Data::I64(data.to_vec()))
+    } else if let Ok((shape, data)) = value.try_extract_tensor::<i32>() {
+        (shape, Data::I64(data.iter().map(|v| i64::from(*v)).collect()))
+    } else {
+        let (shape, data) = value.try_extract_tensor::<f32>()?;
+        (shape, Data::F32(data.to_vec()))
+    };
+    Ok(Tensor {
+        name: name.to_owned(),
+        shape: shape.iter().map(|d| *d as usize).collect(),
+        data,
+    })
 }

@@ -55,8 +55,9 @@ impl WeightFolders {
 
     /// Where a detector's weights lie, if anywhere; not yet checked.
     pub fn find(&self, manifest: &Manifest) -> Option<PathBuf> {
-        self.folders
-            .iter()
+        let beside = manifest.folder.iter();
+        beside
+            .chain(&self.folders)
             .map(|folder| folder.join(&manifest.weights.file))
             .find(|path| path.is_file())
     }

@@ -33,7 +33,6 @@ pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usiz
 
 #[cfg(test)]
 mod tests {
-    use super::super::Data;
     use super::*;
 
     #[test]
@@ -52,10 +51,7 @@ mod tests {
         ] {
             data[channel * plane + cell] = value;
         }
-        let tensor = Tensor {
-            shape: vec![1, 85, rows, columns],
-            data: Data::F32(data),
-        };
+        let tensor = Tensor::of_floats(&[1, 85, rows, columns], data);
         let found = decode(&[tensor], [352, 320], 80).unwrap();
         assert_eq!((found.len(), found[0].label), (1, 2));
         assert!((found[0].score - 0.8_f64.powf(0.6) * 0.5_f64.powf(0.4)).abs() < 1e-6);

@@ -7,7 +7,7 @@ use super::super::nms::Candidate;
 use super::{Tensor, best, from_corners, misfit};
 use crate::geometry::BoxPx;
 
-const BINS: usize = 8;
+pub(super) const BINS: usize = 8;
 
 pub(super) fn decode(
     outputs: &[Tensor],
@@ -50,7 +50,7 @@ fn box_of(cell: [u32; 2], sides: &[f32], stride: u32) -> BoxPx {
 }
 
 /// Mean bin under the softmax of some logits.
-fn expectation(logits: &[f32]) -> f64 {
+pub(super) fn expectation(logits: &[f32]) -> f64 {
     let highest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let weights = logits.iter().map(|l| f64::from((l - highest).exp()));
     let (mut sum, mut weighted) = (0.0, 0.0);
@@ -81,14 +81,8 @@ mod tests {
         let sizes = [(52 * 40, 8.0), (26 * 20, 16.0), (13 * 10, 32.0)];
         let mut outputs: Vec<Tensor> = Vec::new();
         for (cells, _) in sizes {
-            outputs.push(Tensor {
-                shape: vec![1, cells, 80],
-                data: Data::F32(vec![0.0; cells * 80]),
-            });
-            outputs.push(Tensor {
-                shape: vec![1, cells, 32],
-                data: Data::F32(vec![0.0; cells * 32]),
-            });
+            outputs.push(Tensor::of_floats(&[1, cells, 80], vec![0.0; cells * 80]));
+            outputs.push(Tensor::of_floats(&[1, cells, 32], vec![0.0; cells * 32]));
         }
         // Stride 16, cell (12, 6): centre (199.5, 103.5); box 150…260 × 80…120.
         let cell = 6 * 26 + 12;

@@ -51,10 +51,7 @@ mod tests {
         let row = &mut data[(first + y as usize * (416 / s as usize) + x as usize) * 85..][..85];
         row[..5].copy_from_slice(&[cx / s - x, cy / s - y, (w / s).ln(), (h / s).ln(), 0.9]);
         row[5 + 2] = 0.5;
-        Tensor {
-            shape: vec![1, cells, 85],
-            data: Data::F32(data),
-        }
+        Tensor::of_floats(&[1, cells, 85], data)
     }
 
     #[test]

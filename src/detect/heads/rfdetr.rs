@@ -1,0 +1,40 @@
+//! RF-DETR: boxes 1×n×4 (centre and size as shares of the input) and logits 1×n×labels, or one column more for "no object".
+//!
+//! score = sigmoid(logit), and every pair of box and label is a candidate of its own, as the repository's `PostProcess` ranks
+//! them; no suppression needed.
+
+use super::super::nms::Candidate;
+use super::{Tensor, from_centre, misfit, sigmoid};
+
+pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+    let (boxes, logits, columns) = tensors(outputs, labels)
+        .ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))?;
+    let (w, h) = (width as f32, height as f32);
+    let rows = boxes.chunks_exact(4).zip(logits.chunks_exact(columns));
+    let pairs = rows.flat_map(|(b, logits)| {
+        let centre_and_size = [b[0] * w, b[1] * h, b[2] * w, b[3] * h];
+        let labelled = logits[..labels].iter().enumerate();
+        labelled.filter_map(move |(label, logit)| from_centre(label, sigmoid(*logit), centre_and_size))
+    });
+    Ok(pairs.collect())
+}
+
+/// Boxes, logits, and how many columns these have. With three or four labels both have four columns: then the boxes are
+/// the output named so, or the first.
+fn tensors(outputs: &[Tensor], labels: usize) -> Option<(&[f32], &[f32], usize)> {
+    let named = outputs
+        .iter()
+        .position(|t| t.name.contains("box") || t.name.contains("det"));
+    let of_four = |t: &Tensor| matches!(t.shape[..], [1, _, 4]);
+    let at = named
+        .filter(|i| of_four(&outputs[*i]))
+        .or_else(|| outputs.iter().position(of_four))?;
+    let count = outputs[at].shape[1];
+    let logits = outputs.iter().enumerate().find_map(|(i, t)| match t.shape[..] {
+        [1, n, columns] if i != at && n == count && (columns == labels || columns == labels + 1) => {
+            Some((t.floats()?, columns))
+        }
+        _ => None,
+    });
+    logits.and_then(|(logits, columns)| Some((outputs[at].floats()?, logits, columns)))
+}

@@ -1,0 +1,55 @@
+//! What the networks have in common that list their boxes: n labels, n boxes, n scores, already suppressed.
+
+use super::super::nms::Candidate;
+use super::{Data, Tensor, from_corners};
+use crate::geometry::BoxPx;
+
+/// The three lists, of equal length.
+pub(super) struct Rows<'a> {
+    pub labels: Vec<i64>,
+    /// Four numbers a row; what they mean is the head's business.
+    pub boxes: &'a [f32],
+    pub scores: &'a [f32],
+}
+
+impl<'a> Rows<'a> {
+    /// Picks the lists by type and size, in whatever order they come: whole-number labels n, boxes n×4, scores n. Other
+    /// outputs (masks) are passed over. `None` when they are not there.
+    pub fn pick(outputs: &'a [Tensor]) -> Option<Rows<'a>> {
+        let labels = outputs.iter().find_map(|t| match &t.data {
+            Data::I64(v) => Some(v.clone()),
+            Data::F32(_) => None,
+        })?;
+        let boxes = outputs.iter().position(|t| {
+            t.shape.len() >= 2 && t.shape.last() == Some(&4) && t.floats().is_some_and(|v| v.len() == 4 * labels.len())
+        })?;
+        let (_, scores) = outputs
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != boxes)
+            .filter_map(|(i, t)| Some((i, t.floats()?)))
+            .find(|(_, v)| v.len() == labels.len())?;
+        Some(Rows {
+            labels,
+            boxes: outputs[boxes].floats()?,
+            scores,
+        })
+    }
+
+    /// The candidates whose label is in the list; `first_label` is the number of its first entry.
+    pub fn candidates(
+        &self,
+        first_label: i64,
+        labels: usize,
+        to_input_px: impl Fn([f64; 4]) -> BoxPx,
+    ) -> Vec<Candidate> {
+        let rows = self.labels.iter().zip(self.boxes.chunks_exact(4)).zip(self.scores);
+        rows.filter_map(|((label, b), score)| {
+            let label = usize::try_from(label.checked_sub(first_label)?)
+                .ok()
+                .filter(|l| *l < labels)?;
+            from_corners(label, *score, to_input_px([b[0], b[1], b[2], b[3]].map(f64::from)))
+        })
+        .collect()
+    }
+}

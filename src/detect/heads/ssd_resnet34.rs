@@ -1,0 +1,23 @@
+//! SSD-ResNet34 of the ONNX zoo: boxes 1×n×4 (x1 y1 x2 y2 as shares of the input), labels 1×n, scores 1×n. Source: the zoo's
+//! page on the model.
+
+use super::super::nms::Candidate;
+use super::rows::Rows;
+use super::{Tensor, misfit, scaled};
+use crate::geometry::BoxPx;
+
+pub(super) fn decode(
+    outputs: &[Tensor],
+    size: [u32; 2],
+    first_label: i64,
+    labels: usize,
+) -> Result<Vec<Candidate>, String> {
+    let rows = Rows::pick(outputs).ok_or_else(|| {
+        misfit(
+            "ssd_resnet34",
+            "boxes 1×n×4, whole-number labels 1×n, scores 1×n".into(),
+            outputs,
+        )
+    })?;
+    Ok(rows.candidates(first_label, labels, |b| scaled(BoxPx::from(b), size)))
+}

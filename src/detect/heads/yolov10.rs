@@ -1,0 +1,21 @@
+//! YOLOv10, YOLO26 and other YOLOs that need no suppression: one tensor 1×n×6: x1 y1 x2 y2 in input pixels, score, label.
+//! Source: Wang et al. 2024 and the Ultralytics documentation of its exports.
+
+use super::super::nms::Candidate;
+use super::{Tensor, from_corners, misfit};
+use crate::geometry::BoxPx;
+
+pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>, String> {
+    let data = outputs
+        .iter()
+        .find(|t| matches!(t.shape[..], [1, _, 6]))
+        .and_then(Tensor::floats)
+        .ok_or_else(|| misfit("yolov10", "1×n×6".into(), outputs))?;
+    let rows = data.chunks_exact(6).filter_map(|o| {
+        let label = o[5].round();
+        let known = label >= 0.0 && label < labels as f32;
+        let b = [o[0], o[1], o[2], o[3]].map(f64::from);
+        known.then(|| from_corners(label as usize, o[4], BoxPx::from(b)))?
+    });
+    Ok(rows.collect())
+}
