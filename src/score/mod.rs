@@ -2,6 +2,7 @@
 
 mod ap;
 mod caution;
+mod compare;
 mod contestant;
 mod outcome;
 mod photo;
@@ -10,7 +11,11 @@ mod summary;
 mod truth;
 mod wilson;
 
-pub use ap::{AveragePrecision, ImageBoxes, average_precision};
+pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+pub use compare::{
+    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
+    holm, interval_95, mcnemar_p, pairs_needed, power,
+};
 pub use contestant::{Contestant, ContestantError, Source};
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto};
