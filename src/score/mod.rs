@@ -58,3 +58,28 @@ pub const DEFINITIONS: [(&str, &str); 5] = [
         "the figure of the variant “normal” minus the figure of this variant, same detector",
     ),
 ];
+
+/// What the words of a comparison mean, stored beside its numbers: (name, definition).
+pub const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [
+    (
+        "pairs",
+        "a photo of the base and one of the variant from the same place and bin, in the order of the sessions; photos left over are listed and \
+         in no figure",
+    ),
+    (
+        "95 % interval",
+        "of the drop: bootstrap over clusters (place × bin), drawn with multiplicity, percentiles widened for few clusters (Hesterberg 2015)",
+    ),
+    (
+        "mcnemar_p",
+        "exact and two-sided, on the hits; the pairs of one cluster change sides together",
+    ),
+    (
+        "holm_p",
+        "McNemar's p, corrected over the azimuth bins that have six clusters or more",
+    ),
+    (
+        "too few photos to tell",
+        "fewer than six clusters, or no difference shown at 5 % while one of 0.2 either way is not excluded by the interval",
+    ),
+];
