@@ -28,7 +28,7 @@ pub struct Interval {
 /// duplicates out makes the interval a quarter too narrow). The percentiles are widened for few clusters, as by
 /// Hesterberg, "What Teachers Should Know About the Bootstrap", The American Statistician 69 (2015), "expanded percentile interval".
 ///
-/// `None` when the clusters are fewer than [`FEWEST_CLUSTERS`], or when every draw gave the same figure: then the data say nothing
+/// `None` when the clusters are fewer than six, or when every draw gave the same figure: then the data say nothing
 /// about how far off it is.
 pub fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<Interval> {
     if clusters < FEWEST_CLUSTERS {

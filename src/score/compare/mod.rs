@@ -21,7 +21,7 @@ use pairs::{Cluster, pair};
 /// A difference of this size must be excluded before "no difference shown" may be said.
 pub const TELLING_DIFFERENCE: f64 = 0.2;
 
-/// So many clusters without any difference exclude that [`TELLING_DIFFERENCE`] of all clusters differ (0.8¹⁴ < 0.05).
+/// So many clusters without any difference exclude that a fifth of all clusters differ (0.8¹⁴ < 0.05).
 const CLUSTERS_ALL_ALIKE: usize = 14;
 
 /// What the photos can tell of a difference.
