@@ -6,11 +6,35 @@ use std::path::Path;
 
 use common::{home, read_json, shared};
 use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ImageBoxes, average_precision};
+use scaleproof::score::{ApDefinition, ImageBoxes, average_precision, average_precision_as};
 use serde_json::Value;
 
 fn box_of(v: &Value) -> BoxPx {
     serde_json::from_value(v["box"].clone()).unwrap()
+}
+
+fn images_of(case: &Value) -> Vec<ImageBoxes> {
+    let of = |list: &str, image: &Value| -> Vec<Value> {
+        case[list]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|v| &v["image"] == image)
+            .cloned()
+            .collect()
+    };
+    case["images"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|image| ImageBoxes {
+            truths: of("truth", image).iter().map(box_of).collect(),
+            detections: of("detections", image)
+                .iter()
+                .map(|d| (d["score"].as_f64().unwrap(), box_of(d)))
+                .collect(),
+        })
+        .collect()
 }
 
 fn check(path: &Path, count: usize) {
@@ -18,27 +42,7 @@ fn check(path: &Path, count: usize) {
     let cases = file["cases"].as_array().unwrap();
     assert_eq!(cases.len(), count);
     for (i, case) in cases.iter().enumerate() {
-        let of = |list: &str, image: &Value| -> Vec<Value> {
-            case[list]
-                .as_array()
-                .unwrap()
-                .iter()
-                .filter(|v| &v["image"] == image)
-                .cloned()
-                .collect()
-        };
-        let images: Vec<ImageBoxes> = case["images"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|image| ImageBoxes {
-                truths: of("truth", image).iter().map(box_of).collect(),
-                detections: of("detections", image)
-                    .iter()
-                    .map(|d| (d["score"].as_f64().unwrap(), box_of(d)))
-                    .collect(),
-            })
-            .collect();
+        let images = images_of(case);
         let (ap, recall) = match average_precision(&images, case["iou"].as_f64().unwrap()) {
             Some(found) => (found.ap, found.recall),
             None => (-1.0, -1.0), // pycocotools' way to say that there is no truth
@@ -63,4 +67,99 @@ fn the_oracle_agrees_with_pycocotools() {
     if let Some(oracle) = shared("oracles/ap_pycocotools.json") {
         check(&oracle, 60);
     }
+}
+
+/// Precision and recall after each detection, matched and counted here, the slow way.
+fn points(images: &[ImageBoxes], iou: f64) -> Vec<(f64, f64)> {
+    let mut judged = Vec::new();
+    for image in images {
+        let mut free: Vec<BoxPx> = image.truths.clone();
+        let mut detections = image.detections.clone();
+        detections.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (score, b) in detections.into_iter().take(100) {
+            let overlaps = free.iter().map(|t| t.iou(&b)).collect::<Vec<_>>();
+            let best = overlaps.iter().copied().fold(0.0, f64::max);
+            let found = best >= iou.min(1.0 - 1e-10);
+            if found {
+                free.remove(overlaps.iter().rposition(|o| *o == best).unwrap());
+            }
+            judged.push((score, found));
+        }
+    }
+    judged.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let truths: usize = images.iter().map(|i| i.truths.len()).sum();
+    let right = |n: usize| judged[..n].iter().filter(|j| j.1).count() as f64;
+    (1..=judged.len())
+        .map(|n| (right(n) / n as f64, right(n) / truths as f64))
+        .collect()
+}
+
+/// The definitions as their papers say them: integrals over recall of "the best precision at this recall or beyond".
+fn by_the_words(definition: ApDefinition, points: &[(f64, f64)]) -> f64 {
+    let best = |recall: f64| {
+        points
+            .iter()
+            .filter(|p| p.1 >= recall - 1e-12)
+            .map(|p| p.0)
+            .fold(0.0, f64::max)
+    };
+    match definition {
+        ApDefinition::Coco101 => (0..101).map(|i| best(f64::from(i) / 100.0)).sum::<f64>() / 101.0,
+        ApDefinition::Voc11 => (0..11).map(|i| best(f64::from(i) / 10.0)).sum::<f64>() / 11.0,
+        ApDefinition::AllPoint => {
+            let mut recalls: Vec<f64> = points.iter().map(|p| p.1).filter(|r| *r > 0.0).collect();
+            recalls.dedup();
+            let before = [0.0].into_iter().chain(recalls.iter().copied());
+            recalls
+                .iter()
+                .zip(before)
+                .map(|(r, before)| (r - before) * best(*r))
+                .sum()
+        }
+        ApDefinition::Yolov5Ramp => unreachable!("has its own test"),
+    }
+}
+
+#[test]
+fn all_point_and_voc_agree_with_a_second_implementation() {
+    let file = read_json(&home().join("tests/data/ap_cases.json"));
+    let (mut compared, mut differ) = (0, 0);
+    for case in file["cases"].as_array().unwrap() {
+        let (images, iou) = (images_of(case), case["iou"].as_f64().unwrap());
+        let points = points(&images, iou);
+        for definition in [ApDefinition::Coco101, ApDefinition::AllPoint, ApDefinition::Voc11] {
+            let Some(found) = average_precision_as(definition, &images, iou) else {
+                continue;
+            };
+            let wanted = by_the_words(definition, &points);
+            assert!(
+                (found.ap - wanted).abs() < 1e-9,
+                "{definition:?}: {} is not {wanted}",
+                found.ap
+            );
+            differ += usize::from((found.ap - average_precision(&images, iou).unwrap().ap).abs() > 1e-3);
+            compared += 1;
+        }
+    }
+    assert!(
+        compared > 60 && differ > 20,
+        "{compared} compared, {differ} differ from COCO's"
+    );
+}
+
+/// What numpy gives for YOLOv5's recipe: the envelope of (0, 1), the curve and (1, 0), `interp` at 101 recalls, `trapz`.
+#[test]
+fn the_yolov5_ramp_on_a_curve_with_a_false_positive() {
+    // Two truths found at ranks 1 and 3, of four: precisions 1, 1/2, 2/3 at recalls 1/4, 1/4, 1/2.
+    let curve = [(1.0, 0.25), (0.5, 0.25), (2.0 / 3.0, 0.5)];
+    // By hand: 1 up to 0.25, there 2/3 from the recall itself on (interp takes the last of equal points), 2/3 up to 0.5, ramp to 0.
+    let by_hand = 0.24 + 0.01 * (1.0 + 2.0 / 3.0) / 2.0 + 0.25 * 2.0 / 3.0 + 0.5 * (2.0 / 3.0) / 2.0;
+    let found = ApDefinition::Yolov5Ramp.of_curve(&curve);
+    assert!((found - by_hand).abs() < 1e-9, "{found} is not {by_hand}");
+    assert_eq!(ApDefinition::from_name("yolov5-ramp"), Ok(ApDefinition::Yolov5Ramp));
+    assert!(
+        ApDefinition::from_name("mAP")
+            .unwrap_err()
+            .contains("coco-101, all-point")
+    );
 }

@@ -4,10 +4,12 @@ mod calibrate;
 mod camera;
 mod chart;
 mod colour;
+mod compare;
 mod demo;
 mod detectors;
 mod locate;
 mod pattern;
+mod plan;
 mod print;
 mod progress;
 mod scene;
@@ -41,6 +43,8 @@ enum Command {
     Locate(locate::Args),
     Detectors(detectors::Args),
     Score(score::Args),
+    Compare(compare::Args),
+    Plan(plan::Args),
     Survey(survey::Args),
     Chart(chart::Args),
 }
@@ -73,6 +77,8 @@ pub fn main() -> ExitCode {
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),
+        Command::Compare(args) => compare::run(args, out),
+        Command::Plan(args) => plan::run(args, out),
         Command::Survey(args) => survey::run(args, out),
         Command::Chart(args) => chart::run(args, out),
     };

@@ -73,7 +73,7 @@ fn check_places(args: &Args, sessions: &[Session]) -> Result<(), FileError> {
 }
 
 /// The named detectors, with the weights in `folders`, or played back from the sessions' recordings without any.
-fn contestants(
+pub fn contestants(
     sessions: &[Session],
     manifests: Vec<Manifest>,
     folders: Option<&WeightFolders>,

@@ -1,6 +1,7 @@
 //! Scores become files people and programs read: HTML, JSON, CSV, COCO.
 
 mod coco;
+mod comparison;
 mod csv;
 mod html;
 mod provenance;
@@ -13,6 +14,7 @@ use crate::detect::{Manifest, coco_results};
 use crate::files;
 use crate::score::{Contestant, ScoredPhoto, Scores};
 
+pub use comparison::{comparison_json, comparison_table};
 pub use table::summary_table;
 
 /// Why the report could not be written.

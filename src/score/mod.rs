@@ -2,6 +2,7 @@
 
 mod ap;
 mod caution;
+mod compare;
 mod contestant;
 mod outcome;
 mod photo;
@@ -10,7 +11,11 @@ mod summary;
 mod truth;
 mod wilson;
 
-pub use ap::{AveragePrecision, ImageBoxes, average_precision};
+pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+pub use compare::{
+    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
+    holm, interval_95, mcnemar_p, pairs_needed, power,
+};
 pub use contestant::{Contestant, ContestantError, Source};
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto};
@@ -51,5 +56,30 @@ pub const DEFINITIONS: [(&str, &str); 5] = [
     (
         "drop",
         "the figure of the variant “normal” minus the figure of this variant, same detector",
+    ),
+];
+
+/// What the words of a comparison mean, stored beside its numbers: (name, definition).
+pub const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [
+    (
+        "pairs",
+        "a photo of the base and one of the variant from the same place and bin, in the order of the sessions; photos left over are listed and \
+         in no figure",
+    ),
+    (
+        "95 % interval",
+        "of the drop: bootstrap over clusters (place × bin), drawn with multiplicity, percentiles widened for few clusters (Hesterberg 2015)",
+    ),
+    (
+        "mcnemar_p",
+        "exact and two-sided, on the hits; the pairs of one cluster change sides together",
+    ),
+    (
+        "holm_p",
+        "McNemar's p, corrected over the azimuth bins that have six clusters or more",
+    ),
+    (
+        "too few photos to tell",
+        "fewer than six clusters, or no difference shown at 5 % while one of 0.2 either way is not excluded by the interval",
     ),
 ];

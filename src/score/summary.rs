@@ -121,7 +121,7 @@ impl Group {
 }
 
 /// The variants present, the base variant first.
-fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
+pub(super) fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
     let mut variants: Vec<String> = photos.iter().map(|p| p.variant.clone()).collect();
     variants.sort_by_key(|v| (v != BASE_VARIANT, v.clone()));
     variants.dedup();
@@ -148,7 +148,8 @@ fn figures(photos: &[&ScoredPhoto], contestant: usize, class: usize) -> Option<F
     })
 }
 
-fn boxes(photo: &ScoredPhoto, contestant: usize, class: usize) -> ImageBoxes {
+/// The boxes of the model's class in one photo, as AP takes them.
+pub(super) fn boxes(photo: &ScoredPhoto, contestant: usize, class: usize) -> ImageBoxes {
     let detections = photo.detections[contestant].iter().filter(|d| d.label == class);
     ImageBoxes {
         truths: vec![photo.truth],

@@ -1,0 +1,60 @@
+//! `scaleproof compare`: is one texture harder to detect than another, and can these photos tell?
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandResult, Outcome, detectors, score as score_command};
+use crate::files;
+use crate::report;
+use crate::score::{self, ApDefinition};
+use crate::session::Session;
+
+/// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Session folders (each with a session.json); name them before --detector.
+    #[arg(required = true)]
+    sessions: Vec<PathBuf>,
+    /// The variant that the others are held against.
+    #[arg(long, default_value = score::BASE_VARIANT)]
+    base: String,
+    /// Detector to compare with; several may be named; all when none is.
+    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: detectors::Folder,
+    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
+    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
+    ap: ApDefinition,
+    /// Compare the detections stored in the sessions instead of running the detectors.
+    #[arg(long)]
+    recorded: bool,
+    /// Folder for comparison.json.
+    #[arg(long)]
+    out: PathBuf,
+    /// Print comparison.json instead of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let opened = args.sessions.iter().map(|s| Session::open(s));
+    let sessions = opened.collect::<Result<Vec<_>, _>>()?;
+    let manifests = detectors::chosen(&args.detectors)?;
+    let folders = (!args.recorded).then(|| args.folder.folders()).transpose()?;
+    let contestants = score_command::contestants(&sessions, manifests, folders.as_ref())?;
+    files::check_writable(&args.out)?;
+    let scores = score_command::score_with_progress(sessions, contestants)?;
+    let comparison = score::compare(&scores, &args.base, args.ap)?;
+    let page = report::comparison_json(&scores, &comparison)?;
+    files::write_atomically(&args.out.join("comparison.json"), page.as_bytes())?;
+    score_command::caution(&scores);
+    for photo in &comparison.unpaired {
+        eprintln!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);
+    }
+    match args.json {
+        true => write!(out, "{page}")?,
+        false => writeln!(out, "{}", report::comparison_table(&comparison))?,
+    }
+    Ok(Outcome::Done)
+}

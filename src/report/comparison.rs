@@ -1,0 +1,66 @@
+//! `comparison.json`, and the comparison as text for the terminal.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::ReportError;
+use super::provenance::{self, Provenance};
+use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, Finding, NotScored, Scores};
+
+#[derive(Serialize)]
+struct Page<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    cautions: &'a [String],
+    not_scored: &'a [NotScored],
+    definitions: BTreeMap<&'static str, &'static str>,
+    provenance: Provenance,
+}
+
+/// The whole of `comparison.json`.
+pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
+    let page = Page {
+        comparison,
+        cautions: &scores.cautions,
+        not_scored: &scores.not_scored,
+        definitions: COMPARISON_DEFINITIONS.into_iter().collect(),
+        provenance: provenance::of(scores),
+    };
+    let text = serde_json::to_string_pretty(&page).map_err(|e| ReportError::Format(e.to_string()))?;
+    Ok(text + "\n")
+}
+
+/// Three lines per detector and variant: the drop of each figure, its interval, and the finding.
+pub fn comparison_table(comparison: &Comparison) -> String {
+    let mut lines = Vec::new();
+    for r in &comparison.results {
+        let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
+        lines.push(format!("{head}, {} pairs from {} places × bins", r.pairs, r.clusters));
+        let p = format!("McNemar p = {:.3}: ", r.hit_rate.mcnemar_p);
+        lines.push(line("hit rate", &r.hit_rate.rate, &p));
+        lines.push(line("mean confidence", &r.mean_confidence, ""));
+        lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), &r.ap50, ""));
+        for bin in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
+            let name = format!("hit rate at {}°", bin.0.azimuth_deg);
+            lines.push(line(&name, &bin.0.hits.rate, &format!("Holm p = {:.3}: ", bin.1)));
+        }
+    }
+    lines.join("\n")
+}
+
+fn line(name: &str, d: &Difference, test: &str) -> String {
+    let interval = d
+        .interval_95
+        .map_or("no interval".to_owned(), |i| format!("[{:.2}, {:.2}]", i.low, i.high));
+    let finding = match d.finding {
+        Finding::Drop => "a drop",
+        Finding::Rise => "a rise",
+        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
+        Finding::TooFewPhotosToTell => "too few photos to tell",
+    };
+    format!(
+        "  {name:<24} {:.3} → {:.3}, drop {:.3} {interval}  {test}{finding}",
+        d.base, d.other, d.drop
+    )
+}

@@ -1,0 +1,330 @@
+//! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
+
+mod bootstrap;
+mod exact;
+mod pairs;
+mod plan;
+mod student;
+
+use serde::Serialize;
+
+pub use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95};
+pub use exact::{holm, mcnemar_p};
+pub use pairs::Unpaired;
+pub use plan::{PlanError, pairs_needed, power};
+
+use super::ap::{ApDefinition, Ranked};
+use super::summary::{boxes, variants};
+use super::{MATCH_IOU, Outcome, ScoredPhoto, Scores};
+use pairs::{Cluster, pair};
+
+/// A difference of this size must be excluded before "no difference shown" may be said.
+pub const TELLING_DIFFERENCE: f64 = 0.2;
+
+/// So many clusters without any difference exclude that a fifth of all clusters differ (0.8¹⁴ < 0.05).
+const CLUSTERS_ALL_ALIKE: usize = 14;
+
+/// What the photos can tell of a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Finding {
+    /// The base is better, at the level of 5 %.
+    Drop,
+    /// The base is worse, at the level of 5 %.
+    Rise,
+    /// None shown, and one of 0.2 or more is excluded.
+    NoDifferenceShown,
+    TooFewPhotosToTell,
+}
+
+/// One figure on both sides of the pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Difference {
+    pub base: f64,
+    pub other: f64,
+    /// `base` minus `other`.
+    pub drop: f64,
+    /// Of the drop; absent with too few clusters, and when all clusters differ alike.
+    pub interval_95: Option<Interval>,
+    pub finding: Finding,
+}
+
+/// Hits on both sides of the pairs, and the exact test of their difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hits {
+    #[serde(flatten)]
+    pub rate: Difference,
+    /// Pairs hit on the base side alone.
+    pub base_alone: usize,
+    /// Pairs hit on the other side alone.
+    pub other_alone: usize,
+    /// McNemar's exact p, two-sided.
+    pub mcnemar_p: f64,
+}
+
+/// The hits of one azimuth bin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BinHits {
+    pub azimuth_deg: f64,
+    pub pairs: usize,
+    pub clusters: usize,
+    pub hits: Hits,
+    /// p corrected over the bins that have enough clusters; absent in the others.
+    pub holm_p: Option<f64>,
+}
+
+/// One detector on one variant, against the base.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compared {
+    pub detector: String,
+    pub variant: String,
+    pub pairs: usize,
+    /// Places × bins that have pairs.
+    pub clusters: usize,
+    pub hit_rate: Hits,
+    pub mean_confidence: Difference,
+    pub ap50: Difference,
+    pub azimuth_bins: Vec<BinHits>,
+}
+
+/// Every variant of a run against its base.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    pub base: String,
+    pub ap_definition: &'static str,
+    pub bootstrap_draws: usize,
+    pub bootstrap_seed: u64,
+    pub results: Vec<Compared>,
+    /// Scored photos that are in no difference.
+    pub unpaired: Vec<Unpaired>,
+}
+
+/// Why nothing can be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    #[error("no scored photo has the variant `{base}`: name one of {variants} with --base")]
+    NoBase { base: String, variants: String },
+    #[error("all scored photos have the variant `{base}`: add the sessions of another texture")]
+    NothingElse { base: String },
+    #[error(
+        "no photo of `{variant}` was taken from the same place and bin as one of `{base}`: they cannot be compared"
+    )]
+    NoPair { base: String, variant: String },
+}
+
+/// Compares every variant of a run with `base`.
+pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<Comparison, CompareError> {
+    let all = variants(&scores.photos);
+    if all.iter().all(|v| v != base) {
+        return Err(CompareError::NoBase {
+            base: base.into(),
+            variants: all.join(", "),
+        });
+    }
+    let (mut results, mut unpaired) = (Vec::new(), Vec::new());
+    for variant in all.iter().filter(|v| *v != base) {
+        let (clusters, left_over) = pair(scores, base, variant);
+        if clusters.is_empty() {
+            return Err(CompareError::NoPair {
+                base: base.into(),
+                variant: variant.clone(),
+            });
+        }
+        unpaired.extend(left_over);
+        for (index, contestant) in scores.contestants.iter().enumerate() {
+            let side = Side {
+                detector: index,
+                class: contestant.class,
+            };
+            results.push(compared(
+                contestant.manifest.name.clone(),
+                variant,
+                &clusters,
+                side,
+                definition,
+            ));
+        }
+    }
+    if results.is_empty() {
+        return Err(CompareError::NothingElse { base: base.into() });
+    }
+    Ok(Comparison {
+        base: base.to_owned(),
+        ap_definition: definition.name(),
+        bootstrap_draws: DRAWS,
+        bootstrap_seed: SEED,
+        results,
+        unpaired,
+    })
+}
+
+/// Whose detections are compared: index of the contestant, and the model's class in its labels.
+#[derive(Clone, Copy)]
+struct Side {
+    detector: usize,
+    class: usize,
+}
+
+impl Side {
+    fn outcome(self, photo: &ScoredPhoto) -> &Outcome {
+        &photo.outcomes[self.detector]
+    }
+
+    fn hit(self, photo: &ScoredPhoto) -> f64 {
+        f64::from(u8::from(self.outcome(photo).is_hit()))
+    }
+}
+
+fn compared(detector: String, variant: &str, clusters: &[Cluster], side: Side, definition: ApDefinition) -> Compared {
+    let all: Vec<&Cluster> = clusters.iter().collect();
+    let hit_rate = hits(&all, side);
+    Compared {
+        detector,
+        variant: variant.to_owned(),
+        pairs: pairs_in(&all),
+        clusters: clusters.len(),
+        hit_rate: Hits {
+            rate: tested(hit_rate.rate, clusters.len(), hit_rate.mcnemar_p),
+            ..hit_rate
+        },
+        mean_confidence: of_means(&all, |photo| side.outcome(photo).confidence),
+        ap50: of_ap(clusters, side, definition),
+        azimuth_bins: by_azimuth(clusters, side),
+    }
+}
+
+/// The hits of each azimuth bin, tested together.
+fn by_azimuth(clusters: &[Cluster], side: Side) -> Vec<BinHits> {
+    // Clusters come in the order of their bins, azimuth first.
+    let groups = clusters.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
+    let mut bins: Vec<BinHits> = groups
+        .map(|group| {
+            let group: Vec<&Cluster> = group.iter().collect();
+            BinHits {
+                azimuth_deg: group[0].bin.azimuth_deg,
+                pairs: pairs_in(&group),
+                clusters: group.len(),
+                hits: hits(&group, side),
+                holm_p: None,
+            }
+        })
+        .collect();
+    let testable = |bin: &BinHits| bin.clusters >= FEWEST_CLUSTERS;
+    let p: Vec<f64> = bins.iter().filter(|b| testable(b)).map(|b| b.hits.mcnemar_p).collect();
+    for (bin, p) in bins.iter_mut().filter(|b| testable(b)).zip(holm(&p)) {
+        bin.holm_p = Some(p);
+        bin.hits.rate = tested(bin.hits.rate, bin.clusters, p);
+    }
+    bins
+}
+
+fn pairs_in(clusters: &[&Cluster]) -> usize {
+    clusters.iter().map(|c| c.pairs.len()).sum()
+}
+
+fn hits(clusters: &[&Cluster], side: Side) -> Hits {
+    let alone = |one: fn(bool, bool) -> bool| {
+        let pairs = clusters.iter().flat_map(|c| &c.pairs);
+        let is_hit = |photo| side.outcome(photo).is_hit();
+        pairs.filter(|(base, other)| one(is_hit(base), is_hit(other))).count()
+    };
+    let difference = |c: &&Cluster| c.pairs.iter().map(|(b, o)| (side.hit(b) - side.hit(o)) as i64).sum();
+    Hits {
+        rate: of_means(clusters, |photo| side.hit(photo)),
+        base_alone: alone(|base, other| base && !other),
+        other_alone: alone(|base, other| !base && other),
+        mcnemar_p: mcnemar_p(&clusters.iter().map(difference).collect::<Vec<_>>()),
+    }
+}
+
+/// The difference of a figure that is a mean over photos.
+fn of_means(clusters: &[&Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Difference {
+    let sums: Vec<(f64, f64, f64)> = clusters
+        .iter()
+        .map(|c| {
+            let base = c.pairs.iter().map(|(photo, _)| figure(photo)).sum();
+            let other = c.pairs.iter().map(|(_, photo)| figure(photo)).sum();
+            (base, other, c.pairs.len() as f64)
+        })
+        .collect();
+    difference(clusters.len(), |drawn| {
+        let total = |of: fn(&(f64, f64, f64)) -> f64| -> f64 {
+            sums.iter().zip(drawn).map(|(s, times)| f64::from(*times) * of(s)).sum()
+        };
+        let photos = total(|s| s.2);
+        (total(|s| s.0) / photos, total(|s| s.1) / photos)
+    })
+}
+
+fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Difference {
+    let cluster_of: Vec<usize> = clusters
+        .iter()
+        .enumerate()
+        .flat_map(|(i, c)| std::iter::repeat_n(i, c.pairs.len()))
+        .collect();
+    let pairs = || clusters.iter().flat_map(|c| &c.pairs);
+    let ranked = |photos: Vec<&ScoredPhoto>| {
+        let images: Vec<_> = photos
+            .into_iter()
+            .map(|p| boxes(p, side.detector, side.class))
+            .collect();
+        Ranked::new(&images, MATCH_IOU)
+    };
+    let base = ranked(pairs().map(|(base, _)| *base).collect());
+    let other = ranked(pairs().map(|(_, other)| *other).collect());
+    difference(clusters.len(), |drawn| {
+        // Every photo has its truth, so that every draw has a curve.
+        let ap = |side: &Ranked| {
+            side.curve(|image| drawn[cluster_of[image]])
+                .map_or(0.0, |c| definition.of_curve(&c))
+        };
+        (ap(&base), ap(&other))
+    })
+}
+
+/// The difference of a figure, given as (base, other) when each cluster counts so many times.
+fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
+    let (base, other) = figures(&vec![1; clusters]);
+    let interval = interval_95(clusters, |drawn| {
+        let (base, other) = figures(drawn);
+        base - other
+    });
+    let drop = base - other;
+    Difference {
+        base,
+        other,
+        drop,
+        interval_95: interval,
+        finding: finding(
+            clusters,
+            drop,
+            interval,
+            interval.is_some_and(|i| i.low > 0.0 || i.high < 0.0),
+        ),
+    }
+}
+
+/// The finding that an exact test allows, which is stricter on hits than the interval.
+fn tested(d: Difference, clusters: usize, p: f64) -> Difference {
+    Difference {
+        finding: finding(clusters, d.drop, d.interval_95, p < 0.05),
+        ..d
+    }
+}
+
+/// The rule for "too few photos to tell": fewer than six clusters; or no difference shown while one of 0.2 is not excluded.
+fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) -> Finding {
+    let excluded = match interval {
+        Some(i) => i.low > -TELLING_DIFFERENCE && i.high < TELLING_DIFFERENCE,
+        None => drop == 0.0 && clusters >= CLUSTERS_ALL_ALIKE,
+    };
+    match (
+        clusters >= FEWEST_CLUSTERS && shown,
+        clusters >= FEWEST_CLUSTERS && excluded,
+    ) {
+        (true, _) if drop > 0.0 => Finding::Drop,
+        (true, _) => Finding::Rise,
+        (false, true) => Finding::NoDifferenceShown,
+        (false, false) => Finding::TooFewPhotosToTell,
+    }
+}
