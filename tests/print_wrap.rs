@@ -439,6 +439,16 @@ fn patches_have_their_size_and_place() {
         &["patch width cannot be 0"],
     );
     assert_refused(
+        &scaleproof(&format!("{base} --at-mm 0,25").replace("60x30", "60x0.01")),
+        &["patch height cannot be 0.01"],
+    );
+    for scale in ["0", "-10", "nan", "inf"] {
+        assert_refused(
+            &scaleproof(&format!("{base} --at-mm 0,25 --scale {scale}")),
+            &["scale cannot be"],
+        );
+    }
+    assert_refused(
         &scaleproof(&format!("{base} --at-mm 0,25").replace("small.png", "bar.obj")),
         &["neither PNG nor JPEG"],
     );
@@ -468,14 +478,19 @@ fn impossible_wraps_are_refused() {
         .to_string();
     std::fs::write(path("empty.obj"), "v 0 0 0\n").unwrap();
     std::fs::write(path("torn.glb"), "glTF").unwrap();
-    std::fs::write(path("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 3 2 1\n").unwrap();
+    std::fs::write(path("flat.obj"), "v 0 0 0\nv 100 0 0\nv 0 100 0\nf 3 2 1\n").unwrap();
+    // As a program exports that counts in metres, and a damaged one that would take for ever.
+    let solid =
+        |side: &str| format!("v 0 0 0\nv {side} 0 0\nv 0 {side} 0\nv 0 0 {side}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    std::fs::write(path("metres.obj"), solid("0.455")).unwrap();
+    std::fs::write(path("giant.obj"), solid("1e8")).unwrap();
     let scene = path("s.toml");
     done(&format!(
         "scene new --preset ring --radius-mm 300 --tags 4 --tag-mm 50 --model-size-mm 220x90x60 -o {scene}"
     ));
     let out = path("w.pdf");
     let usual = format!("print wrap --mesh {obj} --pattern {png} --tile-mm 40 -o {out}");
-    let cases: [(String, &[&str]); 14] = [
+    let cases: [(String, &[&str]); 16] = [
         (usual.replace("bar.obj", "empty.obj"), &["has no faces"]),
         (usual.replace("bar.obj", "absent.obj"), &["cannot read", "no such file"]),
         (usual.replace("bar.obj", "torn.glb"), &["cannot be read as a mesh"]),
@@ -484,6 +499,11 @@ fn impossible_wraps_are_refused() {
             usual.replace("bar.obj", "flat.obj"),
             &["no surface on any of the five sides"],
         ),
+        (
+            usual.replace("bar.obj", "metres.obj"),
+            &["0.455 × 0.455 × 0.455 mm", "--length-mm"],
+        ),
+        (usual.replace("bar.obj", "giant.obj"), &["100000000 ×", "10 to 5000 mm"]),
         (
             format!("{usual} --material body"),
             &["no material 'body'", "'paint', 'glass'"],

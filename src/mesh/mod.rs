@@ -22,6 +22,8 @@ use crate::files::{self, FileError};
 pub const MAX_BYTES: usize = 200_000_000;
 /// More triangles than this take minutes to print and show nothing more.
 pub const MAX_TRIANGLES: usize = 1_000_000;
+/// The longest side of a model that is printed, mm. A file in metres is below, one in micrometres or damaged is above.
+const LONGEST_SIDE_MM: std::ops::RangeInclusive<f64> = 10.0..=5000.0;
 /// A coordinate beyond this is damage: a thousand kilometres in mm.
 const MAX_COORDINATE: f64 = 1e9;
 
@@ -46,6 +48,11 @@ pub enum MeshError {
     FrontIsUp,
     #[error("the mesh's length cannot be set to {value} mm; give the model's length, above 0 and up to 100000 mm")]
     BadLength { value: f64 },
+    #[error(
+        "the model would be {length} × {width} × {height} mm (length × width × height), and its longest side must be 10 to 5000 mm; give \
+         --length-mm, or correct size_mm of the scene"
+    )]
+    NoModel { length: f64, width: f64, height: f64 },
     #[error("the mesh has no length along its front, so it cannot be scaled; check which way its front is")]
     NoLength,
 }
@@ -160,6 +167,19 @@ impl Mesh {
         self.points
             .iter()
             .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
+    }
+
+    /// Refuses what is no model for a table: a file in another unit, or damaged.
+    ///
+    /// # Errors
+    /// A longest side below 10 mm or above 5000 mm.
+    pub fn check_is_model(&self) -> Result<(), MeshError> {
+        let size = self.size_mm();
+        if LONGEST_SIDE_MM.contains(&size.into_iter().fold(0.0, f64::max)) {
+            return Ok(());
+        }
+        let [length, width, height] = size.map(|mm| (mm * 1000.0).round() / 1000.0);
+        Err(MeshError::NoModel { length, width, height })
     }
 
     /// Length, width and height of the box around the whole mesh, mm.

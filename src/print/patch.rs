@@ -9,7 +9,7 @@ use image::{ImageDecoder, ImageFormat, ImageReader, RgbImage};
 use super::PrintError;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use super::template::{Layout, SheetPlan, furniture, layout};
+use super::template::{Layout, SheetPlan, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
 use crate::pattern::world_aligned::Side;
@@ -148,9 +148,10 @@ pub struct Patches {
 /// Draws patches on the panels of a model.
 ///
 /// # Errors
-/// A size or place that is no number, a panel the model does not have, a patch that lies beside its panel, and whatever the
+/// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
 /// layout refuses.
 pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PrintError> {
+    check_scale(request.scale)?;
     let mut made = Patches {
         pages: Vec::new(),
         page_names: Vec::new(),
@@ -187,8 +188,8 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
 fn check(patch: &Patch) -> Result<(), PrintError> {
     let refuse = |what, value, wanted| Err(PrintError::BadNumber { what, value, wanted });
     for (what, side) in [("patch width", patch.size_mm.0), ("patch height", patch.size_mm.1)] {
-        if !(side > 0.0 && side <= 10_000.0) {
-            return refuse(what, side, "a width and height above 0 and up to 10000 mm");
+        if !(1.0..=10_000.0).contains(&side) {
+            return refuse(what, side, "a width and height of 1 to 10000 mm");
         }
     }
     match patch.at_mm.iter().find(|at| !at.is_finite()) {

@@ -125,7 +125,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`].
 pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, PrintError> {
-    let (tile_mm, scale) = (request.tile_mm, request.scale);
+    let tile_mm = request.tile_mm;
     if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
         let wanted = "the printed width of one repeat of the pattern, above 0 and up to 10000 mm";
         return Err(PrintError::BadNumber {
@@ -134,13 +134,7 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Prin
             wanted,
         });
     }
-    if !(scale > 0.0 && scale.is_finite()) {
-        return Err(PrintError::BadNumber {
-            what: "scale",
-            value: scale,
-            wanted: "10 for a 1:10 model",
-        });
-    }
+    check_scale(request.scale)?;
     let cell_mm = tile_mm / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
         return Err(PrintError::CellTooSmall {
@@ -149,6 +143,18 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Prin
         });
     }
     Ok(cell_mm)
+}
+
+/// Refuses a model of 1:0 or 1:NaN, which the captions would name.
+pub(super) fn check_scale(scale: f64) -> Result<(), PrintError> {
+    if scale > 0.0 && scale.is_finite() {
+        return Ok(());
+    }
+    Err(PrintError::BadNumber {
+        what: "scale",
+        value: scale,
+        wanted: "10 for a 1:10 model",
+    })
 }
 
 /// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.

@@ -101,6 +101,7 @@ impl ModelArgs {
         if let Some(scene) = &scene {
             check_size(&mesh, scene.model.size_mm)?;
         }
+        mesh.check_is_model()?;
         Ok(Model {
             materials: mesh.materials_named(&self.material)?,
             mesh,
