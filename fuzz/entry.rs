@@ -71,7 +71,11 @@ pub fn board(bytes: &[u8]) {
         return;
     };
     let written = board.to_toml().expect("a board can be written");
-    assert_eq!(Definition::open(&file("board.toml", written.as_bytes())), Ok(board), "{written}");
+    assert_eq!(
+        Definition::open(&file("board.toml", written.as_bytes())),
+        Ok(board),
+        "{written}"
+    );
 }
 
 pub fn palette(bytes: &[u8]) {
@@ -102,7 +106,11 @@ fn mesh(name: &str, bytes: &[u8]) {
     };
     if let Ok(mesh) = Mesh::load(&file(name, bytes), &placement) {
         for triangle in mesh.triangles() {
-            assert!(mesh.corners_mm(triangle).iter().all(|p| p.iter().all(|c| c.is_finite())));
+            assert!(
+                mesh.corners_mm(triangle)
+                    .iter()
+                    .all(|p| p.iter().all(|c| c.is_finite()))
+            );
             assert!(triangle.material < mesh.materials().len());
         }
     }
