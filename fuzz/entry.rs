@@ -2,13 +2,16 @@
 #![allow(dead_code)] // each target uses its part
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
+use scaleproof::board::Definition;
 use scaleproof::camera::{Camera, Format};
 use scaleproof::detect::{Manifest, Recorded};
 use scaleproof::files::sha256_hex;
+use scaleproof::mesh::{Mesh, Placement};
 use scaleproof::pattern::Pattern;
+use scaleproof::pattern::palette::Palette;
 use scaleproof::photo::Photo;
-use scaleproof::print::board::Definition;
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
 use scaleproof::session::Session;
@@ -52,7 +55,9 @@ pub fn pattern(bytes: &[u8]) {
 
 pub fn printer(bytes: &[u8]) {
     if let Ok(printer) = PrinterFile::load(&file("printer.toml", bytes)) {
-        let _ = printer.to_toml();
+        let written = printer.to_toml().expect("a printer file can be written");
+        let again = PrinterFile::load(&file("printer.toml", written.as_bytes()));
+        assert_eq!(again.map(|p| p.colours), Ok(printer.colours), "{written}");
     }
 }
 
@@ -60,8 +65,55 @@ pub fn manifest(bytes: &[u8]) {
     let _ = text(bytes).map(|t| Manifest::parse(t, "detector.toml"));
 }
 
+/// Board files: what is read can be written, and reads back as the same board.
 pub fn board(bytes: &[u8]) {
-    let _ = text(bytes).map(toml::from_str::<Definition>);
+    let Ok(board) = Definition::open(&file("board.toml", bytes)) else {
+        return;
+    };
+    let written = board.to_toml().expect("a board can be written");
+    assert_eq!(
+        Definition::open(&file("board.toml", written.as_bytes())),
+        Ok(board),
+        "{written}"
+    );
+}
+
+pub fn palette(bytes: &[u8]) {
+    let _ = Palette::load(&file("palette.toml", bytes));
+}
+
+pub fn glb(bytes: &[u8]) {
+    mesh("mesh.glb", bytes);
+}
+
+pub fn obj(bytes: &[u8]) {
+    mesh("mesh.obj", bytes);
+}
+
+pub fn stl(bytes: &[u8]) {
+    mesh("mesh.stl", bytes);
+}
+
+pub fn ply(bytes: &[u8]) {
+    mesh("mesh.ply", bytes);
+}
+
+/// What is read has corners and materials that exist.
+fn mesh(name: &str, bytes: &[u8]) {
+    let placement = Placement {
+        length_mm: Some(100.0),
+        ..Placement::default()
+    };
+    if let Ok(mesh) = Mesh::load(&file(name, bytes), &placement) {
+        for triangle in mesh.triangles() {
+            assert!(
+                mesh.corners_mm(triangle)
+                    .iter()
+                    .all(|p| p.iter().all(|c| c.is_finite()))
+            );
+            assert!(triangle.material < mesh.materials().len());
+        }
+    }
 }
 
 pub fn photo(bytes: &[u8]) {
@@ -72,10 +124,11 @@ pub fn photo(bytes: &[u8]) {
 
 /// Both files of a recording: COCO results with a provenance that fits them, and a provenance.
 pub fn recording(bytes: &[u8]) {
-    let manifest = Manifest::all()
-        .ok()
-        .and_then(|all| all.into_iter().next())
-        .expect("the program knows detectors");
+    static MANIFEST: LazyLock<Manifest> = LazyLock::new(|| {
+        let all = Manifest::all().expect("the program's own manifests are in order");
+        all.into_iter().next().expect("the program knows detectors")
+    });
+    let manifest = &*MANIFEST;
     let provenance = serde_json::json!({
         "detector": manifest.name,
         "weights_sha256": manifest.weights.sha256,
@@ -89,9 +142,9 @@ pub fn recording(bytes: &[u8]) {
     let provenance_name = format!("{}.provenance.json", manifest.name);
     file(&provenance_name, provenance.to_string().as_bytes());
     let folder = results.parent().expect("it lies in a folder");
-    let _ = Recorded::open(folder, &manifest).map(|r| r.of_photo("0a").map(<[_]>::len));
+    let _ = Recorded::open(folder, manifest).map(|r| r.of_photo("0a").map(<[_]>::len));
     file(&provenance_name, bytes);
-    let _ = Recorded::open(folder, &manifest);
+    let _ = Recorded::open(folder, manifest);
 }
 
 fn text(bytes: &[u8]) -> Option<&str> {

@@ -116,6 +116,31 @@ fn recordings() {
     survives("recording", entry::recording);
 }
 
+#[test]
+fn palettes() {
+    survives("palette", entry::palette);
+}
+
+#[test]
+fn meshes_in_glb() {
+    survives("glb", entry::glb);
+}
+
+#[test]
+fn meshes_in_obj() {
+    survives("obj", entry::obj);
+}
+
+#[test]
+fn meshes_in_stl() {
+    survives("stl", entry::stl);
+}
+
+#[test]
+fn meshes_in_ply() {
+    survives("ply", entry::ply);
+}
+
 /// The corpus must reach past the first check of each parser, or the tests above say little.
 #[test]
 fn the_corpus_has_files_that_are_accepted() {

@@ -2,29 +2,49 @@
 
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
-use gltf::{Accessor, Gltf, Node, Primitive, Semantic};
+use gltf::{Accessor, Document, Glb, Node, Primitive, Semantic};
 use nalgebra::{Matrix4, Point3};
 
 use super::{Soup, Trouble, corner};
 
+/// The header of the file: the magic word, the version, the length of the whole.
+const HEADER: usize = 12;
 /// Deeper trees than this are circles.
 const MAX_DEPTH: usize = 100;
 /// What a primitive without a material is called.
 const NO_MATERIAL: &str = "none";
 
 pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
-    let gltf = Gltf::from_slice(bytes).map_err(Trouble::damaged)?;
-    let blob = gltf
-        .blob
+    let (document, blob) = document(bytes)?;
+    let blob = blob
         .as_deref()
         .ok_or_else(|| Trouble::damaged("its data are in other files; save everything in one .glb"))?;
-    let scene = gltf.default_scene().or_else(|| gltf.scenes().next());
+    let scene = document.default_scene().or_else(|| document.scenes().next());
     let roots = scene.ok_or_else(|| Trouble::damaged("it has no scene"))?;
     let mut budget = 100_000;
     for root in roots.nodes() {
         visit(&root, &Matrix4::identity(), 0, &mut budget, blob, soup)?;
     }
     Ok(())
+}
+
+/// The checked tree and the data beside it. What the gltf crate trusts although damaged files have it wrong is looked at first.
+fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Trouble> {
+    let length = bytes.get(8..).and_then(|rest| rest.first_chunk::<4>());
+    if length.is_some_and(|length| (u32::from_le_bytes(*length) as usize) < HEADER) {
+        return Err(Trouble::damaged("its header gives no length"));
+    }
+    let glb = Glb::from_slice(bytes).map_err(Trouble::damaged)?;
+    let root = gltf::json::deserialize::from_slice::<gltf::json::Root>(&glb.json).map_err(Trouble::damaged)?;
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if primitives
+        .flat_map(|p| p.attributes.values())
+        .any(|accessor| accessor.value() >= root.accessors.len())
+    {
+        return Err(Trouble::damaged("a surface names data that are not there"));
+    }
+    let document = Document::from_json(root).map_err(Trouble::damaged)?;
+    Ok((document, glb.bin.map(|data| data.into_owned())))
 }
 
 /// `budget` is how many nodes may still be visited: a damaged tree can name a node again and again.

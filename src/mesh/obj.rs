@@ -15,7 +15,14 @@ pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let names = material_names(bytes);
     // tobj knows only materials of a library: it is handed one that has every name.
     let mut file = b"mtllib names\n".to_vec();
-    file.extend_from_slice(bytes);
+    // Normals and texture coordinates are not used, and tobj does not survive every index of them.
+    let unused = |line: &[u8]| line.trim_ascii_start().starts_with(b"vn") || line.trim_ascii_start().starts_with(b"vt");
+    for line in bytes
+        .split_inclusive(|byte| *byte == b'\n')
+        .filter(|line| !unused(line))
+    {
+        file.extend_from_slice(line);
+    }
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(file), &LoadOptions::default(), |_| Ok(library(&names)))
         .map_err(Trouble::damaged)?;
     for model in &models {

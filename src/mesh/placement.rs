@@ -8,6 +8,8 @@ use super::{Mesh, MeshError};
 
 /// The longest model, mm: a full-size lorry and more.
 const MAX_LENGTH_MM: f64 = 100_000.0;
+/// Nothing is so short in any unit; scaling it up would leave the range of numbers.
+const LEAST_LENGTH: f64 = 1e-9;
 
 /// A direction of the mesh file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +61,7 @@ impl Placement {
             Some(length) if !(length > 0.0 && length <= MAX_LENGTH_MM) => {
                 return Err(MeshError::BadLength { value: length });
             }
-            Some(_) if high.x - low.x <= 0.0 => return Err(MeshError::NoLength),
+            Some(_) if high.x - low.x < LEAST_LENGTH => return Err(MeshError::NoLength),
             Some(length) => length / (high.x - low.x),
         };
         let ground = Point3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);

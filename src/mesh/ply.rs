@@ -3,19 +3,28 @@
 use std::io::Cursor;
 
 use nalgebra::Point3;
-use ply_rs_bw::parser::Parser;
+use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, Property};
 
-use super::{Soup, Trouble, corner};
+use super::{MAX_TRIANGLES, Soup, Trouble, corner};
 
+/// Vertices, faces and whatever else the header announces: a closed surface has half as many vertices as triangles, separate
+/// triangles three each.
+const MAX_ELEMENTS: usize = 4 * MAX_TRIANGLES;
 const MATERIAL: &str = "ply";
 
 pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let material = soup.material(MATERIAL);
-    let file = Parser::<DefaultElement>::new()
-        .read_ply(&mut Cursor::new(bytes))
-        .map_err(Trouble::damaged)?;
-    let elements = |name: &str| file.payload.get(name).map_or(&[][..], Vec::as_slice);
+    let parser = Parser::<DefaultElement>::new();
+    let mut file = Reader::new(Cursor::new(bytes));
+    let header = parser.read_header(&mut file).map_err(Trouble::damaged)?;
+    // Elements without properties take no bytes: a header alone could ask for any number of them.
+    let announced = header.elements.values().map(|element| element.count);
+    if announced.fold(0, usize::saturating_add) > MAX_ELEMENTS {
+        return Err(Trouble::TooManyTriangles);
+    }
+    let payload = parser.read_payload(&mut file, &header).map_err(Trouble::damaged)?;
+    let elements = |name: &str| payload.get(name).map_or(&[][..], Vec::as_slice);
     let points: Result<Vec<_>, _> = elements("vertex").iter().map(point).collect();
     let points = points?;
     for face in elements("face") {
