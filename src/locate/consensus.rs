@@ -1,7 +1,7 @@
 //! One moved card among several whole ones: which tags agree, and what is wrong with the others.
 //!
 //! A tag's four corners stand or fall together. A pose is found from the tags that agree only when these are at least three and
-//! more than half; two tags that disagree are never chosen between.
+//! two thirds; two tags that disagree are never chosen between.
 
 use nalgebra::{Matrix6, SMatrix, SVector};
 
@@ -106,13 +106,19 @@ fn count(kept: &[bool]) -> usize {
     kept.iter().filter(|k| **k).count()
 }
 
+/// Two of three tags at least: with fewer, tags that a wrong camera or scene file puts at odds would be dropped until the rest
+/// agrees on a wrong pose.
+fn is_majority(kept: &[bool]) -> bool {
+    count(kept) >= MIN_AGREEING && 3 * count(kept) >= 2 * kept.len()
+}
+
 fn is_same(a: &Match, b: &Match) -> bool {
     std::ptr::eq(a.tag, b.tag)
 }
 
 /// Fits the chosen tags and drops the one that agrees least with the others, until all agree. `None` when that leaves no majority.
 fn settle(mut pose: Rigid, mut kept: Vec<bool>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
-    while count(&kept) >= MIN_AGREEING && 2 * count(&kept) > kept.len() {
+    while is_majority(&kept) {
         let members = chosen(matches, &kept);
         pose = refine::refine(&pose, &Corners::of(&members), camera, NO_BEND)?;
         let disagreement = disagreement(&pose, &members, camera)?;
