@@ -97,6 +97,23 @@ fn every_photo_of_the_session_is_where_the_truth_says() {
 }
 
 #[test]
+fn a_crop_that_looks_like_a_smaller_photo_is_warned_of() {
+    let whole = skyline().join("normal_000.jpg");
+    let folder = tempfile::tempdir().unwrap();
+    let crop = folder.path().join("crop.png");
+    // The same aspect ratio as the camera's, so that the size gives nothing away.
+    image::open(&whole)
+        .unwrap()
+        .crop_imm(32, 24, 1216, 912)
+        .save(&crop)
+        .unwrap();
+    let found = lines(&locate_skyline(&[whole, crop]));
+    assert_eq!(found[0]["warnings"], serde_json::json!([]));
+    let warnings = found[1]["warnings"].as_array().unwrap();
+    assert!(warnings.contains(&"poor_fit".into()), "{warnings:?}");
+}
+
+#[test]
 fn a_photo_without_tags_is_answered_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     // All tags painted over, the size kept, so that only the tags can be the reason.

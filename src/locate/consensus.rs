@@ -20,7 +20,7 @@ use crate::scene::{Scene, Tag};
 const AGREES: f64 = 8.0 * 3.5 * 3.5;
 
 /// Noise that is believed at most, as an angle: with more, several moved tags would excuse each other.
-const MAX_NOISE_DEG: f64 = 0.05;
+pub(super) const MAX_NOISE_DEG: f64 = 0.05;
 
 /// Pairs of so many of the largest tags are asked what they see.
 const ASKED_TAGS: usize = 8;

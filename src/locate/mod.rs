@@ -53,6 +53,8 @@ pub struct Located {
 pub enum Warning {
     /// The camera stood so near to the edge of its bin that it may be the next one.
     NearBinEdge,
+    /// The tags agree with each other worse than tags do in a good photo by a right camera: a crop, another camera, a bent card.
+    PoorFit,
 }
 
 /// A bin less probable than this is given with a warning.
@@ -103,10 +105,13 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         sigma,
         bin,
         bin_probability,
-        warnings: (bin_probability < SURE_BIN)
-            .then_some(Warning::NearBinEdge)
-            .into_iter()
-            .collect(),
+        warnings: [
+            (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge),
+            (best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG).then_some(Warning::PoorFit),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         tags,
         ignored_tags,
         rms_px: best.rms_px,
