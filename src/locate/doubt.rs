@@ -27,7 +27,7 @@ pub enum Abstention {
     )]
     HighResidual { rms_px: f64, limit_px: f64 },
     #[error(
-        "the {tags} visible tags disagree, and no three of them that are more than half agree: was a card moved, or is this another camera?"
+        "the {tags} visible tags disagree, and no two thirds of them (three at least) agree: was a card moved, or is this another camera?"
     )]
     NoMajority { tags: usize },
     #[error(
@@ -86,8 +86,9 @@ impl Abstention {
 /// the 1180 px focal length of the skyline session it is 3.1 px, where the worst honest photo (grazing, far tags) has 1.7 px.
 const MAX_RMS_DEG: f64 = 0.15;
 
-/// Two tags bend a pose to fit a moved one, so that this share of it must do: a third would tell, but there is none.
-const TWO_TAGS: f64 = 0.3;
+/// Two or three tags bend a pose to fit a moved one or a wrong camera, so that this share of it must do: more would tell, but there are
+/// none.
+const FEW_TAGS: f64 = 0.3;
 
 /// The rival's residual must be this many times the best pose's. Measured in `notes/pose.md` of the design: with the ratio of
 /// best to rival below 0.2, single-tag frames are more than 10° wrong in 0.23 % instead of 2.1 %.
@@ -97,8 +98,9 @@ const MIN_RIVAL_RATIO: f64 = 5.0;
 const NOISE_FLOOR_PX: f64 = 0.1;
 
 /// A lone tag must be tilted by this much. Nearer to frontal its two branches melt into one pose, so there is no rival left to
-/// exclude, and the tilt itself is noise: a corner error of 0.5 % of the tag's size is 3.5° of tilt at 5°, 1.6° at 10°.
-const MIN_LONE_TILT_DEG: f64 = 10.0;
+/// exclude, and the tilt itself is noise: a corner error of 0.5 % of the tag's size is 3.5° of tilt at 5°, 1.6° at 10°. Of the sweeps of
+/// `chart stability`, 10° let one more view of a nearly frontal tag pass into a wrong bin.
+const MIN_LONE_TILT_DEG: f64 = 15.0;
 
 /// Poses closer than this are one pose.
 const SAME_TURN_DEG: f64 = 3.0;
@@ -126,7 +128,12 @@ pub(super) fn undoubted(
     let Some(best) = found.first() else {
         return Err(Abstention::BehindCamera);
     };
-    let limit_px = limit_px(camera) * if matches.len() == 2 { TWO_TAGS } else { 1.0 };
+    let share = if matches.len() == 2 || matches.len() == 3 {
+        FEW_TAGS
+    } else {
+        1.0
+    };
+    let limit_px = share * limit_px(camera);
     if best.rms_px > limit_px {
         let rms_px = best.rms_px;
         return Err(match matches {

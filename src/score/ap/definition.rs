@@ -55,7 +55,7 @@ impl ApDefinition {
         };
         match self {
             ApDefinition::Coco101 => (0..=100).map(|i| at(curve, &best, recall(i, 0.01))).sum::<f64>() / 101.0,
-            ApDefinition::Voc11 => (0..=10).map(|i| at(curve, &best, recall(i, 0.1))).sum::<f64>() / 11.0,
+            ApDefinition::Voc11 => (0..=10).map(|i| at(curve, &best, f64::from(i) / 10.0)).sum::<f64>() / 11.0,
             ApDefinition::AllPoint => area(curve, &best),
             ApDefinition::Yolov5Ramp => ramp(curve, &best),
         }
