@@ -6,6 +6,8 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{GrayImage, Luma, imageops};
 use rand::{Rng, RngExt};
 
+use crate::simulate::normal;
+
 /// Four corners of a tag in the picture, px.
 pub type Quad = [[f64; 2]; 4];
 
@@ -119,12 +121,6 @@ fn noisy(photo: &GrayImage, sigma: f64, rng: &mut impl Rng) -> GrayImage {
         *value = (f64::from(*value) + sigma * normal(rng)).round().clamp(0.0, 255.0) as u8;
     }
     out
-}
-
-/// Normal noise of σ = 1 (Box & Muller 1958).
-fn normal(rng: &mut impl Rng) -> f64 {
-    let (a, b): (f64, f64) = (rng.random::<f64>().max(1e-12), rng.random());
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
 /// A stop is a factor of two in light; grey levels are taken as light to the power of 1/2.2.

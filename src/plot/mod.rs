@@ -8,7 +8,7 @@ mod scatter;
 
 pub use axis::{Axis, Scale};
 pub use panels::{Line, Panel, panels};
-pub use scatter::{Cloud, Dot, Shape, scatter};
+pub use scatter::{Cloud, Dot, scatter};
 
 /// Colours of the series, in their order; a ninth series starts over.
 const COLOURS: [&str; 8] = [

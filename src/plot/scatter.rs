@@ -9,7 +9,7 @@ use super::{Axis, FAINT, INK, NOTE, colour, document, round};
 
 /// What a mark looks like besides its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
+enum Shape {
     Circle,
     Square,
     Diamond,
@@ -18,7 +18,7 @@ pub enum Shape {
 
 impl Shape {
     /// The n-th shape; a fifth starts over.
-    pub fn nth(n: usize) -> Self {
+    fn nth(n: usize) -> Self {
         [Self::Circle, Self::Square, Self::Diamond, Self::Triangle][n % 4]
     }
 }

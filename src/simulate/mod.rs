@@ -5,7 +5,7 @@ mod fault;
 mod visible;
 
 use nalgebra::{Matrix3, Point3, Vector3};
-use rand::{RngExt, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 
@@ -117,7 +117,7 @@ pub fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
 }
 
 /// Normal noise of σ = 1 (Box & Muller 1958).
-fn normal(rng: &mut Pcg64Mcg) -> f64 {
+pub fn normal(rng: &mut impl Rng) -> f64 {
     let (a, b): (f64, f64) = (rng.random::<f64>().max(1e-12), rng.random());
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
