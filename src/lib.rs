@@ -10,6 +10,7 @@ pub mod chart;
 pub mod cli;
 pub mod colour_chart;
 pub mod detect;
+pub mod envelope;
 pub mod files;
 pub mod geometry;
 pub mod locate;

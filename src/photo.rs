@@ -1,6 +1,7 @@
 //! Photos: decoded upright, or refused with the reason. A file is never written back.
 
 mod lens;
+mod upright_size;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ use zune_jpeg::JpegDecoder;
 use crate::files;
 
 pub use lens::Lens;
+pub use upright_size::upright_size;
 
 /// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
 const MAX_MEGAPIXELS: u64 = 250;
@@ -50,18 +52,7 @@ impl Photo {
     /// Reads and decodes a JPEG or PNG file, whatever its name says.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read(path)?;
-        let decoded = decode(&bytes).map_err(|problem| match problem {
-            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path: path.to_owned() },
-            DecodeProblem::Truncated => PhotoError::Truncated { path: path.to_owned() },
-            DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge {
-                path: path.to_owned(),
-                megapixels,
-            },
-            DecodeProblem::Damaged(reason) => PhotoError::Damaged {
-                path: path.to_owned(),
-                reason,
-            },
-        })?;
+        let decoded = decode(&bytes).map_err(|problem| refusal(path, problem))?;
         Ok(Photo {
             rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),
@@ -96,6 +87,22 @@ enum DecodeProblem {
     Damaged(String),
 }
 
+fn refusal(path: &Path, problem: DecodeProblem) -> PhotoError {
+    let path = path.to_owned();
+    match problem {
+        DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
+        DecodeProblem::Truncated => PhotoError::Truncated { path },
+        DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge { path, megapixels },
+        DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
+    }
+}
+
+/// The format of a picture that photos come in.
+fn known_format(bytes: &[u8]) -> Option<ImageFormat> {
+    let format = image::guess_format(bytes).ok()?;
+    matches!(format, ImageFormat::Jpeg | ImageFormat::Png).then_some(format)
+}
+
 /// A picture, upright, and what its EXIF data says.
 #[derive(Debug)]
 struct Decoded {
@@ -105,10 +112,7 @@ struct Decoded {
 }
 
 fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => format,
-        _ => return Err(DecodeProblem::NotAPicture),
-    };
+    let format = known_format(bytes).ok_or(DecodeProblem::NotAPicture)?;
     // The decoder fills the missing rows of a cut JPEG with grey and calls it a success, so we look first.
     if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
         return Err(DecodeProblem::Truncated);

@@ -26,7 +26,7 @@ fn samples() -> (Session, Vec<Sample>) {
 #[test]
 fn the_default_is_on_the_chart_s_accurate_end() {
     let (session, samples) = samples();
-    let rows = measure(&samples, &session.scene, &session.camera, || {}).unwrap();
+    let rows = measure(&samples, &session.scene, session.known_camera().unwrap(), || {}).unwrap();
     assert_eq!(
         rows.len(),
         TagDetectorChoice::ALL.len() * Solver::all().len() * CameraModel::ALL.len()
@@ -53,7 +53,7 @@ fn the_default_is_on_the_chart_s_accurate_end() {
 #[test]
 fn swept_views_are_right_or_refused() {
     let session = Session::open(&skyline()).unwrap();
-    let steps = stability::on_views(&session.scene, &session.camera, 250, 7, || {});
+    let steps = stability::on_views(&session.scene, session.known_camera().unwrap(), 250, 7, || {});
     println!("{}", stability::summary(&steps));
     let default = || steps.iter().filter(|step| step.method == Solver::default().name());
     let (views, _, wrong) = stability::total(default());
@@ -81,7 +81,15 @@ fn swept_views_are_right_or_refused() {
 fn spoiled_photos_are_right_or_refused() {
     let (session, samples) = samples();
     let detectors = [TagDetectorChoice::default()];
-    let steps = stability::on_photos(&samples, &session.scene, &session.camera, &detectors, 3, || {}).unwrap();
+    let steps = stability::on_photos(
+        &samples,
+        &session.scene,
+        session.known_camera().unwrap(),
+        &detectors,
+        3,
+        || {},
+    )
+    .unwrap();
     println!("{}", stability::summary(&steps));
     let (photos, answered, wrong) = stability::total(&steps);
     assert_eq!(photos, stability::photo_steps(samples.len()));

@@ -7,6 +7,7 @@ mod kalibr;
 mod marks;
 mod mrcal;
 mod opencv_yaml;
+mod ray;
 mod ros_yaml;
 mod yaml;
 

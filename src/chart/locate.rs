@@ -1,19 +1,15 @@
 //! Every tag detector × solver × camera model on the same photos: error against milliseconds against share answered.
 
-use std::time::Instant;
-
 use image::GrayImage;
 use serde::Serialize;
 
+use super::timing::fastest;
 use crate::camera::Camera;
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::scene::{Scene, Viewpoint};
 use crate::tags::{SeenTag, StartError, TagDetectorChoice};
-
-/// Each time is the smallest of so many runs over a photo: what else the machine does only ever adds to it.
-const REPEATS: usize = 3;
 
 /// How much of the camera file's lens model is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -115,23 +111,6 @@ pub fn measure(samples: &[Sample], scene: &Scene, camera: &Camera, on_done: impl
     }
     mark_fronts(&mut rows);
     Ok(rows)
-}
-
-/// The result of some work, and the milliseconds its fastest run took.
-fn fastest<R>(mut work: impl FnMut() -> R) -> (R, f64) {
-    let mut run = || {
-        let start = Instant::now();
-        let result = work();
-        (result, start.elapsed().as_secs_f64() * 1e3)
-    };
-    let mut best = run();
-    for _ in 1..REPEATS {
-        let again = run();
-        if again.1 < best.1 {
-            best = again;
-        }
-    }
-    best
 }
 
 fn row(

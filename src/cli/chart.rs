@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use super::{CommandResult, Outcome, progress};
 use crate::chart::locate::Sample;
-use crate::chart::{locate, stability, true_views};
+use crate::chart::{envelope as envelope_chart, locate, stability, true_boxes, true_views};
+use crate::envelope::{self, Outline};
 use crate::files;
 use crate::photo::Photo;
 use crate::session::Session;
@@ -26,6 +27,8 @@ pub struct Args {
 enum What {
     /// Every tag detector, solver and camera model: error against milliseconds against share answered
     Locate(LocateArgs),
+    /// Every envelope that truth boxes are drawn around: IoU with the exact boxes against milliseconds
+    Envelope(EnvelopeArgs),
     /// Drive every method from harmless to hopeless: error, share answered, share silently wrong
     Stability(StabilityArgs),
 }
@@ -37,6 +40,15 @@ struct LocateArgs {
     /// Enlarge the photos by this factor first, as if a camera of more pixels had taken them
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     enlarge: f64,
+}
+
+#[derive(clap::Args)]
+struct EnvelopeArgs {
+    #[command(flatten)]
+    on: On,
+    /// The model's mesh, .glb, .obj, .stl or .ply, where the scene names none; without any, only the box is charted
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
 }
 
 #[derive(clap::Args)]
@@ -56,7 +68,7 @@ struct On {
     /// A session folder
     #[arg(long, value_name = "DIR")]
     session: PathBuf,
-    /// Where the camera truly stood: JSON with azimuth, pitch and distance per photo
+    /// The exact truth: JSON with azimuth, pitch and distance per photo; for envelopes, the box around the model's outline
     #[arg(long, value_name = "JSON")]
     truth: PathBuf,
     /// Folder for the charts (SVG) and their numbers (JSON)
@@ -68,6 +80,7 @@ struct On {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Locate(args) => chart_locate(&args, out),
+        What::Envelope(args) => chart_envelope(&args, out),
         What::Stability(args) => chart_stability(&args, out),
     }
 }
@@ -90,15 +103,68 @@ fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
     let (session, samples) = load(&args.on)?;
     let samples = enlarged(samples, args.enlarge);
     let camera = match samples.first() {
-        Some(first) => session.camera.scaled_to(first.grey.width(), first.grey.height())?,
-        None => session.camera.clone(),
+        Some(first) => session
+            .known_camera()?
+            .scaled_to(first.grey.width(), first.grey.height())?,
+        None => session.known_camera()?.clone(),
     };
     let bar = progress::photos("measuring", samples.len() * TagDetectorChoice::ALL.len());
     let rows = locate::measure(&samples, &session.scene, &camera, || bar.inc(1))?;
     bar.finish_and_clear();
     writeln!(out, "{}", locate::table(&rows))?;
-    let numbers = json(&session, &args.on, &rows)?;
+    let numbers = json(&session, &[Some(&args.on.truth)], &rows)?;
     write(&args.on.out, "locate", &[("", locate::draw(&rows))], numbers, out)
+}
+
+fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
+    let session = Session::open(&args.on.session)?;
+    let model = &session.scene.model;
+    let mesh_path = args.mesh.as_ref().or(session.mesh_path.as_ref());
+    let mut outlines = vec![("box", Outline::of_box(model))];
+    if let Some(path) = mesh_path {
+        let mesh = envelope::load(path, model)?;
+        outlines.push(("hull", Outline::hull(&mesh, model)));
+        outlines.push(("mesh", Outline::surface(&mesh, model)));
+    }
+    let (samples, not_located) = placed(&session, &args.on)?;
+    let rows = envelope_chart::measure(&samples, &outlines, model.envelope.name());
+    for sentence in not_located {
+        eprintln!("not measured: {sentence}");
+    }
+    writeln!(out, "{}", envelope_chart::table(&rows))?;
+    let inputs = [Some(args.on.truth.as_path()), args.mesh.as_deref()];
+    let numbers = json(&session, &inputs, &rows)?;
+    let charts = [("", envelope_chart::draw(&rows))];
+    write(&args.on.out, "envelope", &charts, numbers, out)
+}
+
+/// The photos of a session that the tags place, and a sentence about each of the others.
+fn placed(session: &Session, on: &On) -> Result<(Vec<envelope_chart::Sample>, Vec<String>), Box<dyn Error>> {
+    let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
+    let truths = true_boxes(&on.truth, &names)?;
+    let camera = session.known_camera()?;
+    let mut tags = TagDetectorChoice::default().open(&session.scene.families())?;
+    let bar = progress::photos("locating", names.len());
+    let (mut samples, mut not_located) = (Vec::new(), Vec::new());
+    for (entry, truth) in session.photos.iter().zip(truths) {
+        let photo = Photo::open(&session.photo_path(entry))?;
+        let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg)?;
+        match crate::locate::locate(&tags.find(&photo.grey()), &session.scene, &fitted.camera) {
+            Ok(located) => samples.push(envelope_chart::Sample {
+                file: entry.file.clone(),
+                pose: located.pose,
+                camera: fitted.camera,
+                truth,
+            }),
+            Err(reason) => not_located.push(format!("{}: {reason}", entry.file)),
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    match not_located.first() {
+        Some(first) if samples.is_empty() => Err(format!("no photo has a pose; {first}").into()),
+        _ => Ok((samples, not_located)),
+    }
 }
 
 fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
@@ -108,7 +174,7 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
         stability::photo_steps(samples.len()) + stability::view_steps(),
     );
     let detectors = stability::detectors(&session.scene);
-    let (scene, camera) = (&session.scene, &session.camera);
+    let (scene, camera) = (&session.scene, session.known_camera()?);
     let photos = stability::on_photos(&samples, scene, camera, &detectors, args.seed, || bar.inc(1))?;
     let views = stability::on_views(scene, camera, args.views as usize, args.seed, || bar.inc(1));
     bar.finish_and_clear();
@@ -118,7 +184,7 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
     ];
     let steps: Vec<_> = photos.into_iter().chain(views).collect();
     writeln!(out, "{}", stability::summary(&steps))?;
-    let numbers = json(&session, &args.on, &steps)?;
+    let numbers = json(&session, &[Some(&args.on.truth)], &steps)?;
     write(&args.on.out, "stability", &charts, numbers, out)
 }
 
@@ -154,10 +220,13 @@ fn enlarged(samples: Vec<Sample>, factor: f64) -> Vec<Sample> {
         .collect()
 }
 
-fn json<R: Serialize>(session: &Session, on: &On, rows: &[R]) -> Result<String, Box<dyn Error>> {
+/// `read` are the files read besides the session's.
+fn json<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) -> Result<String, Box<dyn Error>> {
     let mut inputs = session.hashes.clone();
-    let name = on.truth.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    inputs.push((name, files::sha256_hex(&files::read(&on.truth)?)));
+    for path in read.iter().flatten() {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        inputs.push((name, files::sha256_hex(&files::read(path)?)));
+    }
     Ok(serde_json::to_string_pretty(&Numbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
         session: &session.name,

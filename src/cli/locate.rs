@@ -107,7 +107,12 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 /// Locates every photo of a session and writes the table.
 pub fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
-    let results = locate_all(&photos, &session.scene, &session.camera, TagDetectorChoice::default())?;
+    let results = locate_all(
+        &photos,
+        &session.scene,
+        session.known_camera()?,
+        TagDetectorChoice::default(),
+    )?;
     write_table(&photos, &results, out)?;
     explain(&photos, &results);
     Ok(())

@@ -14,6 +14,7 @@ mod print;
 mod progress;
 mod scene;
 mod score;
+mod session;
 mod survey;
 
 use std::error::Error;
@@ -42,6 +43,7 @@ enum Command {
     Colour(colour::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
+    Session(session::Args),
     Score(score::Args),
     Compare(compare::Args),
     Plan(plan::Args),
@@ -76,6 +78,7 @@ pub fn main() -> ExitCode {
         Command::Colour(args) => colour::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
+        Command::Session(args) => session::run(args, out),
         Command::Score(args) => score::run(args, out),
         Command::Compare(args) => compare::run(args, out),
         Command::Plan(args) => plan::run(args, out),

@@ -7,7 +7,7 @@ use clap::{Subcommand, ValueEnum};
 
 use super::{CommandResult, Outcome};
 use crate::files;
-use crate::scene::{Bins, Model, Ring, Scene, TagFamily};
+use crate::scene::{Bins, Envelope, Model, Ring, Scene, TagFamily};
 
 /// Make scene files
 #[derive(clap::Args)]
@@ -122,6 +122,7 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
             scale: args.scale,
             class: args.class,
             size_mm: args.model_size_mm,
+            envelope: Envelope::Box,
         },
         bins: Bins {
             azimuth_deg: args.bins_azimuth_deg,

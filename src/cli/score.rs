@@ -57,6 +57,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     caution(&scores);
     writeln!(out, "{}", report::summary_table(&scores))?;
+    writeln!(out, "truth boxes: {}", report::truth_boxes(&scores))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
 }

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -48,7 +48,7 @@ pub struct Args {
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let scene = Scene::open(&args.scene)?;
+    let scene = for_output(Scene::open(&args.scene)?, &args)?;
     let camera = Camera::open(&args.camera)?;
     let fixed = fixed(&args, &scene)?;
     let photos = tags_of(&args, &scene, &camera)?;
@@ -72,6 +72,16 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         writeln!(out, "{}: {} tags", args.output.display(), found.scene.tags.len())?;
     }
     Ok(Outcome::Done)
+}
+
+/// The scene with its mesh named so that a scene file in the output's folder finds it.
+fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
+    let (from, to) = (args.scene.parent(), args.output.parent());
+    if let (Some(mesh), true) = (scene.model.envelope.mesh(), from != to) {
+        let place = std::path::absolute(from.unwrap_or(Path::new("")).join(mesh))?;
+        scene.model.envelope = scene.model.envelope.with_mesh(|_| place);
+    }
+    Ok(scene)
 }
 
 /// The fixed tags by family and id.

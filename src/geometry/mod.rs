@@ -1,8 +1,10 @@
-//! Boxes, angles and rigid transforms: the words every other room speaks.
+//! Boxes, angles, convex hulls and rigid transforms: the words every other room speaks.
 
 pub mod angle;
 pub mod bbox;
+mod hull;
 pub mod rigid;
 
 pub use bbox::BoxPx;
+pub use hull::convex_hull;
 pub use rigid::Rigid;

@@ -130,6 +130,11 @@ impl Mesh {
         }
     }
 
+    /// Every corner of the triangles once, model frame, mm.
+    pub fn points(&self) -> &[Point3<f64>] {
+        &self.points
+    }
+
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }

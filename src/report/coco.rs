@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::scene::Viewpoint;
 use crate::score::{ScoredPhoto, Scores};
 
 #[derive(Serialize)]
@@ -26,6 +27,11 @@ struct Image<'a> {
     height: u32,
     variant: &'a str,
     session: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    place: Option<&'a str>,
+    /// Azimuth, pitch and distance, where they are known.
+    #[serde(flatten)]
+    viewpoint: Option<Viewpoint>,
 }
 
 #[derive(Serialize)]
@@ -61,7 +67,7 @@ pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
     let class = labels.category_id(contestant.class).unwrap_or_default();
     let page = Truth {
         info: Info {
-            description: "truth boxes of scale-model photos, projected through the pose".into(),
+            description: format!("truth boxes of scale-model photos: {}", super::truth_boxes(scores)),
             version: env!("CARGO_PKG_VERSION"),
         },
         images: scores.photos.iter().map(|p| image(scores, p)).collect(),
@@ -79,6 +85,8 @@ fn image<'a>(scores: &Scores, p: &'a ScoredPhoto) -> Image<'a> {
         height: p.height,
         variant: &p.variant,
         session: scores.sessions[p.session].name.clone(),
+        place: p.place.as_deref(),
+        viewpoint: p.viewpoint,
     }
 }
 

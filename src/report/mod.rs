@@ -7,6 +7,7 @@ mod html;
 mod provenance;
 mod summary_json;
 mod table;
+mod truth;
 
 use std::path::{Path, PathBuf};
 
@@ -16,6 +17,7 @@ use crate::score::{Contestant, ScoredPhoto, Scores};
 
 pub use comparison::{comparison_json, comparison_table};
 pub use table::summary_table;
+pub use truth::truth_boxes;
 
 /// Why the report could not be written.
 #[derive(Debug, thiserror::Error)]

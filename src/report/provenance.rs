@@ -39,7 +39,10 @@ pub(super) struct SessionProvenance {
     pub folder: String,
     pub model: String,
     pub scale: f64,
+    /// `box`, `hull` or `mesh`: what truth boxes are drawn around where the session gives none.
     pub truth_envelope: &'static str,
+    /// Name of the mesh's file; its hash is in `files`.
+    pub truth_mesh: Option<String>,
     /// SHA-256 by file name.
     pub files: BTreeMap<String, String>,
 }
@@ -87,7 +90,8 @@ fn session(scores: &Scores, index: usize) -> SessionProvenance {
         folder: session.name.clone(),
         model: session.scene.model.name.clone(),
         scale: session.scene.model.scale,
-        truth_envelope: "box",
+        truth_envelope: session.scene.model.envelope.name(),
+        truth_mesh: session.scene.model.envelope.mesh().map(super::truth::file_name),
         files: session.hashes.iter().cloned().chain(photos).collect(),
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
-use super::{Bins, Model, Scene, Tag, TagFamily, TagSigma};
+use super::{Bins, Envelope, Model, Scene, Tag, TagFamily, TagSigma};
 use crate::files;
 
 /// Why a scene was refused. Every variant names the file and what to change.
@@ -42,14 +42,16 @@ struct ModelTable {
     size_mm: [f64; 3],
     #[serde(default)]
     envelope: EnvelopeWord,
+    mesh: Option<PathBuf>,
 }
 
-/// The one envelope of this version: the model's box.
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "lowercase")]
 enum EnvelopeWord {
     #[default]
     Box,
+    Hull,
+    Mesh,
 }
 
 #[derive(Deserialize)]
@@ -96,12 +98,13 @@ impl Scene {
 
 /// Checks what the grammar cannot: sizes, directions, duplicates.
 fn checked(file: SceneFile) -> Result<Scene, String> {
-    let EnvelopeWord::Box = file.model.envelope;
+    let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
     let model = Model {
         name: file.model.name,
         scale: positive(file.model.scale, "model.scale")?,
         class: file.model.class,
         size_mm: file.model.size_mm,
+        envelope,
     };
     for size in model.size_mm {
         positive(size, "each of model.size_mm")?;
@@ -120,6 +123,23 @@ fn checked(file: SceneFile) -> Result<Scene, String> {
         bins: checked_bins(file.bins)?,
         tags,
     })
+}
+
+fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelope, String> {
+    let needs = |word: &str| format!("model.envelope is {word}: name the model's mesh, e.g. mesh = \"model.stl\"");
+    match (word, mesh) {
+        (_, Some(mesh)) if mesh.as_os_str().is_empty() => {
+            Err("model.mesh is empty: name a file, or leave it out".into())
+        }
+        (EnvelopeWord::Box, None) => Ok(Envelope::Box),
+        (EnvelopeWord::Hull, Some(mesh)) => Ok(Envelope::Hull(mesh)),
+        (EnvelopeWord::Mesh, Some(mesh)) => Ok(Envelope::Mesh(mesh)),
+        (EnvelopeWord::Hull, None) => Err(needs("hull")),
+        (EnvelopeWord::Mesh, None) => Err(needs("mesh")),
+        (EnvelopeWord::Box, Some(_)) => {
+            Err("model.mesh is named but the envelope is the box: write envelope = \"mesh\" or \"hull\"".into())
+        }
+    }
 }
 
 fn checked_bins(bins: BinsTable) -> Result<Bins, String> {
@@ -257,6 +277,13 @@ up = [-0.5, 0.0, 0.866]
     }
 
     #[test]
+    fn an_envelope_and_its_mesh_are_read() {
+        let text = GOOD.replace("[bins]", "envelope = \"hull\"\nmesh = \"car.stl\"\n[bins]");
+        let scene = Scene::parse(&text, Path::new("scene.toml")).unwrap();
+        assert_eq!(scene.model.envelope, Envelope::Hull("car.stl".into()));
+    }
+
+    #[test]
     fn a_duplicate_tag_id_is_refused() {
         let tag = &GOOD[GOOD.find("[[tag]]").unwrap()..];
         assert!(refusal(&format!("{GOOD}{tag}")).contains("tag id 0 appears twice"));
@@ -275,7 +302,14 @@ up = [-0.5, 0.0, 0.866]
             ),
             ("right = [0.0, 1.0, 0.0]", "right = [0.0, 2.0, 0.0]", "unit vector"),
             ("id = 0", "id = 587", "does not exist in its family"),
-            ("[bins]", "envelope = \"hull\"\n[bins]", "unknown variant `hull`"),
+            ("[bins]", "envelope = \"ball\"\n[bins]", "unknown variant `ball`"),
+            ("[bins]", "envelope = \"hull\"\n[bins]", "name the model's mesh"),
+            ("[bins]", "mesh = \"a.stl\"\n[bins]", "the envelope is the box"),
+            (
+                "[bins]",
+                "envelope = \"mesh\"\nmesh = \"\"\n[bins]",
+                "model.mesh is empty",
+            ),
             ("size_mm = 50.0", "size_mm = nan", "size_mm of tag 0 is NaN"),
             ("id = 0", "id = 0\nsigma_mm = 0.1", "sigma_mm and sigma_deg of tag 0"),
             ("id = 0", "id = 0\nsigma_mm = -1\nsigma_deg = 1", "0 or more"),

@@ -2,6 +2,7 @@
 //! out by a preset ([`Ring`]).
 
 mod bins;
+mod envelope;
 mod file;
 mod ring;
 mod tag;
@@ -9,6 +10,7 @@ mod viewpoint;
 mod write;
 
 pub use bins::{Bin, Bins};
+pub use envelope::Envelope;
 pub use file::SceneError;
 pub use ring::{Ring, RingError};
 pub use tag::{Tag, TagFamily, TagSigma};
@@ -49,6 +51,8 @@ pub struct Model {
     pub class: String,
     /// Length (x), width (y), height (z) of the printed model in mm.
     pub size_mm: [f64; 3],
+    /// What truth boxes are drawn around.
+    pub envelope: Envelope,
 }
 
 impl Model {

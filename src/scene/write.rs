@@ -7,12 +7,18 @@ impl Scene {
     pub fn to_toml(&self) -> String {
         let model = &self.model;
         let [name, class] = [&model.name, &model.class].map(|text| toml::Value::from(text.as_str()).to_string());
+        let mesh = model.envelope.mesh().map(|path| {
+            let path = toml::Value::from(path.to_string_lossy().into_owned());
+            format!("mesh = {path}\n")
+        });
+        let mesh = mesh.unwrap_or_default();
         let head = format!(
             "# Millimetres; model frame: x to the front, y to the left, z up, origin on the ground under the model's centre.\n\n\
-             [model]\nname = {name}\nscale = {}\nclass = {class}\nsize_mm = {}\nenvelope = \"box\"\n\n\
+             [model]\nname = {name}\nscale = {}\nclass = {class}\nsize_mm = {}\nenvelope = \"{}\"\n{mesh}\n\
              [bins]\nazimuth_deg = {}\npitch_deg = {}\ndistance_mm = {}\n",
             model.scale,
             list(&model.size_mm, 3),
+            model.envelope.name(),
             self.bins.azimuth_deg,
             list(&self.bins.pitch_deg, 3),
             list(&self.bins.distance_mm, 3),
@@ -52,7 +58,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::super::{Bins, Model, Ring};
+    use super::super::{Bins, Envelope, Model, Ring};
     use super::*;
 
     proptest! {
@@ -65,8 +71,9 @@ mod tests {
             tilt_deg in 30.0..75.0_f64,
             family in prop::sample::select(TagFamily::ALL.to_vec()),
             name in "\\PC{0,12}",
+            envelope in prop::sample::select(vec![Envelope::Box, Envelope::Hull("a \"b\".stl".into()), Envelope::Mesh("m/c.glb".into())]),
         ) {
-            let model = Model { name, scale: 10.0, class: "car".into(), size_mm: [455.0, 186.5, 128.0] };
+            let model = Model { name, scale: 10.0, class: "car".into(), size_mm: [455.0, 186.5, 128.0], envelope };
             let bins = Bins { azimuth_deg: 45.0, pitch_deg: vec![0.0, 15.0], distance_mm: vec![850.0] };
             let mut scene = Ring { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
             scene.tags[0].sigma = Some(super::super::TagSigma { mm: tilt_deg / 64.0, deg: radius_mm / 8192.0 });

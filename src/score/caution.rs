@@ -94,7 +94,7 @@ fn placed_by_camera<'a>(
 }
 
 fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<String> {
-    let guessed = placed_by_camera(photos, sessions).filter_map(|(_, s)| Some((s, s.camera.guess?)));
+    let guessed = placed_by_camera(photos, sessions).filter_map(|(_, s)| Some((s, s.camera.as_ref()?.guess?)));
     guessed
         .map(|(s, guess)| format!("{}: {}", s.name, guess.caution()))
         .collect()
@@ -103,8 +103,8 @@ fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<Str
 /// A photo of another size than the camera file's was taken for the whole picture, made smaller or larger.
 fn other_sizes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     let is_other = |p: &ScoredPhoto, s: &Session| {
-        let own = [s.camera.width, s.camera.height];
-        own != [p.width, p.height] && own != [p.height, p.width]
+        let own = s.camera.as_ref().map(|c| [c.width, c.height]);
+        own.is_some_and(|own| own != [p.width, p.height] && own != [p.height, p.width])
     };
     let count = placed_by_camera(photos, sessions)
         .filter(|(p, s)| is_other(p, s))

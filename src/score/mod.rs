@@ -8,7 +8,6 @@ mod outcome;
 mod photo;
 mod run;
 mod summary;
-mod truth;
 mod wilson;
 
 pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
@@ -21,7 +20,6 @@ pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto};
 pub use run::{ScoreError, Scores, score};
 pub use summary::{BinFigures, Drop, Figures, Rate, Summary};
-pub use truth::{NoTruth, box_from_pose};
 pub use wilson::wilson_95;
 
 /// A detection counts for the model when their boxes overlap by at least this much.

@@ -3,7 +3,7 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
-use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary, truth};
+use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
 use crate::locate::{self, Abstention, Located};
@@ -204,7 +204,7 @@ impl Worker {
 
     /// The session's own truth and viewpoint where it has them, else from the tags.
     fn place(&mut self, photo: &Photo, job: &Job) -> Result<Place, String> {
-        let (scene, camera) = (&job.session.scene, &job.session.camera);
+        let scene = &job.session.scene;
         let given = job
             .entry
             .box_xyxy_px
@@ -215,6 +215,7 @@ impl Worker {
         if let (Some(truth), Some(_)) = (given, job.entry.viewpoint) {
             return Ok(Place { located: None, truth });
         }
+        let camera = job.session.known_camera().map_err(|e| e.to_string())?;
         let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg);
         let located = fitted.map_err(Abstention::from).and_then(|fitted| {
             let located = locate::locate(&self.tags.find(&photo.grey()), scene, &fitted.camera)?;
@@ -226,7 +227,10 @@ impl Worker {
                 truth,
             }),
             (Ok((located, camera)), None) => {
-                let truth = truth::box_from_pose(&scene.model, &located.pose, &camera).map_err(|e| e.to_string())?;
+                let outline = &job.session.outline;
+                let truth = outline
+                    .box_in_photo(&located.pose, &camera)
+                    .map_err(|e| e.to_string())?;
                 Ok(Place {
                     located: Some(located),
                     truth,

@@ -1,11 +1,14 @@
 //! A stored set of photos: `session.json`, with the scene and the camera it names.
 
+pub mod import;
+
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use crate::camera::{Camera, CameraError};
+use crate::envelope::{EnvelopeError, Outline};
 use crate::files;
 use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
@@ -19,6 +22,8 @@ pub enum SessionError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Camera(#[from] CameraError),
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
     #[error("{path}, line {line}: {message}", path = path.display())]
     Syntax {
         path: PathBuf,
@@ -35,10 +40,15 @@ pub struct Session {
     /// The name of the session's folder.
     pub name: String,
     pub folder: PathBuf,
+    /// The mesh that the scene names, if any.
+    pub mesh_path: Option<PathBuf>,
     pub scene: Scene,
-    pub camera: Camera,
+    /// What truth boxes are drawn around, as the scene says.
+    pub outline: Outline,
+    /// Absent only when every photo carries its truth box and viewpoint.
+    pub camera: Option<Camera>,
     pub photos: Vec<PhotoEntry>,
-    /// File name and SHA-256 of `session.json`, the scene and the camera file, for provenance.
+    /// File name and SHA-256 of `session.json`, the scene, its mesh and the camera file, for provenance.
     pub hashes: Vec<(String, String)>,
 }
 
@@ -64,11 +74,12 @@ pub struct PhotoEntry {
     pub viewpoint: Option<Viewpoint>,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SessionFile {
     scene: PathBuf,
-    camera: PathBuf,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    camera: Option<PathBuf>,
     photos: Vec<PhotoEntry>,
 }
 
@@ -80,28 +91,53 @@ impl Session {
         } else {
             place.to_owned()
         };
+        Session::parse(&files::read_text(&path)?, &path)
+    }
+
+    /// The same of a `session.json` that has this text and this place.
+    fn parse(text: &str, path: &Path) -> Result<Session, SessionError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let text = files::read_text(&path)?;
-        let file: SessionFile = serde_json::from_str(&text).map_err(|e| syntax(&path, &e))?;
-        check_photos(&file.photos).map_err(|message| SessionError::Content {
-            path: path.clone(),
+        let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
+        check(&file).map_err(|message| SessionError::Content {
+            path: path.to_owned(),
             message,
         })?;
-        let (scene_path, camera_path) = (folder.join(&file.scene), folder.join(&file.camera));
+        let scene_path = folder.join(&file.scene);
+        let camera_path = file.camera.map(|camera| folder.join(camera));
         let scene = Scene::open(&scene_path)?;
-        let camera = Camera::open(&camera_path)?;
-        let hashes = [&path, &scene_path, &camera_path]
+        let camera = camera_path.as_deref().map(Camera::open).transpose()?;
+        let scene_folder = scene_path.parent().unwrap_or(Path::new("")).to_owned();
+        let outline = Outline::open(&scene.model, &scene_folder)?;
+        let mesh_path = scene.model.envelope.mesh().map(|mesh| scene_folder.join(mesh));
+        let mut hashes = vec![(file_name(path), files::sha256_hex(text.as_bytes()))];
+        for read in [Some(&scene_path), mesh_path.as_ref(), camera_path.as_ref()]
             .into_iter()
-            .map(|p| Ok((file_name(p), files::sha256_hex(&files::read(p)?))))
-            .collect::<Result<_, files::FileError>>()?;
+            .flatten()
+        {
+            hashes.push((file_name(read), files::sha256_hex(&files::read(read)?)));
+        }
         let real = folder.canonicalize().unwrap_or_else(|_| folder.clone());
         Ok(Session {
             name: file_name(&real),
             folder,
+            mesh_path,
             scene,
+            outline,
             camera,
             photos: file.photos,
             hashes,
+        })
+    }
+
+    /// The camera, for what locates photos.
+    ///
+    /// # Errors
+    /// The session names none.
+    pub fn known_camera(&self) -> Result<&Camera, SessionError> {
+        self.camera.as_ref().ok_or_else(|| SessionError::Content {
+            path: self.folder.clone(),
+            message: "this session names no camera, so its photos cannot be located: name one in its session.json"
+                .into(),
         })
     }
 
@@ -124,6 +160,19 @@ fn syntax(path: &Path, e: &serde_json::Error) -> SessionError {
         path: path.to_owned(),
         line: e.line(),
         message,
+    }
+}
+
+/// Checks the photos, and that each can be placed.
+fn check(file: &SessionFile) -> Result<(), String> {
+    check_photos(&file.photos)?;
+    let needs_camera = |p: &&PhotoEntry| p.box_xyxy_px.is_none() || p.viewpoint.is_none();
+    match (&file.camera, file.photos.iter().find(needs_camera)) {
+        (None, Some(photo)) => Err(format!(
+            "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file, or give both for every photo",
+            photo.file
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -188,13 +237,17 @@ mod tests {
     const CAMERA: &str = "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]}\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n";
 
     fn opened(photos: &str) -> Result<Session, String> {
+        opened_with("\"camera\":\"camera.yaml\",", photos)
+    }
+
+    fn opened_with(camera: &str, photos: &str) -> Result<Session, String> {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
         write("scene.toml", SCENE);
         write("camera.yaml", CAMERA);
         write(
             "session.json",
-            &format!("{{\"scene\":\"scene.toml\",\"camera\":\"camera.yaml\",\n\"photos\":[{photos}]}}"),
+            &format!("{{\"scene\":\"scene.toml\",{camera}\n\"photos\":[{photos}]}}"),
         );
         Session::open(folder.path()).map_err(|e| e.to_string())
     }
@@ -209,6 +262,17 @@ mod tests {
         assert_eq!(session.photos[0].box_xyxy_px, Some(BoxPx::new(1.0, 2.0, 30.0, 40.0)));
         assert_eq!(session.photos[0].viewpoint.unwrap().azimuth_deg, 90.0);
         assert_eq!(session.hashes.len(), 3);
+    }
+
+    #[test]
+    fn without_a_camera_every_photo_needs_box_and_viewpoint() {
+        let whole = r#"{"file":"a.jpg","variant":"normal","box_xyxy_px":[1,2,30,40],
+                "viewpoint":{"azimuth_deg":90,"pitch_deg":15,"distance_mm":800}}"#;
+        let session = opened_with("", whole).unwrap();
+        assert!(session.camera.is_none() && session.hashes.len() == 2);
+        let boxed = r#"{"file":"b.jpg","variant":"normal","box_xyxy_px":[1,2,30,40]}"#;
+        let error = opened_with("", &format!("{whole},{boxed}")).unwrap_err();
+        assert!(error.contains("names no camera, and b.jpg has not both"), "{error}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use scaleproof::print::sheet::{Mark, Sheet};
 use scaleproof::print::tags::arrange;
-use scaleproof::scene::{Bins, Model, Scene, Tag, TagFamily};
+use scaleproof::scene::{Bins, Envelope, Model, Scene, Tag, TagFamily};
 
 use super::paper::Mm;
 
@@ -148,6 +148,7 @@ fn pair(tilt_deg: f64, ridge_deg: f64, turns: [f64; 2], sizes: [f64; 2], rooms: 
             scale: 10.0,
             class: "car".into(),
             size_mm: [100.0, 50.0, 40.0],
+            envelope: Envelope::Box,
         },
         bins: Bins {
             azimuth_deg: 45.0,

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use crate::calibrate::{COVERAGE, Calibration};
+use crate::geometry::convex_hull;
 
 const DOT: &str = "#c62f3b";
 
@@ -97,7 +98,7 @@ fn figure(found: &Calibration, title: &str, note: &str, body: &Markup) -> Markup
 /// The convex hull of all corners.
 fn region(found: &Calibration) -> Markup {
     let corners = found.photos.iter().flat_map(|p| p.corners_px.iter().copied()).collect();
-    let points: Vec<String> = hull(corners)
+    let points: Vec<String> = convex_hull(corners)
         .iter()
         .map(|[x, y]| format!("{:.1},{:.1}", x + 0.5, y + 0.5))
         .collect();
@@ -106,26 +107,6 @@ fn region(found: &Calibration) -> Markup {
     html! {
         polygon points=(points.join(" ")) fill="none" stroke="#1b1f24" stroke-width=(px(w / 400.0)) stroke-dasharray=(dash) {}
     }
-}
-
-/// Convex hull by the monotone chain (Andrew 1979).
-fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let turn = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
-    let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
-        let mut chain: Vec<[f64; 2]> = Vec::new();
-        for p in points {
-            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
-                chain.pop();
-            }
-            chain.push(p);
-        }
-        chain.pop();
-        chain
-    };
-    let lower = chain(&mut points.iter().copied());
-    let upper = chain(&mut points.iter().rev().copied());
-    [lower, upper].concat()
 }
 
 fn size(found: &Calibration) -> (f64, f64) {
@@ -151,15 +132,4 @@ fn round_to_one_digit(v: f64) -> f64 {
 
 fn px(v: f64) -> f64 {
     (v * 10.0).round() / 10.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hull_has_the_outer_points_only() {
-        let points = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0], [2.0, 1.0], [2.0, 0.0]];
-        assert_eq!(hull(points), [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]);
-    }
 }

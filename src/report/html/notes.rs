@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::report::provenance;
+use crate::report::{provenance, truth_boxes};
 use crate::score::{DEFINITIONS, Scores};
 
 pub(super) fn cautions(scores: &Scores) -> Markup {
@@ -31,14 +31,14 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     }
 }
 
-pub(super) fn definitions() -> Markup {
+pub(super) fn definitions(scores: &Scores) -> Markup {
     html! {
         dl {
             @for (name, definition) in DEFINITIONS { dt { (name) } dd { (definition) "." } }
             dt { "truth box" }
             dd {
-                "the model's bounding box projected through the pose that the AprilTags give (an upper bound of the outline), or the "
-                "session's own box where it has one."
+                (truth_boxes(scores)) ". Through the pose: the model's envelope projected through the pose that the AprilTags give, cut at "
+                "the picture's border; nothing hides the model."
             }
             dt { "azimuth" } dd { "0° looks at the front, counter-clockwise from above; 90° is the model's left side." }
         }

@@ -1,0 +1,150 @@
+//! Every envelope on the same photos: how well its truth box fits the exact one, against milliseconds.
+
+use serde::Serialize;
+
+use super::timing::fastest;
+use crate::camera::Camera;
+use crate::envelope::Outline;
+use crate::geometry::{BoxPx, Rigid};
+use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+
+/// A photo with its pose, and the truth about it.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    pub file: String,
+    /// `T_camera_model`, as the tags give it.
+    pub pose: Rigid,
+    /// The session's camera, fitted to the photo.
+    pub camera: Camera,
+    /// Exact.
+    pub truth: BoxPx,
+}
+
+/// One envelope and what it measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// `box`, `hull` or `mesh`.
+    pub envelope: &'static str,
+    pub is_default: bool,
+    /// Photos measured on.
+    pub photos: usize,
+    /// Share of the photos that got a truth box.
+    pub answered: f64,
+    /// Over the photos that got one.
+    pub iou_median: Option<f64>,
+    pub iou_min: Option<f64>,
+    /// Mean time a photo takes, one core.
+    pub ms: f64,
+    pub boxes: Vec<Fit>,
+}
+
+/// The truth box of one photo.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    pub file: String,
+    /// Absent with a reason.
+    pub box_xyxy_px: Option<BoxPx>,
+    pub iou: Option<f64>,
+    pub reason: Option<String>,
+}
+
+/// Measures envelopes, named; the one of the session's scene is the default.
+pub fn measure(samples: &[Sample], outlines: &[(&'static str, Outline)], default: &str) -> Vec<Row> {
+    outlines
+        .iter()
+        .map(|(name, outline)| row(samples, name, outline, *name == default))
+        .collect()
+}
+
+fn row(samples: &[Sample], envelope: &'static str, outline: &Outline, is_default: bool) -> Row {
+    let mut ms = 0.0;
+    let fit = |sample: &Sample| {
+        let (found, took) = fastest(|| outline.box_in_photo(&sample.pose, &sample.camera));
+        ms += took;
+        Fit {
+            file: sample.file.clone(),
+            iou: found.as_ref().ok().map(|b| b.iou(&sample.truth)),
+            reason: found.as_ref().err().map(ToString::to_string),
+            box_xyxy_px: found.ok(),
+        }
+    };
+    let boxes: Vec<Fit> = samples.iter().map(fit).collect();
+    let mut ious: Vec<f64> = boxes.iter().filter_map(|fit| fit.iou).collect();
+    ious.sort_by(f64::total_cmp);
+    let photos = samples.len();
+    let mean = |sum: f64| sum / photos.max(1) as f64;
+    Row {
+        envelope,
+        is_default,
+        photos,
+        answered: mean(ious.len() as f64),
+        iou_median: median(&ious),
+        iou_min: ious.first().copied(),
+        ms: mean(ms),
+        boxes,
+    }
+}
+
+/// The middle of sorted values; the mean of the two middle ones.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let (low, high) = (sorted.len().checked_sub(1)? / 2, sorted.len() / 2);
+    Some((sorted[low] + sorted[high]) / 2.0)
+}
+
+/// The chart: a colour an envelope, one mark for the median and one for the worst photo.
+pub fn draw(rows: &[Row]) -> String {
+    let dots = rows.iter().enumerate().flat_map(|(series, row)| {
+        [row.iou_median, row.iou_min]
+            .into_iter()
+            .enumerate()
+            .filter_map(move |(shape, iou)| {
+                Some(Dot {
+                    x: row.ms,
+                    y: 1.0 - iou?,
+                    share: row.answered,
+                    series,
+                    shape,
+                    name: (shape == 0).then(|| row.envelope.to_owned()),
+                    is_default: row.is_default,
+                })
+            })
+    });
+    let dots: Vec<Dot> = dots.collect();
+    let photos = rows.first().map_or(0, |row| row.photos);
+    let cloud = Cloud {
+        title: "Truth box: error against time".to_owned(),
+        note: format!("{photos} photos; filled share of a mark: share that got a truth box; lower left is better"),
+        x: Axis::around(
+            "milliseconds a photo, one core",
+            Scale::Log,
+            dots.iter().map(|dot| dot.x),
+        ),
+        y: Axis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
+        colours: rows.iter().map(|row| row.envelope.to_owned()).collect(),
+        shapes: vec!["median photo".to_owned(), "worst photo".to_owned()],
+        groups: vec![(String::new(), dots)],
+    };
+    scatter(&cloud)
+}
+
+/// The same as lines of text.
+pub fn table(rows: &[Row]) -> String {
+    let mut text = format!(
+        "{:<9} {:>7} {:>9} {:>11} {:>9} {:>11}\n",
+        "envelope", "photos", "answered", "IoU median", "IoU min", "ms a photo"
+    );
+    for row in rows {
+        let digits = |iou: Option<f64>| iou.map_or("–".to_owned(), |iou| format!("{iou:.4}"));
+        text += &format!(
+            "{:<9} {:>7} {:>8.0}% {:>11} {:>9} {:>11.3}{}\n",
+            row.envelope,
+            row.photos,
+            100.0 * row.answered,
+            digits(row.iou_median),
+            digits(row.iou_min),
+            row.ms,
+            if row.is_default { " ← the scene's" } else { "" }
+        );
+    }
+    text
+}

@@ -1,0 +1,79 @@
+//! Cutting a line at the edge of what a lens can see.
+
+use nalgebra::Point3;
+
+/// The part of a segment inside the cone x² + y² ≤ (R z)², z > 0 about the camera's axis, as two points at depth 1. Points in
+/// the camera frame.
+///
+/// The cone is convex, so there is one such part or none; it ends at roots of a quadratic in the segment's parameter.
+pub(super) fn part_inside(a: &Point3<f64>, b: &Point3<f64>, radius: f64) -> Option<[[f64; 2]; 2]> {
+    let d = b - a;
+    let squared = radius * radius;
+    let beyond = |p: &Point3<f64>| p.x * p.x + p.y * p.y - squared * p.z * p.z;
+    let (c2, c1) = (
+        d.x * d.x + d.y * d.y - squared * d.z * d.z,
+        a.x * d.x + a.y * d.y - squared * a.z * d.z,
+    );
+    let mut ends = vec![0.0];
+    ends.extend(roots(c2, c1, beyond(a)).into_iter().filter(|t| *t > 0.0 && *t < 1.0));
+    ends.push(1.0);
+    ends.sort_by(f64::total_cmp);
+    let inside = |t: f64| {
+        let p = a + d * t;
+        p.z > 0.0 && beyond(&p) <= 0.0
+    };
+    let part = ends.windows(2).find(|w| w[1] > w[0] && inside((w[0] + w[1]) / 2.0))?;
+    let at_depth_1 = |t: f64| {
+        let p = a + d * t;
+        let (x, y) = (p.x / p.z, p.y / p.z);
+        // Rounding must not leave the end beyond the cone.
+        let shrink = (radius / x.hypot(y)).min(1.0);
+        (x.is_finite() && y.is_finite()).then_some([x * shrink, y * shrink])
+    };
+    Some([at_depth_1(part[0])?, at_depth_1(part[1])?])
+}
+
+/// Real roots of c2 t² + 2 c1 t + c0.
+fn roots(c2: f64, c1: f64, c0: f64) -> Vec<f64> {
+    let root = (c1 * c1 - c2 * c0).sqrt();
+    if root.is_nan() {
+        return Vec::new();
+    }
+    // The form that does not subtract nearly equal numbers.
+    let q = -(c1 + root.copysign(c1));
+    [q / c2, c0 / q].into_iter().filter(|t| t.is_finite()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_line_through_the_camera_s_plane_is_cut_at_the_cone() {
+        let (a, b) = (Point3::new(1.0, 0.0, 2.0), Point3::new(1.0, 0.0, -2.0));
+        let [p, q] = part_inside(&a, &b, 2.0).unwrap();
+        // x = 1 meets x = 2 z at z = 0.5.
+        assert!((p[0] - 0.5).abs() < 1e-12 && (q[0] - 2.0).abs() < 1e-9);
+        assert_eq!(part_inside(&b, &Point3::new(0.0, 1.0, -3.0), 2.0), None);
+    }
+
+    proptest! {
+        /// Against a walk along the segment.
+        #[test]
+        fn the_part_is_what_a_walk_finds(a in prop::array::uniform3(-3.0..3.0_f64), b in prop::array::uniform3(-3.0..3.0_f64)) {
+            let (a, b) = (Point3::from(a), Point3::from(b));
+            let part = part_inside(&a, &b, 1.5);
+            let walk = (0..=400).map(|i| a + (b - a) * (f64::from(i) / 400.0));
+            let seen: Vec<_> = walk.filter(|p| p.z > 0.0 && p.x.hypot(p.y) <= 1.5 * p.z).collect();
+            match part {
+                None => prop_assert!(seen.len() <= 1, "{} points", seen.len()),
+                Some([p, q]) => for s in seen {
+                    let (x, y) = (s.x / s.z, s.y / s.z);
+                    let slack = |i: usize, v: f64| v >= p[i].min(q[i]) - 1e-6 && v <= p[i].max(q[i]) + 1e-6;
+                    prop_assert!(slack(0, x) && slack(1, y), "{x} {y} is not in {p:?} {q:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A COCO annotation file (cocodataset.org, "Data format", object detection): the boxes of one category.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+
+use super::{Fault, Row, viewpoint};
+use crate::geometry::BoxPx;
+use crate::session::PhotoEntry;
+
+/// Other keys are passed over.
+#[derive(Deserialize)]
+struct File {
+    images: Vec<Image>,
+    annotations: Vec<Annotation>,
+    categories: Vec<Category>,
+}
+
+#[derive(Deserialize)]
+struct Image {
+    id: u64,
+    file_name: String,
+    width: Option<u32>,
+    height: Option<u32>,
+    #[serde(flatten)]
+    about: About,
+}
+
+#[derive(Deserialize)]
+struct Annotation {
+    image_id: u64,
+    category_id: u64,
+    /// x, y, width, height in px.
+    bbox: [f64; 4],
+    attributes: Option<About>,
+}
+
+#[derive(Deserialize)]
+struct Category {
+    id: u64,
+    name: String,
+}
+
+/// What COCO has no word for.
+#[derive(Deserialize, Default, Clone)]
+struct About {
+    variant: Option<String>,
+    place: Option<String>,
+    azimuth_deg: Option<f64>,
+    pitch_deg: Option<f64>,
+    distance_mm: Option<f64>,
+}
+
+/// The photos with a box of the class, in the order of `images`, and the names of those without.
+pub(super) fn parse(text: &str, class: &str) -> Result<(Vec<Row>, Vec<String>), Fault> {
+    let file: File = serde_json::from_str(text).map_err(|e| {
+        let message = e.to_string();
+        let message = message.split(" at line ").next().unwrap_or(&message).to_owned();
+        Fault::at(format!("line {}", e.line()), message)
+    })?;
+    let boxes = boxes(&file, class)?;
+    let mut ids = BTreeSet::new();
+    let (mut rows, mut without_box) = (Vec::new(), Vec::new());
+    for image in &file.images {
+        let place = format!("image {}", image.id);
+        if !ids.insert(image.id) {
+            return Err(Fault::at(place, "its id appears twice: give every image its own"));
+        }
+        match boxes.get(&image.id).map(Vec::as_slice) {
+            None | Some([]) => without_box.push(image.file_name.clone()),
+            Some([annotation]) => rows.push(Row {
+                entry: entry(image, annotation).map_err(|message| Fault::at(&place, message))?,
+                size: image.width.zip(image.height).map(|(w, h)| [w, h]),
+                place,
+            }),
+            Some(several) => {
+                let message = format!(
+                    "{} has {} boxes of `{class}`, and a session one model in each photo: keep the model's box",
+                    image.file_name,
+                    several.len()
+                );
+                return Err(Fault::at(place, message));
+            }
+        }
+    }
+    match boxes.keys().find(|id| !ids.contains(id)) {
+        Some(id) => Err(Fault::of_file(format!(
+            "an annotation names image {id}, which is not in `images`"
+        ))),
+        None => Ok((rows, without_box)),
+    }
+}
+
+/// The annotations of a class by image.
+fn boxes<'a>(file: &'a File, class: &str) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, Fault> {
+    let wanted: Vec<u64> = file
+        .categories
+        .iter()
+        .filter(|c| c.name == class)
+        .map(|c| c.id)
+        .collect();
+    if wanted.is_empty() {
+        let known: Vec<_> = file
+            .categories
+            .iter()
+            .take(8)
+            .map(|c| format!("`{}`", c.name))
+            .collect();
+        let more = if file.categories.len() > 8 { ", …" } else { "" };
+        return Err(Fault::of_file(format!(
+            "it has no category `{class}`, the class of the scene's model; it has {}{more}",
+            known.join(", ")
+        )));
+    }
+    let mut boxes: BTreeMap<u64, Vec<&Annotation>> = BTreeMap::new();
+    for annotation in file.annotations.iter().filter(|a| wanted.contains(&a.category_id)) {
+        boxes.entry(annotation.image_id).or_default().push(annotation);
+    }
+    Ok(boxes)
+}
+
+fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
+    let [x, y, width, height] = annotation.bbox;
+    if !(width > 0.0 && height > 0.0) {
+        return Err(format!(
+            "bbox is {:?}: give x, y, width and height above 0, in px",
+            annotation.bbox
+        ));
+    }
+    let (own, other) = (&image.about, annotation.attributes.clone().unwrap_or_default());
+    Ok(PhotoEntry {
+        file: image.file_name.clone(),
+        variant: own.variant.clone().or(other.variant).unwrap_or_default(),
+        place: own.place.clone().or(other.place),
+        taken: None,
+        box_xyxy_px: Some(BoxPx::new(x, y, x + width, y + height)),
+        viewpoint: viewpoint([
+            own.azimuth_deg.or(other.azimuth_deg),
+            own.pitch_deg.or(other.pitch_deg),
+            own.distance_mm.or(other.distance_mm),
+        ])?,
+    })
+}

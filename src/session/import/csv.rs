@@ -1,0 +1,95 @@
+//! A table with a header, one photo a line.
+
+use csv::{ReaderBuilder, StringRecord};
+
+use super::{Fault, Row, viewpoint};
+use crate::geometry::BoxPx;
+use crate::session::PhotoEntry;
+
+/// The columns, in any order; those after the seventh may be left out or empty, and so may `variant` and `place`.
+const COLUMNS: [&str; 10] = [
+    "file",
+    "variant",
+    "place",
+    "x1",
+    "y1",
+    "x2",
+    "y2",
+    "azimuth_deg",
+    "pitch_deg",
+    "distance_mm",
+];
+const NEEDED: [&str; 5] = ["file", "x1", "y1", "x2", "y2"];
+
+/// The rows of a table.
+pub(super) fn parse(text: &str) -> Result<Vec<Row>, Fault> {
+    // Spreadsheets mark UTF-8 with a byte order mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(fault)?.clone();
+    let columns = columns(&header)?;
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(fault)?;
+        let line = record.position().map_or(0, |p| p.line());
+        let at = |message: String| Fault::at(format!("line {line}"), message);
+        rows.push(Row {
+            place: format!("line {line}"),
+            entry: entry(&record, &columns).map_err(at)?,
+            size: None,
+        });
+    }
+    Ok(rows)
+}
+
+/// Where each of [`COLUMNS`] stands.
+fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], Fault> {
+    let wanted = COLUMNS.join(",");
+    for (i, name) in header.iter().enumerate() {
+        if !COLUMNS.contains(&name) {
+            let message = format!("`{name}` is no column this program reads: the header is {wanted}");
+            return Err(Fault::at("line 1", message));
+        }
+        if header.iter().take(i).any(|other| other == name) {
+            return Err(Fault::at("line 1", format!("the column {name} is there twice")));
+        }
+    }
+    if let Some(name) = NEEDED.iter().find(|name| !header.iter().any(|h| h == **name)) {
+        let message = format!("the header has no column {name}: it is {wanted}");
+        return Err(Fault::at("line 1", message));
+    }
+    Ok(COLUMNS.map(|name| header.iter().position(|h| h == name)))
+}
+
+fn entry(record: &StringRecord, columns: &[Option<usize>; 10]) -> Result<PhotoEntry, String> {
+    let text = |i: usize| columns[i].and_then(|c| record.get(c)).filter(|t| !t.is_empty());
+    let number = |i: usize| match text(i) {
+        None => Ok(None),
+        Some(t) => match t.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(Some(value)),
+            _ => Err(format!("{} is `{t}`: give a number", COLUMNS[i])),
+        },
+    };
+    let needed = |i: usize| number(i)?.ok_or_else(|| format!("{} is empty: give a number", COLUMNS[i]));
+    Ok(PhotoEntry {
+        file: text(0).ok_or("file is empty: name the photo")?.to_owned(),
+        variant: text(1).unwrap_or_default().to_owned(),
+        place: text(2).map(str::to_owned),
+        taken: None,
+        box_xyxy_px: Some(BoxPx::new(needed(3)?, needed(4)?, needed(5)?, needed(6)?)),
+        viewpoint: viewpoint([number(7)?, number(8)?, number(9)?])?,
+    })
+}
+
+fn fault(e: csv::Error) -> Fault {
+    let message = match e.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("it has {len} values where the header has {expected_len}")
+        }
+        _ => e.to_string().replace('\n', " "),
+    };
+    match e.position() {
+        Some(position) => Fault::at(format!("line {}", position.line()), message),
+        None => Fault::of_file(message),
+    }
+}
