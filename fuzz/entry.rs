@@ -15,6 +15,7 @@ use scaleproof::photo::Photo;
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
 use scaleproof::session::Session;
+use scaleproof::session::import::{self, Format};
 
 /// Camera files: what is read can be written, and reads back as the same camera.
 pub fn camera(bytes: &[u8]) {
@@ -47,6 +48,24 @@ pub fn session(bytes: &[u8]) {
         }
     }
     let _ = Session::open(&file("session.json", bytes));
+}
+
+/// Annotation files: what is read names a photo and has a box of numbers.
+pub fn coco(bytes: &[u8]) {
+    annotations(bytes, Format::Coco);
+}
+
+pub fn table(bytes: &[u8]) {
+    annotations(bytes, Format::Csv);
+}
+
+fn annotations(bytes: &[u8], format: Format) {
+    let Some(Ok((rows, _))) = text(bytes).map(|t| import::parse(t, format, "car")) else {
+        return;
+    };
+    for row in rows {
+        assert!(row.entry.box_xyxy_px.is_some(), "{row:?}");
+    }
 }
 
 pub fn pattern(bytes: &[u8]) {

@@ -279,7 +279,10 @@ fn bad_annotations_are_one_sentence() {
     let good = text(image, annotation);
     for (text, words) in [
         ("{".to_owned(), vec!["truth.json, line 1", "EOF"]),
-        ("[]".to_owned(), vec!["truth.json, line 1"]),
+        (
+            "[]".to_owned(),
+            vec!["truth.json, line 1", "the keys of COCO annotations"],
+        ),
         (
             good.replace("\"car\"", "\"cat\""),
             vec!["no category `car`", "it has `cat`"],

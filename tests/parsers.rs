@@ -87,6 +87,16 @@ fn session_files() {
 }
 
 #[test]
+fn annotations_in_coco() {
+    survives("coco", entry::coco);
+}
+
+#[test]
+fn annotations_in_tables() {
+    survives("table", entry::table);
+}
+
+#[test]
 fn patterns() {
     survives("pattern", entry::pattern);
 }
@@ -145,8 +155,15 @@ fn meshes_in_ply() {
 #[test]
 fn the_corpus_has_files_that_are_accepted() {
     use scaleproof::camera::Camera;
+    use scaleproof::session::import;
     let read = |bytes: &Vec<u8>| Camera::parse(std::str::from_utf8(bytes).unwrap_or(""), Path::new("camera")).is_ok();
     assert!(corpus("camera").iter().filter(|bytes| read(bytes)).count() >= 7);
+    let rows = |name: &str, format| {
+        let texts = corpus(name).into_iter().map(|bytes| String::from_utf8(bytes).unwrap());
+        let read = texts.map(|text| import::parse(&text, format, "car"));
+        read.flatten().map(|(rows, _)| rows.len()).sum::<usize>()
+    };
+    assert!(rows("coco", import::Format::Coco) >= 4 && rows("table", import::Format::Csv) >= 4);
     let folder = tempfile::tempdir().unwrap();
     let opened = corpus("photo").into_iter().filter(|bytes| {
         let path = folder.path().join("photo");

@@ -116,7 +116,8 @@ impl Outline {
         }
     }
 
-    /// The box, in pixels, around what the picture holds of the model. `pose` is `T_camera_model`.
+    /// The box around what the picture holds of the model. In pixels from the picture's corner, as detectors and COCO
+    /// count; [`Camera::project`] counts from the middle of the first pixel. `pose` is `T_camera_model`.
     ///
     /// # Errors
     /// A camera inside the model's box, a model partly where the lens model says nothing, a model out of the picture.
@@ -215,7 +216,8 @@ mod tests {
     }
 
     fn camera() -> Camera {
-        Camera::pinhole(1000, 800, 1000.0, 1000.0, 500.0, 400.0)
+        // The axis meets the picture's very middle.
+        Camera::pinhole(1000, 800, 1000.0, 1000.0, 499.5, 399.5)
     }
 
     /// The boxes of the box itself, of its hull and of its mesh, which must be one.
@@ -289,7 +291,7 @@ mod tests {
     #[test]
     fn a_lens_that_ends_within_the_picture_is_no_truth() {
         // Directions beyond 1.15 do not exist: 770 px from the centre of a picture that is 1000 px to each side.
-        let lens = Camera::pinhole(2000, 2000, 1000.0, 1000.0, 1000.0, 1000.0).with_distortion(&[-0.25]);
+        let lens = Camera::pinhole(2000, 2000, 1000.0, 1000.0, 999.5, 999.5).with_distortion(&[-0.25]);
         let near = boxes(&from_the_left(0.0, 250.0), &lens);
         assert_eq!(near, vec![Err(NoTruth::BeyondCamera); 3]);
         assert!(boxes(&from_the_left(0.0, 1100.0), &lens).iter().all(Result::is_ok));

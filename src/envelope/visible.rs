@@ -12,6 +12,8 @@ use super::cone::part_inside;
 use crate::camera::Camera;
 use crate::geometry::BoxPx;
 
+/// From the middle of a pixel to its corner.
+const HALF_PX: f64 = 0.5;
 /// A chord may leave the bent edge it stands for by this much, px.
 const BEND_PX: f64 = 0.01;
 /// Longer chords are halved before their bend is looked at.
@@ -32,7 +34,7 @@ pub(super) struct Pieces<'a> {
 /// Nothing in the picture, or a part where the lens model ends and the picture does not.
 pub(super) fn box_of(pieces: &Pieces, camera: &Camera) -> Result<BoxPx, NoTruth> {
     let mut view = View::new(camera);
-    let pixels: Vec<_> = pieces.points.iter().map(|p| camera.project(p)).collect();
+    let pixels: Vec<_> = pieces.points.iter().map(|p| view.pixel(p)).collect();
     pixels.iter().flatten().for_each(|pixel| view.add(*pixel));
     for [a, b] in pieces.edges.iter() {
         match (pixels[*a], pixels[*b]) {
@@ -99,13 +101,20 @@ impl<'a> View<'a> {
         let Some([from, to]) = part_inside(a, b, self.radius) else {
             return;
         };
-        if let (Some(p), Some(q)) = (self.pixel(from), self.pixel(to)) {
+        if let (Some(p), Some(q)) = (self.lensed(from), self.lensed(to)) {
             self.bent((from, p), (to, q), 0);
         }
     }
 
-    fn pixel(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-        self.camera.project(&Point3::new(x, y, 1.0))
+    /// Where a point of the camera frame is in the picture, counted as boxes are: from the picture's corner, not from the middle of its
+    /// first pixel.
+    fn pixel(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
+        self.camera.project(p).map(|pixel| pixel.map(|c| c + HALF_PX))
+    }
+
+    /// The same of a point at depth 1.
+    fn lensed(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        self.pixel(&Point3::new(x, y, 1.0))
     }
 
     /// An edge between two points at depth 1 and their pixels: straight before the lens, bent after it.
@@ -116,7 +125,7 @@ impl<'a> View<'a> {
             return;
         }
         let middle = [0, 1].map(|i| (from[i] + to[i]) / 2.0);
-        let Some(m) = self.pixel(middle) else { return };
+        let Some(m) = self.lensed(middle) else { return };
         let off = ((q[0] - p[0]) * (m[1] - p[1]) - (q[1] - p[1]) * (m[0] - p[0])).abs();
         if halvings >= HALVINGS || chord <= CHORD_PX && off <= BEND_PX * chord {
             return self.straight(p, q);
@@ -175,7 +184,7 @@ impl<'a> View<'a> {
         const DIRECTIONS: u32 = 256;
         (0..DIRECTIONS).all(|i| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(DIRECTIONS)).sin_cos();
-            let edge = self.pixel([self.radius * cos, self.radius * sin]);
+            let edge = self.lensed([self.radius * cos, self.radius * sin]);
             let p = &self.picture;
             edge.is_some_and(|[x, y]| x < p.x1 || x > p.x2 || y < p.y1 || y > p.y2)
         })
@@ -185,7 +194,7 @@ impl<'a> View<'a> {
     fn add_covered_corners(&mut self, pieces: &Pieces) {
         let p = self.picture;
         for corner in [[p.x1, p.y1], [p.x2, p.y1], [p.x2, p.y2], [p.x1, p.y2]] {
-            let Some([x, y]) = self.camera.point_at(corner) else {
+            let Some([x, y]) = self.camera.point_at(corner.map(|c| c - HALF_PX)) else {
                 continue;
             };
             let ray = Vector3::new(x, y, 1.0);

@@ -148,18 +148,22 @@ impl Session {
 }
 
 fn syntax(path: &Path, e: &serde_json::Error) -> SessionError {
-    let text = e.to_string();
-    let message = match text.split(" at line ").next().unwrap_or(&text) {
-        // serde's own words for a list where an object belongs.
-        inside if inside.contains("expected struct") => {
-            "an object {…} with the keys of a session belongs here".to_owned()
-        }
-        message => message.to_owned(),
-    };
     SessionError::Syntax {
         path: path.to_owned(),
         line: e.line(),
-        message,
+        message: words(e, "a session"),
+    }
+}
+
+/// What is wrong with some JSON, without the place.
+fn words(e: &serde_json::Error, what: &str) -> String {
+    let text = e.to_string();
+    match text.split(" at line ").next().unwrap_or(&text) {
+        // serde's own words for a list where an object belongs.
+        inside if inside.contains("expected struct") => {
+            format!("an object {{…}} with the keys of {what} belongs here")
+        }
+        message => message.to_owned(),
     }
 }
 

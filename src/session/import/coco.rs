@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::{Fault, Row, viewpoint};
 use crate::geometry::BoxPx;
-use crate::session::PhotoEntry;
+use crate::session::{PhotoEntry, words};
 
 /// Other keys are passed over.
 #[derive(Deserialize)]
@@ -53,11 +53,8 @@ struct About {
 
 /// The photos with a box of the class, in the order of `images`, and the names of those without.
 pub(super) fn parse(text: &str, class: &str) -> Result<(Vec<Row>, Vec<String>), Fault> {
-    let file: File = serde_json::from_str(text).map_err(|e| {
-        let message = e.to_string();
-        let message = message.split(" at line ").next().unwrap_or(&message).to_owned();
-        Fault::at(format!("line {}", e.line()), message)
-    })?;
+    let fault = |e: serde_json::Error| Fault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
+    let file: File = serde_json::from_str(text).map_err(fault)?;
     let boxes = boxes(&file, class)?;
     let mut ids = BTreeSet::new();
     let (mut rows, mut without_box) = (Vec::new(), Vec::new());

@@ -1,6 +1,6 @@
 //! A table with a header, one photo a line.
 
-use csv::{ReaderBuilder, StringRecord};
+use csv::{Position, ReaderBuilder, StringRecord};
 
 use super::{Fault, Row, viewpoint};
 use crate::geometry::BoxPx;
@@ -26,12 +26,12 @@ pub(super) fn parse(text: &str) -> Result<Vec<Row>, Fault> {
     // Spreadsheets mark UTF-8 with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-    let header = reader.headers().map_err(fault)?.clone();
+    let header = reader.headers().map_err(|e| fault(e, text))?.clone();
     let columns = columns(&header)?;
     let mut rows = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(fault)?;
-        let line = record.position().map_or(0, |p| p.line());
+        let record = record.map_err(|e| fault(e, text))?;
+        let line = record.position().map_or(0, |p| line(p, text));
         let at = |message: String| Fault::at(format!("line {line}"), message);
         rows.push(Row {
             place: format!("line {line}"),
@@ -81,7 +81,14 @@ fn entry(record: &StringRecord, columns: &[Option<usize>; 10]) -> Result<PhotoEn
     })
 }
 
-fn fault(e: csv::Error) -> Fault {
+/// The line on which a record begins: the reader counts from before the empty lines above it.
+fn line(position: &Position, text: &str) -> u64 {
+    let rest = text.as_bytes().get(position.byte() as usize..).unwrap_or_default();
+    let empty = rest.iter().take_while(|b| matches!(b, b'\n' | b'\r'));
+    position.line() + empty.filter(|b| **b == b'\n').count() as u64
+}
+
+fn fault(e: csv::Error, text: &str) -> Fault {
     let message = match e.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("it has {len} values where the header has {expected_len}")
@@ -89,7 +96,7 @@ fn fault(e: csv::Error) -> Fault {
         _ => e.to_string().replace('\n', " "),
     };
     match e.position() {
-        Some(position) => Fault::at(format!("line {}", position.line()), message),
+        Some(position) => Fault::at(format!("line {}", line(position, text)), message),
         None => Fault::of_file(message),
     }
 }
