@@ -15,7 +15,7 @@ use scaleproof::photo::Photo;
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
 use scaleproof::session::Session;
-use scaleproof::session::import::{self, Format};
+use scaleproof::session::import;
 
 /// Camera files: what is read can be written, and reads back as the same camera.
 pub fn camera(bytes: &[u8]) {
@@ -52,14 +52,14 @@ pub fn session(bytes: &[u8]) {
 
 /// Annotation files: what is read names a photo and has a box of numbers.
 pub fn coco(bytes: &[u8]) {
-    annotations(bytes, Format::Coco);
+    annotations(bytes, import::Format::Coco);
 }
 
 pub fn table(bytes: &[u8]) {
-    annotations(bytes, Format::Csv);
+    annotations(bytes, import::Format::Csv);
 }
 
-fn annotations(bytes: &[u8], format: Format) {
+fn annotations(bytes: &[u8], format: import::Format) {
     let Some(Ok((rows, _))) = text(bytes).map(|t| import::parse(t, format, "car")) else {
         return;
     };

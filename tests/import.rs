@@ -109,6 +109,19 @@ fn a_table_becomes_a_session_that_scores_without_tags_and_camera() {
         assert_eq!(bin, truth["bin_azimuth_deg"].as_f64().unwrap());
         assert_eq!(of(row, "truth_source"), "session");
     }
+    // Beside photos whose truth boxes are drawn around the model's box, a caution is due.
+    let mut command = program();
+    command
+        .arg("score")
+        .arg(folder.path())
+        .arg(skyline())
+        .args(["--recorded", "--detector", "fastestdet", "--out"]);
+    let output = command.arg(out.path()).output().unwrap();
+    assert!(
+        stderr(&output).contains("truth boxes of several kinds are pooled in every figure (box, given by the session)"),
+        "{}",
+        stderr(&output)
+    );
     // A second import does not replace the session.
     assert_refused(&import(&table, folder.path(), &[]), &["session.json is there already"]);
 }

@@ -13,6 +13,7 @@ pub(super) fn cautions(photos: &[ScoredPhoto], not_scored: &[NotScored], session
     cautions.extend(uneven_directions(photos));
     cautions.extend(left_out(not_scored));
     cautions.extend(several_models(sessions));
+    cautions.extend(several_truths(photos, sessions));
     cautions.extend(guessed_cameras(photos, sessions));
     cautions.extend(other_sizes(photos, sessions));
     cautions
@@ -82,6 +83,19 @@ fn several_models(sessions: &[Session]) -> Option<String> {
         .collect();
     let list = models.iter().cloned().collect::<Vec<_>>().join(", ");
     (models.len() > 1).then(|| format!("the sessions show different models, pooled in every figure: {list}"))
+}
+
+/// A box around the model's size is larger than one around its outline, and is matched less easily.
+fn several_truths(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
+    let source = |p: &ScoredPhoto| match p.truth_given {
+        true => Some("given by the session"),
+        false => sessions.get(p.session).map(|s| s.scene.model.envelope.name()),
+    };
+    let sources: BTreeSet<&str> = photos.iter().filter_map(source).collect();
+    let list = sources.iter().copied().collect::<Vec<_>>().join(", ");
+    (sources.len() > 1).then(|| {
+        format!("truth boxes of several kinds are pooled in every figure ({list}), and detections match some kinds more easily than others")
+    })
 }
 
 /// The photos of a session that were placed by its camera, with their session.
