@@ -126,6 +126,27 @@ fn a_table_becomes_a_session_that_scores_without_tags_and_camera() {
     assert_refused(&import(&table, folder.path(), &[]), &["session.json is there already"]);
 }
 
+/// Boxes without viewpoints, of photos that show tags: scene and camera lie elsewhere, and the tags give the viewpoints.
+#[test]
+fn tags_give_the_viewpoints_that_a_table_lacks() {
+    let (folder, out) = (photos(), tempfile::tempdir().unwrap());
+    let table = out.path().join("boxes.csv");
+    let text = "x1,y1,x2,y2,file,variant\n471.7,336.4,761.4,634.3,normal_000.jpg,normal\n332.6,347.3,896.6,656.5,normal_001.jpg,normal\n";
+    std::fs::write(&table, text).unwrap();
+    let [scene, camera] = ["scene.toml", "camera.yaml"].map(|name| skyline().join(name).display().to_string());
+    let output = import(&table, folder.path(), &["--scene", &scene, "--camera", &camera]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let output = score(folder.path(), out.path());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let coco = read_json(&out.path().join("coco_truth.json"));
+    let exact = read_json(&skyline().join("truth.json"));
+    for i in 0..2 {
+        let found = coco["images"][i]["azimuth_deg"].as_f64().unwrap();
+        assert!((found - exact["photos"][i]["azimuth_deg"].as_f64().unwrap()).abs() < 0.1);
+    }
+    assert_eq!(coco["annotations"][0]["bbox"][0], 471.7);
+}
+
 /// What `score` writes as COCO truth is read back as the same truth, and scores the same.
 #[test]
 fn our_own_coco_truth_goes_round() {

@@ -10,7 +10,7 @@
 mod cone;
 mod visible;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 
@@ -29,17 +29,14 @@ pub enum EnvelopeError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error(
-        "{path} reaches from {from} to {to} mm along the model's {axis}, but the scene's model from {scene_from} to {scene_to} mm: correct \
-         size_mm, or export the mesh in mm in the model frame (x to the front, y to the left, z up, origin on the ground under the model's \
-         centre)"
+        "{path} reaches {reach}: correct size_mm, or export the mesh in mm in the model frame (x to the front, y to the left, z up, origin on \
+         the ground under the model's centre)",
+        path = path.display()
     )]
     NotTheModel {
-        path: String,
-        axis: &'static str,
-        from: String,
-        to: String,
-        scene_from: String,
-        scene_to: String,
+        path: PathBuf,
+        /// From where to where, and how far the scene's model does.
+        reach: String,
     },
 }
 
@@ -178,14 +175,13 @@ pub fn load(path: &Path, model: &Model) -> Result<Mesh, EnvelopeError> {
     for (i, (axis, from, to)) in sides.into_iter().enumerate() {
         let slack = TOLERANCE * (to - from);
         if (low[i] - from).abs() > slack || (high[i] - to).abs() > slack {
-            let [from, to, scene_from, scene_to] = [low[i], high[i], from, to].map(|mm| format!("{mm:.1}"));
+            let reach = format!(
+                "from {:.1} to {:.1} mm along the model's {axis}, but the scene's model from {from:.1} to {to:.1} mm",
+                low[i], high[i]
+            );
             return Err(EnvelopeError::NotTheModel {
-                path: path.display().to_string(),
-                axis,
-                from,
-                to,
-                scene_from,
-                scene_to,
+                path: path.to_owned(),
+                reach,
             });
         }
     }
