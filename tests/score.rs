@@ -104,7 +104,7 @@ fn hits_counted_from_the_coco_files(out: &Path, summary: &Value) {
                 sum += best;
             }
             let overall = &result(summary, detector, variant)["overall"];
-            assert_eq!(overall["hit_rate"]["hits"], hits, "{detector} {variant}");
+            assert_eq!(overall["hit_rate"]["count"], hits, "{detector} {variant}");
             assert!(
                 (overall["mean_confidence"].as_f64().unwrap() - sum / 8.0).abs() < 1e-9,
                 "{detector} {variant}"
@@ -125,9 +125,9 @@ fn every_azimuth_bin_has_its_photo_of_each_texture() {
         assert!(bins.iter().all(|b| b["figures"]["photos"] == 1));
         let hits: u64 = bins
             .iter()
-            .map(|b| b["figures"]["hit_rate"]["hits"].as_u64().unwrap())
+            .map(|b| b["figures"]["hit_rate"]["count"].as_u64().unwrap())
             .sum();
-        assert_eq!(r["overall"]["hit_rate"]["hits"], hits);
+        assert_eq!(r["overall"]["hit_rate"]["count"], hits);
     }
     assert_eq!(rows(out.path()).len(), 16 * 5);
 }

@@ -35,7 +35,7 @@ pub(super) fn render(scores: &Scores) -> String {
                     section { h2 { "By viewing direction" } (polar::row(scores)) (figures::by_azimuth(scores)) }
                     section { h2 { "Photos" } (contact::sheets(scores)) }
                     (notes::not_scored(scores))
-                    section { h2 { "Definitions" } (notes::definitions()) }
+                    section { h2 { "Definitions" } (notes::definitions(scores)) }
                     section { h2 { "Provenance" } (notes::provenance(scores)) }
                 }
             }

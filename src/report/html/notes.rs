@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::provenance;
-use crate::score::{DEFINITIONS, Scores};
+use crate::score::Scores;
 
 pub(super) fn cautions(scores: &Scores) -> Markup {
     html! {
@@ -31,10 +31,10 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     }
 }
 
-pub(super) fn definitions() -> Markup {
+pub(super) fn definitions(scores: &Scores) -> Markup {
     html! {
         dl {
-            @for (name, definition) in DEFINITIONS { dt { (name) } dd { (definition) "." } }
+            @for (name, definition) in scores.criteria.definitions() { dt { (name) } dd { (definition) "." } }
             dt { "truth box" }
             dd {
                 "the model's bounding box projected through the pose that the AprilTags give (an upper bound of the outline), or the "
