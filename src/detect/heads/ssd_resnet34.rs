@@ -19,5 +19,5 @@ pub(super) fn decode(
             outputs,
         )
     })?;
-    Ok(rows.candidates(first_label, labels, |b| scaled(BoxPx::from(b), size)))
+    rows.candidates(first_label, labels, |b| scaled(BoxPx::from(b), size))
 }
