@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{CommandResult, Outcome};
-use crate::detect::{Family, Hints, Labels, Manifest, Runtime, propose};
+use crate::detect::{Family, Hints, Labels, Manifest, ProposeError, Runtime, propose};
 use crate::files;
 
 #[derive(clap::Args)]
@@ -55,8 +55,12 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         &weights(&args.model, &path),
         &name(&args.model)?,
         hints,
-    )
-    .map_err(|e| format!("{}: {e}", args.model.display()))?;
+    );
+    let proposal = proposal.map_err(|e| match e {
+        // These name the file themselves.
+        ProposeError::File(_) | ProposeError::Detect(_) => e.to_string(),
+        e => format!("{}: {e}", args.model.display()),
+    })?;
     files::write_atomically(&path, proposal.text.as_bytes())?;
     for note in &proposal.notes {
         writeln!(out, "{note}")?;

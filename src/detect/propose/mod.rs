@@ -280,7 +280,8 @@ fn notes(network: &Inspected, candidate: &Candidate, manifest: &Manifest, guesse
         notes.push("the input is bytes, so the network is taken to normalise them itself".into());
     }
     notes.push(
-        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says them: compare          [input] with the program that the weights come from"
+        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
+         them: compare [input] with the program that the weights come from"
             .into(),
     );
     notes
