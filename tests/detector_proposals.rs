@@ -289,7 +289,7 @@ fn what_a_file_does_not_tell_is_asked() {
     let probabilities = [filled("boxes", &[1, 300, 4], 0.3), filled("scores", &[1, 300, 91], 0.1)];
     asked(&probabilities, none, &["RF-DETR", "probabilities already"]);
     let nan = filled("output0", &[1, 84, 126], f32::NAN);
-    asked(&[nan], none, &["a score is NaN"]);
+    asked(&[nan], none, &["NaN in its output output0"]);
     asked(
         &[filled("mystery", &[1, 7], 0.0)],
         none,

@@ -552,6 +552,36 @@ fn runs_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
         &["normal_001.jpg has no recorded detections", "--record"],
     );
 
+    // Lists of no photo, of one twice, and with truth in none.
+    for (change, words) in [
+        (
+            (|photos| photos.clear()) as fn(&mut Vec<Value>),
+            &["session.json", "lists no photos"][..],
+        ),
+        (
+            |photos| photos[1] = photos[0].clone(),
+            &["normal_000.jpg is listed twice"],
+        ),
+        (
+            |photos| {
+                photos
+                    .iter_mut()
+                    .for_each(|p| p["box_xyxy_px"] = serde_json::json!([5000, 0, 5001, 9]))
+            },
+            &[
+                "none of the 16 photos could be scored",
+                "box_xyxy_px lies outside the picture",
+            ],
+        ),
+    ] {
+        let session = copy_of_skyline();
+        let path = session.path().join("session.json");
+        let mut file = read_json(&path);
+        change(file["photos"].as_array_mut().unwrap());
+        std::fs::write(&path, file.to_string()).unwrap();
+        refused(recorded(session.path(), &out), words);
+    }
+
     let session = copy_of_skyline();
     let scene = session.path().join("scene.toml");
     let text = std::fs::read_to_string(&scene).unwrap();

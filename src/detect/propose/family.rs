@@ -188,11 +188,10 @@ impl Family {
                 kernel: Kernel::Antialiased,
                 ..plain
             },
-            Family::Rfdetr => Input {
+            Family::Rfdetr | Family::SsdResnet34 => Input {
                 kernel: Kernel::Antialiased,
                 ..imagenet
             },
-            Family::SsdResnet34 => imagenet,
             Family::TfOd => Input { std: [1.0; 3], ..plain },
             Family::ZooRcnn => Input {
                 kernel: Kernel::Antialiased,

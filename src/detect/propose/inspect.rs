@@ -17,8 +17,6 @@ use crate::detect::{DetectError, Labels, Runtime, runtime};
 pub(super) struct Inspected {
     pub layout: Layout,
     pub values: Values,
-    /// False when the picture has no batch axis.
-    pub has_batch: bool,
     /// True with a second input of two whole numbers: the photo's width and height.
     pub takes_photo_size: bool,
     /// True when the file fixes the input's width and height.
@@ -54,7 +52,6 @@ pub(super) fn inspect(runtime: &Runtime, path: &Path, size_px: Option<[u32; 2]>)
     Ok(Inspected {
         layout: asked.layout,
         values: asked.values,
-        has_batch: asked.layout != Layout::Chw,
         takes_photo_size: asked.takes_photo_size,
         size_is_fixed: fixed.is_some(),
         size_px,

@@ -64,6 +64,8 @@ pub enum ProposeError {
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
+    #[error("it answers a plain grey picture or noise with NaN in its output {output}: no box of it could be trusted")]
+    NotANumber { output: String },
     #[error("its outputs {outputs} are of no known family: see the table in detectors/README.md")]
     Unknown { outputs: String },
     #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
@@ -104,9 +106,15 @@ pub fn propose(
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
     }
+    if let Some(output) = network.answers.iter().find_map(|outputs| heads::with_nan(outputs)) {
+        let output = output.to_owned();
+        return Err(ProposeError::NotANumber { output });
+    }
     let known = match (hints.labels, &network.metadata.names) {
         (Some(labels), _) => Some(labels),
-        (None, Some(names)) => Labels::of_names(names.clone()).ok(),
+        (None, Some(names)) => Some(Labels::of_names(names.clone()).map_err(|e| ProposeError::NoLabels {
+            what: format!("the names that the file gives cannot be used, as {e}"),
+        })?),
         (None, None) => None,
     };
     let candidate = chosen(&network, hints.family, known)?;

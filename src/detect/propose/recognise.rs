@@ -3,6 +3,7 @@
 use super::family::Family;
 use super::inspect::Inspected;
 use crate::detect::heads::{Data, Tensor};
+use crate::detect::manifest::Layout;
 
 /// A family whose outputs have these shapes.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +69,7 @@ fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
         return vec![Family::Deim];
     }
     let digits = |t: &Tensor| !t.name.is_empty() && t.name.chars().all(|c| c.is_ascii_digit());
-    match (boxes.shape.len(), network.has_batch) {
+    match (boxes.shape.len(), network.layout != Layout::Chw) {
         (3, true) => vec![Family::SsdResnet34],
         (_, true) => vec![Family::Torchvision],
         // The zoo's outputs have no names but the numbers that the exporter of its time gave them.
