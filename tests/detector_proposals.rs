@@ -282,7 +282,7 @@ fn what_a_file_does_not_tell_is_asked() {
     asked(
         &decoded(),
         coco(Labels::Voc20),
-        &["room for 80 labels, and 20 are named"],
+        &["room for 53 or 80 labels, and 20 are named"],
     );
     let three = Labels::of_names(["car", "bus", "van"].map(String::from).to_vec()).unwrap();
     asked(&six(), coco(three), &["label 7", "not among the 3"]);

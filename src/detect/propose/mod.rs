@@ -5,6 +5,7 @@ mod inspect;
 mod metadata;
 mod recognise;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 pub use family::Family;
@@ -85,7 +86,7 @@ pub enum ProposeError {
     #[error("{what}: name the labels by --labels, as coco80, coco91, voc20 or a file with one a line")]
     NoLabels { what: String },
     #[error("the outputs have room for {room} labels, and {given} are named: the labels are another network's")]
-    LabelCount { room: usize, given: usize },
+    LabelCount { room: String, given: usize },
     #[error("the network's outputs cannot be read as {title}: {reason}")]
     Misread { title: &'static str, reason: String },
 }
@@ -191,15 +192,15 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
         }
         fitting.retain(|c| c.family == named);
     }
-    let first = fitting
-        .first()
-        .cloned()
-        .ok_or_else(|| ProposeError::Unknown { outputs: outputs() })?;
+    if fitting.is_empty() {
+        return Err(ProposeError::Unknown { outputs: outputs() });
+    }
     // Labels that fit none of them are another mistake than numbers that do not.
-    let room = first.labels.unwrap_or_default();
+    let rooms: BTreeSet<usize> = fitting.iter().filter_map(|c| c.labels).collect();
     fitting.retain(has_room);
     if let (true, Some(labels)) = (fitting.is_empty(), labels) {
         let given = labels.count();
+        let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
         return Err(ProposeError::LabelCount { room, given });
     }
     let judged: Vec<(Candidate, Option<String>)> = fitting
