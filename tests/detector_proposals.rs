@@ -454,6 +454,8 @@ fn bad_input_is_one_sentence_and_no_manifest() {
         &[],
         &["several pictures at once", "4×3×64×96"],
     );
+    let endless = Input::floats("images", &[1, 3, 1_000_000, 1_000_000]);
+    refused(&of(&[endless]), &[], &["1000000×1000000 pixels", "32 to 8192"]);
     refused(&good, &["--size", "64"], &["fixed at 96×64 pixels, not 64×64"]);
     refused(&good, &["--size", "7"], &["--size", "32 to 8192"]);
     refused(

@@ -271,7 +271,7 @@ impl Manifest {
 }
 
 /// Input sides that some detector could have.
-const SIDES_PX: std::ops::RangeInclusive<u32> = 32..=8192;
+pub(super) const SIDES_PX: std::ops::RangeInclusive<u32> = 32..=8192;
 
 #[cfg(test)]
 mod tests {

@@ -10,7 +10,7 @@ use super::ProposeError;
 use super::metadata::Metadata;
 use crate::detect::heads::Tensor;
 use crate::detect::input::{self, Placement};
-use crate::detect::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, Values, Weights};
+use crate::detect::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, SIDES_PX, Values, Weights};
 use crate::detect::{DetectError, Labels, Runtime, runtime};
 
 /// A network, asked.
@@ -47,6 +47,9 @@ pub(super) fn inspect(runtime: &Runtime, path: &Path, size_px: Option<[u32; 2]>)
         return Err(ProposeError::OtherSize { fixed, named });
     }
     let size_px = fixed.or(size_px).or(metadata.size_px).unwrap_or([OPEN_SIDE_PX; 2]);
+    if !size_px.iter().all(|side| SIDES_PX.contains(side)) {
+        return Err(ProposeError::Size { size_px });
+    }
     let manifest = asked.manifest(size_px);
     let mut answer = |picture: RgbImage| answer(&mut session, &manifest, &picture, size_px);
     Ok(Inspected {

@@ -11,7 +11,7 @@ use std::path::Path;
 pub use family::Family;
 
 use super::heads::{self, Tensor};
-use super::manifest::{Input, Values, Weights};
+use super::manifest::{Input, SIDES_PX, Values, Weights};
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use crate::files;
 use inspect::Inspected;
@@ -61,6 +61,8 @@ pub enum ProposeError {
     Batch { inputs: String },
     #[error("the input is fixed at {}×{} pixels, not {}×{}: leave --size out", fixed[0], fixed[1], named[0], named[1])]
     OtherSize { fixed: [u32; 2], named: [u32; 2] },
+    #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
+    Size { size_px: [u32; 2] },
     #[error("a picture of {}×{} pixels could not be run ({reason}): name the input's size by --size", size_px[0], size_px[1])]
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]

@@ -216,7 +216,7 @@ pub(super) fn against(candidate: &Candidate, network: &Inspected) -> Option<Stri
         Family::NanodetPlus => no_score(columns(table(outputs, candidate.labels? + 32)?, 0..candidate.labels?)),
         Family::Fastestdet => {
             let t = outputs.first()?;
-            let plane: usize = t.shape[2..].iter().product();
+            let plane: usize = t.shape.get(2..)?.iter().product();
             let scores = floats(t).iter().enumerate();
             no_score(scores.filter(|(i, _)| i / plane == 0 || i / plane > 4).map(|(_, v)| *v))
         }
