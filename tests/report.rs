@@ -89,7 +89,7 @@ fn the_rendered_numbers_are_those_of_the_summary() {
     let summary = read_json(&out.path().join("summary.json"));
     for r in summary["results"].as_array().unwrap() {
         let overall = &r["overall"];
-        let hits = format!("{}/{}", overall["hit_rate"]["hits"], overall["photos"]);
+        let hits = format!("{}/{}", overall["hit_rate"]["count"], overall["photos"]);
         let ap = format!("{:.3}", overall["ap50"].as_f64().unwrap());
         let row = page
             .split("<tr")
@@ -97,7 +97,7 @@ fn the_rendered_numbers_are_those_of_the_summary() {
         assert!(row.is_some(), "no row with AP {ap} and {hits} hits");
     }
     assert!(page.contains("Recorded detections: no detector ran for this report."));
-    for (name, _) in scaleproof::score::DEFINITIONS {
+    for (name, _) in scaleproof::score::Criteria::default().definitions() {
         assert!(
             page.contains(&format!("<dt>{name}</dt>")),
             "{name} is not defined on the page"

@@ -7,7 +7,7 @@ use super::{CommandResult, Outcome, detectors, progress};
 use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, WeightFolders};
 use crate::files::{self, FileError};
 use crate::report;
-use crate::score::{self, Contestant, ContestantError, ScoreError, Scores};
+use crate::score::{self, ApDefinition, Contestant, ContestantError, Criteria, ScoreError, Scores};
 use crate::session::Session;
 
 /// Score detectors on photo sessions: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
@@ -22,7 +22,13 @@ pub struct Args {
     detectors: Vec<String>,
     #[command(flatten)]
     folder: detectors::Folder,
-    /// Folder for report.html, summary.json, photos.csv and the COCO files.
+    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
+    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
+    ap: ApDefinition,
+    /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
+    #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE)]
+    confidence: f64,
+    /// Folder for report.html, summary.json, photos.csv, figures.csv and the COCO files.
     #[arg(long)]
     out: PathBuf,
     /// Score the detections stored in the sessions instead of running the detectors.
@@ -37,6 +43,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if args.sessions.is_empty() {
         return Err("no session is named: name the session folders first, then --detector and the others".into());
     }
+    let criteria = criteria(&args)?;
     let sessions = args
         .sessions
         .iter()
@@ -50,7 +57,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     };
     let contestants = contestants(&sessions, manifests, folders.as_ref())?;
     check_places(&args, &sessions)?;
-    let scores = score_with_progress(sessions, contestants)?;
+    let scores = score_with_progress(sessions, contestants)?.judged_by(criteria);
     let page = report::write(&args.out, &scores)?;
     if args.record {
         record(&scores)?;
@@ -60,6 +67,19 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     writeln!(out, "truth boxes: {}", report::truth_boxes(&scores))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
+}
+
+fn criteria(args: &Args) -> Result<Criteria, String> {
+    if !(SCORE_FLOOR..=1.0).contains(&args.confidence) {
+        let confidence = args.confidence;
+        return Err(format!(
+            "--confidence is {confidence}: give a number from {SCORE_FLOOR} to 1"
+        ));
+    }
+    Ok(Criteria {
+        ap: args.ap,
+        hit_confidence: args.confidence,
+    })
 }
 
 /// Finds out before the work that its results can be stored.

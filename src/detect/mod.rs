@@ -7,6 +7,7 @@ mod input;
 mod labels;
 mod manifest;
 mod nms;
+mod propose;
 mod runtime;
 mod weights;
 
@@ -18,6 +19,7 @@ pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_r
 pub use fetch::{FetchError, fetch};
 pub use labels::Labels;
 pub use manifest::{Manifest, ManifestError};
+pub use propose::{Family, Hints, Proposal, ProposeError, propose};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use weights::{WeightFolders, WeightsError};
 

@@ -34,6 +34,9 @@ struct Row<'a> {
     confidence: Option<f64>,
     other_label: &'static str,
     other_confidence: Option<f64>,
+    misclassified: Option<bool>,
+    disappeared: Option<bool>,
+    hallucinations: Option<usize>,
 }
 
 pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
@@ -77,6 +80,9 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, contestant:
         confidence: Some(outcome.confidence),
         other_label: other.map_or("", |(label, _)| label),
         other_confidence: other.map(|(_, confidence)| confidence),
+        misclassified: Some(outcome.is_misclassified()),
+        disappeared: Some(outcome.has_disappeared()),
+        hallucinations: Some(outcome.hallucinations),
         ..Row::default()
     }
 }

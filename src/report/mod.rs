@@ -3,6 +3,7 @@
 mod coco;
 mod comparison;
 mod csv;
+mod figures_csv;
 mod html;
 mod provenance;
 mod summary_json;
@@ -38,6 +39,10 @@ pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
         (
             "photos.csv".to_owned(),
             csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
+        ),
+        (
+            "figures.csv".to_owned(),
+            figures_csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
         ),
         ("coco_truth.json".to_owned(), coco::truth(scores).map_err(format)?),
         ("report.html".to_owned(), html::render(scores)),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::detect::SCORE_FLOOR;
-use crate::score::{Contestant, HIT_CONFIDENCE, MATCH_IOU, Scores, Source};
+use crate::score::{Contestant, MATCH_IOU, Scores, Source};
 use crate::tags::TagDetectorChoice;
 
 #[derive(Serialize)]
@@ -14,6 +14,8 @@ pub(super) struct Provenance {
     pub onnx_runtime: Option<String>,
     pub opencv: String,
     pub tag_detector: String,
+    /// How AP@0.5 is computed.
+    pub ap_definition: &'static str,
     pub match_iou: f64,
     pub hit_confidence: f64,
     pub score_floor: f64,
@@ -53,8 +55,9 @@ pub(super) fn of(scores: &Scores) -> Provenance {
         onnx_runtime: scores.runtime.clone(),
         opencv: opencv::core::get_version_string().unwrap_or_default(),
         tag_detector: TagDetectorChoice::default().provenance(),
+        ap_definition: scores.criteria.ap.name(),
         match_iou: MATCH_IOU,
-        hit_confidence: HIT_CONFIDENCE,
+        hit_confidence: scores.criteria.hit_confidence,
         score_floor: SCORE_FLOOR,
         detectors: scores.contestants.iter().map(detector).collect(),
         sessions: (0..scores.sessions.len()).map(|i| session(scores, i)).collect(),

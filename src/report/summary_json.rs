@@ -5,25 +5,32 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::provenance::{self, Provenance};
-use crate::score::{DEFINITIONS, NotScored, Scores, Summary};
+use crate::score::{NotScored, Scores, Summary, TransferRow, transfer};
 
 #[derive(Serialize)]
 struct Page<'a> {
     photos_scored: usize,
+    /// How the figures called `ap50` are computed.
+    ap_definition: &'static str,
+    hit_confidence: f64,
     results: &'a [Summary],
+    transfer: Vec<TransferRow>,
     cautions: &'a [String],
     not_scored: &'a [NotScored],
-    definitions: BTreeMap<&'static str, &'static str>,
+    definitions: BTreeMap<&'static str, String>,
     provenance: Provenance,
 }
 
 pub(super) fn render(scores: &Scores) -> serde_json::Result<String> {
     let page = Page {
         photos_scored: scores.photos.len(),
+        ap_definition: scores.criteria.ap.name(),
+        hit_confidence: scores.criteria.hit_confidence,
         results: &scores.summaries,
+        transfer: transfer(&scores.summaries),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
-        definitions: DEFINITIONS.into_iter().collect(),
+        definitions: scores.criteria.definitions().into_iter().collect(),
         provenance: provenance::of(scores),
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")

@@ -1,5 +1,7 @@
 //! Viewpoint bins: the cells in which photos are counted.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use super::Viewpoint;
@@ -17,12 +19,39 @@ pub struct Bins {
     pub distance_mm: Vec<f64>,
 }
 
-/// One bin, named by its centre.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// One bin, named by its centre. Bins are sorted by azimuth, pitch and distance.
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct Bin {
     pub azimuth_deg: f64,
     pub pitch_deg: f64,
     pub distance_mm: f64,
+}
+
+impl Bin {
+    /// Azimuth, pitch and distance in whole thousandths, which can be compared.
+    fn key(&self) -> [i64; 3] {
+        [self.azimuth_deg, self.pitch_deg, self.distance_mm].map(|v| (v * 1000.0).round() as i64)
+    }
+}
+
+impl PartialEq for Bin {
+    fn eq(&self, other: &Bin) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Eq for Bin {}
+
+impl PartialOrd for Bin {
+    fn partial_cmp(&self, other: &Bin) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Bin {
+    fn cmp(&self, other: &Bin) -> Ordering {
+        self.key().cmp(&other.key())
+    }
 }
 
 impl Bins {

@@ -4,10 +4,12 @@ mod ap;
 mod caution;
 mod compare;
 mod contestant;
+mod criteria;
 mod outcome;
 mod photo;
 mod run;
 mod summary;
+mod transfer;
 mod wilson;
 
 pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
@@ -16,46 +18,22 @@ pub use compare::{
     holm, interval_95, mcnemar_p, pairs_needed, power,
 };
 pub use contestant::{Contestant, ContestantError, Source};
+pub use criteria::Criteria;
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto};
 pub use run::{ScoreError, Scores, score};
-pub use summary::{BinFigures, Drop, Figures, Rate, Summary};
+pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
+pub use transfer::{TransferDrop, TransferRow, transfer};
 pub use wilson::wilson_95;
 
 /// A detection counts for the model when their boxes overlap by at least this much.
 pub const MATCH_IOU: f64 = 0.5;
 
-/// A photo counts as a hit when the matching detection is at least this confident.
+/// A photo counts as a hit when the matching detection is at least this confident, unless [`Criteria`] say otherwise.
 pub const HIT_CONFIDENCE: f64 = 0.5;
 
 /// The variant that drops are measured from.
 pub const BASE_VARIANT: &str = "normal";
-
-/// What each number means, printed beside the numbers: (name, definition).
-pub const DEFINITIONS: [(&str, &str); 5] = [
-    (
-        "AP@0.5",
-        "average precision of the model's class at IoU ≥ 0.5, COCO definition (101 recall points, at most 100 detections a \
-         photo, candidates from confidence 0.001 up)",
-    ),
-    (
-        "hit rate",
-        "share of photos with a detection of the model's class at confidence ≥ 0.5 and IoU ≥ 0.5 with the truth box",
-    ),
-    (
-        "95 % interval",
-        "Wilson score interval of the hit rate; it treats photos as independent",
-    ),
-    (
-        "confidence",
-        "mean over photos of the highest confidence among detections of the model's class at IoU ≥ 0.5; a photo without one \
-         counts 0",
-    ),
-    (
-        "drop",
-        "the figure of the variant “normal” minus the figure of this variant, same detector",
-    ),
-];
 
 /// What the words of a comparison mean, stored beside its numbers: (name, definition).
 pub const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{HIT_CONFIDENCE, MATCH_IOU};
+use super::MATCH_IOU;
 use crate::detect::Detection;
 use crate::geometry::BoxPx;
 
@@ -26,35 +26,52 @@ pub struct Outcome {
     /// The most confident other label on the model at hit confidence: (label, confidence).
     pub other: Option<(usize, f64)>,
     pub verdict: Verdict,
+    /// Detections of the class at hit confidence that lie elsewhere: their overlap with the truth is too small.
+    pub hallucinations: usize,
 }
 
 impl Outcome {
-    /// Judges the detections of a photo against the model's truth box and class.
-    pub fn of(detections: &[Detection], truth: &BoxPx, class: usize) -> Outcome {
+    /// Judges the detections of a photo against the model's truth box and class; those below `hit_confidence` only lend
+    /// the photo its confidence.
+    pub fn of(detections: &[Detection], truth: &BoxPx, class: usize, hit_confidence: f64) -> Outcome {
         let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= MATCH_IOU);
         let confidence = on_model()
             .filter(|d| d.label == class)
             .map(|d| d.score)
             .fold(0.0, f64::max);
         let other = on_model()
-            .filter(|d| d.label != class && d.score >= HIT_CONFIDENCE)
+            .filter(|d| d.label != class && d.score >= hit_confidence)
             .max_by(|a, b| a.score.total_cmp(&b.score))
             .map(|d| (d.label, d.score));
-        let verdict = match (confidence >= HIT_CONFIDENCE, other.is_some()) {
+        let verdict = match (confidence >= hit_confidence, other.is_some()) {
             (false, _) => Verdict::Missed,
             (true, true) => Verdict::FoundWithOther,
             (true, false) => Verdict::Found,
         };
+        let elsewhere = detections
+            .iter()
+            .filter(|d| d.label == class && d.score >= hit_confidence && d.box_px.iou(truth) < MATCH_IOU);
         Outcome {
             confidence,
             other,
             verdict,
+            hallucinations: elsewhere.count(),
         }
     }
 
     /// True when the model was found as its class, whatever else lies on it.
     pub fn is_hit(&self) -> bool {
         self.verdict != Verdict::Missed
+    }
+
+    /// True when the model was found as something else only.
+    pub fn is_misclassified(&self) -> bool {
+        !self.is_hit() && self.other.is_some()
+    }
+
+    /// True when nothing at all was found where the model is.
+    pub fn has_disappeared(&self) -> bool {
+        !self.is_hit() && self.other.is_none()
     }
 }
 
@@ -70,7 +87,7 @@ mod tests {
             .iter()
             .map(|(label, score, x)| Detection::new(*label, *score, BoxPx::new(*x, 0.0, x + 100.0, 50.0)).unwrap())
             .collect();
-        Outcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), CAR)
+        Outcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), CAR, 0.5)
     }
 
     #[test]
@@ -94,5 +111,37 @@ mod tests {
     fn a_weak_find_keeps_its_confidence_but_is_a_miss() {
         let weak = outcome(&[(CAR, 0.3, 0.0), (CAR, 0.2, 1.0)]);
         assert_eq!((weak.confidence, weak.is_hit()), (0.3, false));
+    }
+
+    #[test]
+    fn a_photo_is_a_hit_or_misclassified_or_the_model_has_disappeared() {
+        for (detections, fate) in [
+            (vec![(CAR, 0.8, 0.0)], [true, false, false]),
+            (vec![(CAR, 0.8, 0.0), (TRUCK, 0.9, 0.0)], [true, false, false]),
+            (vec![(CAR, 0.4, 0.0), (TRUCK, 0.6, 5.0)], [false, true, false]),
+            (vec![(CAR, 0.4, 0.0), (TRUCK, 0.4, 5.0)], [false, false, true]),
+            (vec![(TRUCK, 0.9, 60.0)], [false, false, true]),
+            (vec![], [false, false, true]),
+        ] {
+            let o = outcome(&detections);
+            assert_eq!(
+                [o.is_hit(), o.is_misclassified(), o.has_disappeared()],
+                fate,
+                "{detections:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn boxes_of_the_class_elsewhere_are_hallucinations_and_doubles_are_not() {
+        let o = outcome(&[
+            (CAR, 0.9, 0.0),
+            (CAR, 0.8, 3.0),  // a second box on the model
+            (CAR, 0.7, 60.0), // IoU 0.25
+            (CAR, 0.6, 500.0),
+            (CAR, 0.4, 900.0),   // not confident enough
+            (TRUCK, 0.9, 500.0), // perhaps a truck is there
+        ]);
+        assert_eq!((o.hallucinations, o.is_hit()), (2, true));
     }
 }

@@ -3,7 +3,7 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
-use super::{Contestant, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary};
+use super::{Contestant, Criteria, HIT_CONFIDENCE, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
 use crate::locate::{self, Abstention, Located};
@@ -47,13 +47,15 @@ pub struct Scores {
     pub not_scored: Vec<NotScored>,
     /// Per contestant and variant, contestants first.
     pub summaries: Vec<Summary>,
+    /// What the figures depend on; see [`Scores::judged_by`].
+    pub criteria: Criteria,
     /// What a reader must know before believing the figures, as sentences.
     pub cautions: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every contestant was played back.
     pub runtime: Option<String>,
 }
 
-/// Scores every photo of the sessions with every contestant. `on_photo` is called after each photo.
+/// Scores every photo of the sessions with every contestant, by the default criteria. `on_photo` is called after each photo.
 pub fn score(
     sessions: Vec<Session>,
     contestants: Vec<Contestant>,
@@ -97,7 +99,8 @@ pub fn score(
         });
     }
     let cautions = caution::cautions(&photos, &not_scored, &sessions);
-    let summaries = summary::summaries(&photos, &contestants, &sessions[0].scene.bins);
+    let criteria = Criteria::default();
+    let summaries = summary::summaries(&photos, &contestants, &sessions[0].scene.bins, criteria.ap);
     let runtime = runtime.map(Runtime::provenance);
     Ok(Scores {
         sessions,
@@ -105,6 +108,7 @@ pub fn score(
         photos,
         not_scored,
         summaries,
+        criteria,
         cautions,
         runtime,
     })
@@ -197,7 +201,10 @@ impl Worker {
             Err(e) => return left_out(e.to_string()),
         };
         match self.place(&photo, job) {
-            Ok(place) => Ok(Ok(self.scored(job, &photo, place, contestants)?)),
+            Ok(place) => match self.scored(job, &photo, place, contestants) {
+                Err(ScoreError::Detect(e @ DetectError::NotANumber { .. })) => left_out(e.to_string()),
+                scored => scored.map(Ok),
+            },
             Err(reason) => left_out(reason),
         }
     }
@@ -255,7 +262,7 @@ impl Worker {
         let outcomes = contestants
             .iter()
             .zip(&detections)
-            .map(|(c, found)| Outcome::of(found, &place.truth, c.class))
+            .map(|(c, found)| Outcome::of(found, &place.truth, c.class, HIT_CONFIDENCE))
             .collect();
         let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
         Ok(ScoredPhoto {

@@ -1,26 +1,45 @@
-//! From per-photo values to figures per detector, variant and azimuth bin.
+//! From per-photo values to figures per detector and variant: over all photos, per azimuth, per cell, per place.
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{BASE_VARIANT, Contestant, ImageBoxes, MATCH_IOU, ScoredPhoto, average_precision, wilson_95};
-use crate::scene::Bins;
+use super::{
+    ApDefinition, BASE_VARIANT, Contestant, Criteria, ImageBoxes, MATCH_IOU, Outcome, ScoredPhoto, Scores,
+    average_precision_as, wilson_95,
+};
+use crate::scene::{Bin, Bins};
 
 /// A share of photos with its 95 % Wilson interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rate {
-    pub hits: usize,
+    /// Photos that count.
+    pub count: usize,
+    /// `count` by all photos of the group.
     pub rate: f64,
     pub low: f64,
     pub high: f64,
 }
 
-/// The three numbers of a group of photos, and how many photos they rest on.
+/// The numbers of a group of photos, and how many photos they rest on. [`Criteria::definitions`] says what each one is.
+///
+/// Every photo is in exactly one of `hit_rate`, `misclassification_rate` and `disappearance_rate`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Figures {
     pub photos: usize,
+    /// By the run's definition of AP.
     pub ap50: f64,
     pub hit_rate: Rate,
+    /// Found as another class only.
+    pub misclassification_rate: Rate,
+    /// Nothing found where the model is.
+    pub disappearance_rate: Rate,
+    /// Detections of the class where the model is not.
+    pub hallucinations_per_image: f64,
+    /// Misses count 0.
     pub mean_confidence: f64,
+    /// Misses count 0; of an even number of photos the mean of the middle two.
+    pub median_confidence: f64,
 }
 
 /// Base figures minus these figures.
@@ -29,14 +48,35 @@ pub struct Drop {
     pub ap50: f64,
     pub hit_rate: f64,
     pub mean_confidence: f64,
+    pub median_confidence: f64,
 }
 
-/// The figures of one azimuth bin.
+/// The figures of one azimuth bin, over all its pitches and distances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BinFigures {
     pub azimuth_deg: f64,
     /// Absent when the bin has no photo.
     pub figures: Option<Figures>,
+    pub drop: Option<Drop>,
+}
+
+/// The figures of one bin of azimuth × pitch × distance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CellFigures {
+    #[serde(flatten)]
+    pub bin: Bin,
+    pub figures: Figures,
+    /// Absent when the base variant has no photo in this cell.
+    pub drop: Option<Drop>,
+}
+
+/// The figures of the photos of one place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlaceFigures {
+    /// Absent for the photos whose session names no place.
+    pub place: Option<String>,
+    pub figures: Figures,
+    /// Absent when the base variant has no photo of this place.
     pub drop: Option<Drop>,
 }
 
@@ -50,74 +90,143 @@ pub struct Summary {
     pub drop: Option<Drop>,
     /// All azimuth bins of the scene, from the front counter-clockwise.
     pub azimuth_bins: Vec<BinFigures>,
+    /// The bins that have photos of this variant, by azimuth, pitch and distance.
+    pub cells: Vec<CellFigures>,
+    /// The places that have photos of this variant, by name.
+    pub places: Vec<PlaceFigures>,
+}
+
+impl Scores {
+    /// The same photos and detections under other criteria; nothing is detected again.
+    pub fn judged_by(mut self, criteria: Criteria) -> Scores {
+        for photo in &mut self.photos {
+            let judged = self.contestants.iter().zip(&photo.detections);
+            let confidence = criteria.hit_confidence;
+            photo.outcomes = judged
+                .map(|(c, found)| Outcome::of(found, &photo.truth, c.class, confidence))
+                .collect();
+        }
+        let bins = &self.sessions[0].scene.bins;
+        self.summaries = summaries(&self.photos, &self.contestants, bins, criteria.ap);
+        self.criteria = criteria;
+        self
+    }
 }
 
 /// Figures of every contestant on every variant, the base variant first, the others by name.
-pub(super) fn summaries(photos: &[ScoredPhoto], contestants: &[Contestant], bins: &Bins) -> Vec<Summary> {
+pub(super) fn summaries(
+    photos: &[ScoredPhoto],
+    contestants: &[Contestant],
+    bins: &Bins,
+    ap: ApDefinition,
+) -> Vec<Summary> {
     let mut summaries = Vec::new();
     for (index, contestant) in contestants.iter().enumerate() {
+        let side = Side {
+            contestant: index,
+            class: contestant.class,
+            ap,
+        };
         let groups: Vec<Group> = variants(photos)
             .into_iter()
-            .filter_map(|v| Group::new(v, photos, index, contestant.class, bins))
+            .filter_map(|v| Group::new(v, photos, side))
             .collect();
         let base = groups.iter().find(|g| g.variant == BASE_VARIANT);
         summaries.extend(groups.iter().map(|group| {
             let base = base.filter(|base| base.variant != group.variant);
-            group.summary(contestant.manifest.name.clone(), base)
+            group.summary(contestant.manifest.name.clone(), base, bins)
         }));
     }
     summaries
+}
+
+/// Whose figures, and by which AP.
+#[derive(Clone, Copy)]
+struct Side {
+    contestant: usize,
+    class: usize,
+    ap: ApDefinition,
 }
 
 /// The figures of one contestant on one variant.
 struct Group {
     variant: String,
     overall: Figures,
-    /// By azimuth bin, from the front on.
-    by_azimuth: Vec<(f64, Option<Figures>)>,
+    /// By azimuth in thousandths of a degree.
+    by_azimuth: BTreeMap<i64, Figures>,
+    by_cell: BTreeMap<Bin, Figures>,
+    by_place: BTreeMap<Option<String>, Figures>,
 }
 
 impl Group {
     /// `None` without a photo of the variant.
-    fn new(variant: String, photos: &[ScoredPhoto], index: usize, class: usize, bins: &Bins) -> Option<Group> {
+    fn new(variant: String, photos: &[ScoredPhoto], side: Side) -> Option<Group> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
-        let in_bin = |azimuth_deg: f64| -> Vec<&ScoredPhoto> {
-            photos
-                .iter()
-                .copied()
-                .filter(|p| p.bin.is_some_and(|b| b.azimuth_deg == azimuth_deg))
-                .collect()
-        };
-        let centres = bins.azimuth_centres().into_iter();
-        let by_azimuth = centres
-            .map(|azimuth_deg| (azimuth_deg, figures(&in_bin(azimuth_deg), index, class)))
-            .collect();
         Some(Group {
-            overall: figures(&photos, index, class)?,
-            by_azimuth,
+            overall: figures(&photos, side)?,
+            by_azimuth: by(&photos, side, |p| p.bin.map(|b| thousandths(b.azimuth_deg))),
+            by_cell: by(&photos, side, |p| p.bin),
+            by_place: by(&photos, side, |p| Some(p.place.clone())),
             variant,
         })
     }
 
     /// These figures, and their drop from the base's.
-    fn summary(&self, detector: String, base: Option<&Group>) -> Summary {
-        let azimuth_bins = self.by_azimuth.iter().enumerate().map(|(i, (azimuth_deg, figures))| {
-            let base = base.and_then(|b| b.by_azimuth[i].1.as_ref());
-            let drop = base.zip(figures.as_ref()).map(|(base, own)| drop(base, own));
+    fn summary(&self, detector: String, base: Option<&Group>, bins: &Bins) -> Summary {
+        let azimuth_bin = |azimuth_deg: f64| {
+            let of = |group: &Group| group.by_azimuth.get(&thousandths(azimuth_deg)).copied();
+            let (figures, base) = (of(self), base.and_then(of));
             BinFigures {
-                azimuth_deg: *azimuth_deg,
-                figures: *figures,
-                drop,
+                azimuth_deg,
+                figures,
+                drop: base.zip(figures).map(|(base, own)| drop(&base, &own)),
             }
-        });
+        };
+        let cell = |(bin, figures): (&Bin, &Figures)| {
+            let base = base.and_then(|b| b.by_cell.get(bin));
+            CellFigures {
+                bin: *bin,
+                figures: *figures,
+                drop: base.map(|base| drop(base, figures)),
+            }
+        };
+        let place = |(place, figures): (&Option<String>, &Figures)| {
+            let base = base.and_then(|b| b.by_place.get(place));
+            PlaceFigures {
+                place: place.clone(),
+                figures: *figures,
+                drop: base.map(|base| drop(base, figures)),
+            }
+        };
         Summary {
             detector,
             variant: self.variant.clone(),
             overall: self.overall,
             drop: base.map(|base| drop(&base.overall, &self.overall)),
-            azimuth_bins: azimuth_bins.collect(),
+            azimuth_bins: bins.azimuth_centres().into_iter().map(azimuth_bin).collect(),
+            cells: self.by_cell.iter().map(cell).collect(),
+            places: self.by_place.iter().map(place).collect(),
         }
     }
+}
+
+/// A key that can be compared.
+fn thousandths(azimuth_deg: f64) -> i64 {
+    (azimuth_deg * 1000.0).round() as i64
+}
+
+/// The figures of each group of photos; a photo without a key is in none.
+fn by<K: Ord>(photos: &[&ScoredPhoto], side: Side, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
+    let mut groups: BTreeMap<K, Vec<&ScoredPhoto>> = BTreeMap::new();
+    for photo in photos {
+        if let Some(key) = key(photo) {
+            groups.entry(key).or_default().push(photo);
+        }
+    }
+    let groups = groups.into_iter();
+    groups
+        .filter_map(|(key, group)| Some((key, figures(&group, side)?)))
+        .collect()
 }
 
 /// The variants present, the base variant first.
@@ -129,23 +238,34 @@ pub(super) fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
 }
 
 /// Figures of one contestant on a group of photos; `None` for an empty group.
-fn figures(photos: &[&ScoredPhoto], contestant: usize, class: usize) -> Option<Figures> {
-    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, contestant, class)).collect();
-    let ap50 = average_precision(&images, MATCH_IOU)?.ap;
-    let outcomes = || photos.iter().map(|p| &p.outcomes[contestant]);
-    let hits = outcomes().filter(|o| o.is_hit()).count();
-    let (low, high) = wilson_95(hits, photos.len())?;
+fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
+    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.contestant, side.class)).collect();
+    let outcomes = || photos.iter().map(|p| &p.outcomes[side.contestant]);
+    let mean = |of: fn(&Outcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
+    let rate = |counts: fn(&Outcome) -> bool| {
+        let count = outcomes().filter(|o| counts(o)).count();
+        let (low, high) = wilson_95(count, photos.len())?;
+        let rate = count as f64 / photos.len() as f64;
+        Some(Rate { count, rate, low, high })
+    };
     Some(Figures {
         photos: photos.len(),
-        ap50,
-        hit_rate: Rate {
-            hits,
-            rate: hits as f64 / photos.len() as f64,
-            low,
-            high,
-        },
-        mean_confidence: outcomes().map(|o| o.confidence).sum::<f64>() / photos.len() as f64,
+        ap50: average_precision_as(side.ap, &images, MATCH_IOU)?.ap,
+        hit_rate: rate(Outcome::is_hit)?,
+        misclassification_rate: rate(Outcome::is_misclassified)?,
+        disappearance_rate: rate(Outcome::has_disappeared)?,
+        hallucinations_per_image: mean(|o| o.hallucinations as f64),
+        mean_confidence: mean(|o| o.confidence),
+        median_confidence: median(outcomes().map(|o| o.confidence).collect())?,
     })
+}
+
+/// The middle value, or the mean of the middle two; `None` of nothing.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let upper = *values.get(values.len() / 2)?;
+    let lower = *values.get((values.len() - 1) / 2)?;
+    Some((lower + upper) / 2.0)
 }
 
 /// The boxes of the model's class in one photo, as AP takes them.
@@ -162,5 +282,6 @@ fn drop(base: &Figures, figures: &Figures) -> Drop {
         ap50: base.ap50 - figures.ap50,
         hit_rate: base.hit_rate.rate - figures.hit_rate.rate,
         mean_confidence: base.mean_confidence - figures.mean_confidence,
+        median_confidence: base.median_confidence - figures.median_confidence,
     }
 }

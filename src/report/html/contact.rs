@@ -6,7 +6,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::{side, variants};
 use crate::report::other_label;
-use crate::score::{Contestant, HIT_CONFIDENCE, ScoredPhoto, Scores, Verdict};
+use crate::score::{Contestant, ScoredPhoto, Scores, Verdict};
 
 /// Each photo once, hidden; the sheets refer to it, so that ten detectors do not embed it ten times.
 pub(super) fn photo_library(scores: &Scores) -> Markup {
@@ -39,7 +39,7 @@ pub(super) fn sheets(scores: &Scores) -> Markup {
                     @for (azimuth, photos) in &groups {
                         div.group {
                             h3 { (direction(*azimuth)) }
-                            div.photos { @for p in photos { (photo(p, index, contestant)) } }
+                            div.photos { @for p in photos { (photo(p, index, contestant, scores.criteria.hit_confidence)) } }
                         }
                     }
                 }
@@ -75,7 +75,7 @@ fn direction(azimuth: Option<f64>) -> String {
     }
 }
 
-fn photo(p: &ScoredPhoto, index: usize, contestant: &Contestant) -> Markup {
+fn photo(p: &ScoredPhoto, index: usize, contestant: &Contestant, confidence: f64) -> Markup {
     let outcome = &p.outcomes[index];
     let (class, word) = match outcome.verdict {
         Verdict::Missed => ("missed", "missed"),
@@ -84,7 +84,7 @@ fn photo(p: &ScoredPhoto, index: usize, contestant: &Contestant) -> Markup {
     };
     html! {
         figure class=(format!("photo {class}")) {
-            (picture(p, index, contestant))
+            (picture(p, index, contestant, confidence))
             figcaption {
                 b { (word) } @if outcome.confidence > 0.0 { (format!(" {:.2}", outcome.confidence)) }
                 @if let Some((label, confidence)) = other_label(p, index, contestant) {
@@ -99,7 +99,7 @@ fn photo(p: &ScoredPhoto, index: usize, contestant: &Contestant) -> Markup {
     }
 }
 
-fn picture(p: &ScoredPhoto, index: usize, contestant: &Contestant) -> Markup {
+fn picture(p: &ScoredPhoto, index: usize, contestant: &Contestant, confidence: f64) -> Markup {
     // Lines keep their thickness whatever the size of the original.
     let stroke = f64::from(p.width) / 200.0;
     let alt = format!("{}, {}", p.file, p.variant);
@@ -108,7 +108,7 @@ fn picture(p: &ScoredPhoto, index: usize, contestant: &Contestant) -> Markup {
             (PreEscaped(format!("<use href=\"#photo{}\"/>", p.id)))
             rect x=(p.truth.x1) y=(p.truth.y1) width=(p.truth.width()) height=(p.truth.height()) fill="none" stroke="#fff"
                 stroke-width=(stroke) stroke-dasharray=(format!("{} {}", 3.0 * stroke, 2.0 * stroke)) {}
-            @for d in p.detections[index].iter().filter(|d| d.score >= HIT_CONFIDENCE) {
+            @for d in p.detections[index].iter().filter(|d| d.score >= confidence) {
                 @let b = d.box_px;
                 rect x=(b.x1) y=(b.y1) width=(b.width()) height=(b.height()) fill="none" stroke-width=(stroke)
                     stroke=(if d.label == contestant.class { "#29a3ff" } else { "#ff8c1a" }) {

@@ -36,7 +36,8 @@ pub(super) fn headline(scores: &Scores) -> Markup {
             }
         }
         p.note {
-            "AP@0.5 is COCO's 101-point AP. A hit needs confidence ≥ 0.5 and IoU ≥ 0.5. In parentheses: change from " (BASE_VARIANT)
+            "AP@0.5 by the definition " (scores.criteria.ap.name()) ": " (scores.criteria.ap.meaning()) ". A hit needs confidence ≥ "
+            (scores.criteria.hit_confidence) " and IoU ≥ 0.5. In parentheses: change from " (BASE_VARIANT)
             @if !variants.contains(&BASE_VARIANT) { ", which this run lacks, so no change is given" } "."
         }
     }
@@ -64,7 +65,7 @@ pub(super) fn by_azimuth(scores: &Scores) -> Markup {
                                     td.text { (variant) }
                                     @for bin in &s.azimuth_bins {
                                         td { @match &bin.figures {
-                                            Some(f) => { (f.hit_rate.hits) "/" (f.photos) br; small { (number(f.mean_confidence, 2)) } }
+                                            Some(f) => { (f.hit_rate.count) "/" (f.photos) br; small { (number(f.mean_confidence, 2)) } }
                                             None => { "–" }
                                         } }
                                     }
@@ -81,7 +82,7 @@ pub(super) fn by_azimuth(scores: &Scores) -> Markup {
 
 fn rate(f: &Figures) -> Markup {
     let r = &f.hit_rate;
-    html! { (r.hits) "/" (f.photos) " " small { "[" (number(r.low, 2)) ", " (number(r.high, 2)) "]" } }
+    html! { (r.count) "/" (f.photos) " " small { "[" (number(r.low, 2)) ", " (number(r.high, 2)) "]" } }
 }
 
 /// The change from the base variant; a fall is negative.

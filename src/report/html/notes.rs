@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::{provenance, truth_boxes};
-use crate::score::{DEFINITIONS, Scores};
+use crate::score::Scores;
 
 pub(super) fn cautions(scores: &Scores) -> Markup {
     html! {
@@ -34,7 +34,7 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
 pub(super) fn definitions(scores: &Scores) -> Markup {
     html! {
         dl {
-            @for (name, definition) in DEFINITIONS { dt { (name) } dd { (definition) "." } }
+            @for (name, definition) in scores.criteria.definitions() { dt { (name) } dd { (definition) "." } }
             dt { "truth box" }
             dd {
                 (truth_boxes(scores)) ". Through the pose: the model's envelope projected through the pose that the AprilTags give, cut at "

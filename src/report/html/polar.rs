@@ -88,7 +88,7 @@ fn line(colour: &str, bins: &[BinFigures]) -> Markup {
         @for (bin, point) in bins.iter().zip(&points) {
             @if let (Some(f), Some([x, y])) = (&bin.figures, point) {
                 circle cx=(round(*x)) cy=(round(*y)) r="3" stroke=(colour) stroke-width="1.5"
-                    fill=(if f.hit_rate.hits == f.photos { colour } else { "#fff" }) {}
+                    fill=(if f.hit_rate.count == f.photos { colour } else { "#fff" }) {}
             }
         }
     }

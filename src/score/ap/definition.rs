@@ -33,6 +33,18 @@ impl ApDefinition {
         }
     }
 
+    /// What it is, in a few words.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            ApDefinition::Coco101 => "mean of the best precision at each of 101 recalls or beyond",
+            ApDefinition::AllPoint => "area under the best precision at a recall or beyond",
+            ApDefinition::Voc11 => "mean of the best precision at each of 11 recalls or beyond",
+            ApDefinition::Yolov5Ramp => {
+                "area that also counts a ramp from the last recall reached down to recall 1: not comparable with the other definitions"
+            }
+        }
+    }
+
     /// The definition of that name; the error lists the names.
     pub fn from_name(name: &str) -> Result<ApDefinition, String> {
         let named = ApDefinition::ALL.into_iter().find(|d| d.name() == name);

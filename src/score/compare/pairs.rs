@@ -37,14 +37,14 @@ pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cl
         };
         match photo.bin {
             Some(bin) => sides
-                .entry((key(&bin), photo.place.as_deref().unwrap_or_default()))
+                .entry((bin, photo.place.as_deref().unwrap_or_default()))
                 .or_default()[side]
                 .push(photo),
             None => unpaired.push(left_over(scores, photo, "its viewpoint is not known".into())),
         }
     }
     let mut clusters = Vec::new();
-    for ((_, place), [bases, others]) in sides {
+    for ((bin, place), [bases, others]) in sides {
         let pairs: Vec<_> = bases.iter().copied().zip(others.iter().copied()).collect();
         for (photo, missing) in bases[pairs.len()..]
             .iter()
@@ -58,16 +58,11 @@ pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cl
             );
             unpaired.push(left_over(scores, photo, reason));
         }
-        if let Some(bin) = pairs.first().and_then(|(photo, _)| photo.bin) {
+        if !pairs.is_empty() {
             clusters.push(Cluster { bin, pairs });
         }
     }
     (clusters, unpaired)
-}
-
-/// A bin in whole thousandths, which can be compared.
-fn key(bin: &Bin) -> [i64; 3] {
-    [bin.azimuth_deg, bin.pitch_deg, bin.distance_mm].map(|v| (v * 1000.0).round() as i64)
 }
 
 fn direction(photo: &ScoredPhoto) -> String {

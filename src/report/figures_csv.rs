@@ -1,0 +1,108 @@
+//! `figures.csv`: one line per detector, variant and group of photos: all of them, an azimuth, a cell, a place.
+
+use std::error::Error;
+
+use serde::Serialize;
+
+use crate::score::{Drop, Figures, Rate, Scores, Summary};
+
+#[derive(Serialize, Default)]
+struct Row<'a> {
+    detector: &'a str,
+    variant: &'a str,
+    /// `all`, `azimuth`, `cell` (azimuth × pitch × distance) or `place`.
+    group: &'static str,
+    bin_azimuth_deg: Option<f64>,
+    bin_pitch_deg: Option<f64>,
+    bin_distance_mm: Option<f64>,
+    place: &'a str,
+    photos: usize,
+    ap_definition: &'static str,
+    ap50: Option<f64>,
+    hit_confidence: f64,
+    hits: Option<usize>,
+    hit_rate: Option<f64>,
+    hit_rate_low: Option<f64>,
+    hit_rate_high: Option<f64>,
+    misclassified: Option<usize>,
+    misclassification_rate: Option<f64>,
+    misclassification_rate_low: Option<f64>,
+    misclassification_rate_high: Option<f64>,
+    disappeared: Option<usize>,
+    disappearance_rate: Option<f64>,
+    disappearance_rate_low: Option<f64>,
+    disappearance_rate_high: Option<f64>,
+    hallucinations_per_image: Option<f64>,
+    mean_confidence: Option<f64>,
+    median_confidence: Option<f64>,
+    drop_ap50: Option<f64>,
+    drop_hit_rate: Option<f64>,
+    drop_mean_confidence: Option<f64>,
+    drop_median_confidence: Option<f64>,
+}
+
+pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in scores.summaries.iter().flat_map(|s| rows(scores, s)) {
+        writer.serialize(row)?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<Row<'a>> {
+    let row = |group, figures, drop| Row {
+        detector: &s.detector,
+        variant: &s.variant,
+        group,
+        ap_definition: scores.criteria.ap.name(),
+        hit_confidence: scores.criteria.hit_confidence,
+        ..numbers(figures, drop)
+    };
+    let all = row("all", Some(&s.overall), s.drop);
+    let azimuths = s.azimuth_bins.iter().map(|b| Row {
+        bin_azimuth_deg: Some(b.azimuth_deg),
+        ..row("azimuth", b.figures.as_ref(), b.drop)
+    });
+    let cells = s.cells.iter().map(|c| Row {
+        bin_azimuth_deg: Some(c.bin.azimuth_deg),
+        bin_pitch_deg: Some(c.bin.pitch_deg),
+        bin_distance_mm: Some(c.bin.distance_mm),
+        ..row("cell", Some(&c.figures), c.drop)
+    });
+    let places = s.places.iter().map(|p| Row {
+        place: p.place.as_deref().unwrap_or_default(),
+        ..row("place", Some(&p.figures), p.drop)
+    });
+    [all].into_iter().chain(azimuths).chain(cells).chain(places).collect()
+}
+
+/// The columns of figures; a group without photos has none but its zero.
+fn numbers<'a>(figures: Option<&Figures>, drop: Option<Drop>) -> Row<'a> {
+    let rate = |of: fn(&Figures) -> Rate| figures.map(of);
+    let (hit, mis) = (rate(|f| f.hit_rate), rate(|f| f.misclassification_rate));
+    let gone = rate(|f| f.disappearance_rate);
+    Row {
+        photos: figures.map_or(0, |f| f.photos),
+        ap50: figures.map(|f| f.ap50),
+        hits: hit.map(|r| r.count),
+        hit_rate: hit.map(|r| r.rate),
+        hit_rate_low: hit.map(|r| r.low),
+        hit_rate_high: hit.map(|r| r.high),
+        misclassified: mis.map(|r| r.count),
+        misclassification_rate: mis.map(|r| r.rate),
+        misclassification_rate_low: mis.map(|r| r.low),
+        misclassification_rate_high: mis.map(|r| r.high),
+        disappeared: gone.map(|r| r.count),
+        disappearance_rate: gone.map(|r| r.rate),
+        disappearance_rate_low: gone.map(|r| r.low),
+        disappearance_rate_high: gone.map(|r| r.high),
+        hallucinations_per_image: figures.map(|f| f.hallucinations_per_image),
+        mean_confidence: figures.map(|f| f.mean_confidence),
+        median_confidence: figures.map(|f| f.median_confidence),
+        drop_ap50: drop.map(|d| d.ap50),
+        drop_hit_rate: drop.map(|d| d.hit_rate),
+        drop_mean_confidence: drop.map(|d| d.mean_confidence),
+        drop_median_confidence: drop.map(|d| d.median_confidence),
+        ..Row::default()
+    }
+}
