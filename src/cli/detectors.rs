@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, progress};
+use super::{CommandResult, Outcome, progress, speed};
 use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders, WeightsError};
 use crate::geometry::BoxPx;
 use crate::photo::Photo;
@@ -26,6 +26,7 @@ enum Command {
     Fetch(FetchArgs),
     /// Run every detector whose weights are present on some photos and print what it finds.
     Check(CheckArgs),
+    Speed(speed::Args),
 }
 
 /// Where weights are.
@@ -88,6 +89,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         Command::List(args) => list(args, out),
         Command::Fetch(args) => fetch(args, out),
         Command::Check(args) => check(args, out),
+        Command::Speed(args) => speed::run(args, out),
     }
 }
 

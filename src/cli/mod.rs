@@ -14,6 +14,7 @@ mod print;
 mod progress;
 mod scene;
 mod score;
+mod speed;
 mod survey;
 
 use std::error::Error;

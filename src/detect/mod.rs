@@ -8,6 +8,7 @@ mod labels;
 mod manifest;
 mod nms;
 mod runtime;
+mod speed;
 mod weights;
 
 use serde::Serialize;
@@ -19,6 +20,7 @@ pub use fetch::{FetchError, fetch};
 pub use labels::Labels;
 pub use manifest::{Manifest, ManifestError};
 pub use runtime::{DetectError, Detector, Runtime};
+pub use speed::{ROUNDS, Speed, SpeedError, Speeds, measure};
 pub use weights::{WeightFolders, WeightsError};
 
 /// Candidates below this score are dropped, as the AP of `notes/print_capture_score.md` needs them down to here.
