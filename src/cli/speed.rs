@@ -10,7 +10,7 @@ use crate::photo::Photo;
 
 /// Time every detector whose weights are present, one thread, and keep the times in a file for `score --speed`.
 ///
-/// The time runs from the decoded photo to its boxes; the fastest of five rounds counts for each photo.
+/// The time runs from the decoded photo to its boxes; the fastest of twenty rounds counts for each photo.
 #[derive(clap::Args)]
 pub struct Args {
     /// Photos (JPEG or PNG), of the size that will be scored.
@@ -40,7 +40,10 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     let opened = args.photos.iter().map(|p| Photo::open(p).map(|photo| photo.rgb));
     let photos = opened.collect::<Result<Vec<_>, _>>()?;
-    let pixels: f64 = photos.iter().map(|p| f64::from(p.width()) * f64::from(p.height())).sum();
+    let pixels: f64 = photos
+        .iter()
+        .map(|p| f64::from(p.width()) * f64::from(p.height()))
+        .sum();
     let runtime = Runtime::load()?;
     let mut speeds = Speeds {
         machine: args.machine,
