@@ -353,6 +353,45 @@ fn the_photos_are_sorted_filtered_and_enlarged() {
 }
 
 #[test]
+fn of_many_photos_the_worst_are_shown_and_the_others_counted() {
+    let session = copy_of_skyline();
+    let path = session.path().join("session.json");
+    let mut file = read_json(&path);
+    // 404 found photos, then 6 that every detector that is asked missed; their own truth spares looking for tags.
+    let exact = read_json(&skyline().join("truth.json"));
+    let entries = (0..410).map(|i| {
+        let original = if i < 404 { "normal_003.jpg" } else { "random_008.jpg" };
+        let name = format!("{i:03}_{original}");
+        std::fs::hard_link(session.path().join(original), session.path().join(&name)).unwrap();
+        let truths = exact["photos"].as_array().unwrap();
+        let truth = truths.iter().find(|t| t["file"] == original).unwrap();
+        serde_json::json!({"file": name, "variant": &original[..6], "box_xyxy_px": truth["box_xyxy_px"],
+            "viewpoint": {"azimuth_deg": 0.0, "pitch_deg": 15.0, "distance_mm": 850.0}})
+    });
+    file["photos"] = entries.collect();
+    std::fs::write(&path, file.to_string()).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command.arg("score").arg(session.path());
+    command
+        .args(["--recorded", "--detector", "yolox_nano", "deimv2_atto", "--out"])
+        .arg(out.path());
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert!(page.contains("Shown are the 400 of 410 photos that the most detectors missed; all are in photos.csv."));
+    let cards = shown(&page);
+    assert_eq!(cards.len(), 800);
+    assert!(
+        cards[..12].iter().all(|[_, variant, ..]| variant == "random"),
+        "{:?}",
+        &cards[..12]
+    );
+    println!("report.html of 410 photos: {} bytes", page.len());
+    assert!(page.len() < 16_000_000, "{} bytes", page.len());
+}
+
+#[test]
 fn the_page_needs_nothing_but_itself() {
     let out = tempfile::tempdir().unwrap();
     report(out.path());

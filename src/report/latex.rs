@@ -14,12 +14,12 @@ pub(super) fn table(scores: &Scores) -> String {
         "Texture",
         "Photos",
         "AP@0.5",
-        "drop",
+        "Drop",
         "Hits",
-        "hit rate, 95\\,\\%",
-        "drop",
+        "Hit rate, 95\\,\\%",
+        "Drop",
         "Confidence",
-        "drop",
+        "Drop",
     ]
     .map(String::from)));
     for own in scores.summaries.chunk_by(|a, b| a.detector == b.detector) {
@@ -73,12 +73,12 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         "Texture",
         "Pairs",
         "AP@0.5",
-        "drop, 95\\,\\%",
-        "hit rate",
-        "drop, 95\\,\\%",
+        "Drop, 95\\,\\%",
+        "Hit rate",
+        "Drop, 95\\,\\%",
         "$p$",
-        "confidence",
-        "drop, 95\\,\\%",
+        "Confidence",
+        "Drop, 95\\,\\%",
     ];
     let mut lines = vec![
         format!(

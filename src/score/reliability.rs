@@ -126,8 +126,8 @@ mod tests {
 
     #[test]
     fn the_error_by_chance_is_the_mean_of_the_binomial_s_deviations() {
-        for (n, p) in [(1, 0.3), (2, 0.5), (5, 0.87), (12, 0.25), (40, 0.6)] {
-            let mut chance = (1.0 - p as f64).powi(n); // of k successes, from k = 0 on
+        for (n, p) in [(1_i32, 0.3_f64), (2, 0.5), (5, 0.87), (12, 0.25), (40, 0.6)] {
+            let mut chance = (1.0 - p).powi(n); // of k successes, from k = 0 on
             let mut sum = 0.0;
             for k in 0..=n {
                 sum += chance * (f64::from(k) / f64::from(n) - p).abs();

@@ -35,6 +35,11 @@ pub(in crate::report) fn in_words(finding: Finding) -> &'static str {
     }
 }
 
+/// The same without its explanation.
+fn briefly(finding: Finding) -> &'static str {
+    in_words(finding).split(',').next().unwrap_or_default()
+}
+
 /// Name of a figure and where it is.
 type Figure = (&'static str, fn(&Compared) -> &Difference);
 
@@ -48,12 +53,13 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
         (notes::cautions(scores))
         @for (name, of) in FIGURES {
-            h3 { "Drop of the " (name) }
+            h3 { "Drop: " (name) }
             div.scroll { (forest(scores, comparison, name, of)) }
         }
         p.note {
-            "Dot: the drop; line: its 95 % interval, absent with too few clusters. Filled: a difference is shown at 5 %. Numbers: base → texture, "
-            "drop [interval]" "; of the hit rate also McNemar's exact p."
+            "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown at "
+            "5 %. Numbers: base → texture, drop [interval]; of the hit rate also McNemar's exact p. “No difference shown”: one of 0.2 is "
+            "excluded."
         }
     }
 }
@@ -63,7 +69,7 @@ fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared
     let height = ROW * comparison.results.len() as f64;
     let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
     html! {
-        svg.forest viewBox=(format!("0 -4 900 {}", height + 26.0)) role="img" aria-label=(format!("Drop of the {name}")) {
+        svg.forest viewBox=(format!("0 -4 900 {}", height + 26.0)) role="img" aria-label=(format!("Drop: {name}")) {
             @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
                 line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
                 text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
@@ -74,14 +80,14 @@ fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared
                 @let is_shown = matches!(d.finding, Finding::Drop | Finding::Rise);
                 text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (title(scores, r)) ", " (r.variant) }
                 g.drop {
-                    title { (title(scores, r)) ", " (r.variant) ": drop of the " (name) " " (format!("{:.3}", d.drop)) }
+                    title { (title(scores, r)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
                     @if let Some(interval) = d.interval_95 {
                         line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
                     }
                     circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
                 }
                 text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
-                    (numbers(d)) @if name == "hit rate" { (format!(", p = {:.3}", r.hit_rate.mcnemar_p)) } ": " (in_words(d.finding))
+                    (numbers(d)) @if name == "hit rate" { (format!(", p = {:.3}", r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
                 }
             }
         }

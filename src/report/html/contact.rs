@@ -15,9 +15,14 @@ const MOST_PHOTOS: usize = 400;
 /// Detections of the class below the hit confidence are drawn when enlarged, from here up.
 const WEAKEST_DRAWN: f64 = 0.1;
 
+/// The photos of which the run kept a picture.
+fn pictured(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
+    scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
+}
+
 /// The photos that are shown: all, or those that the most detectors missed, the least confident first.
 fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
-    let mut photos: Vec<&ScoredPhoto> = scores.photos.iter().collect();
+    let mut photos: Vec<&ScoredPhoto> = pictured(scores).collect();
     let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
     let confidence = |p: &ScoredPhoto| p.outcomes.iter().map(|o| o.confidence).sum::<f64>();
     photos.sort_by(|a, b| hits(a).cmp(&hits(b)).then(confidence(a).total_cmp(&confidence(b))));
@@ -49,7 +54,7 @@ pub(super) fn photo_library(scores: &Scores) -> Markup {
 /// A card for each detector and photo, the worst first, and what narrows them down.
 pub(super) fn sheet(scores: &Scores) -> Markup {
     let photos = shown(scores);
-    let left_out = scores.photos.len() - photos.len();
+    let (kept, all) = (pictured(scores).count(), scores.photos.len());
     let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.contestants.len())
         .flat_map(|index| photos.iter().map(move |p| (index, *p)))
         .collect();
@@ -72,9 +77,11 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
                 " (blue: the class, orange: another label)"
             }
         }
-        @if left_out > 0 {
+        @if photos.len() < all {
             p.banner {
-                "Shown are the " (photos.len()) " photos that the most detectors missed; the other " (left_out) " are in photos.csv."
+                "Shown are the " (photos.len()) " of " (all) " photos that the most detectors missed"
+                @if kept < all { ", among " (kept) " that the run kept pictures of" }
+                "; all are in photos.csv."
             }
         }
         (filters::bar(scores, &photos))
