@@ -147,6 +147,30 @@ fn all_point_and_voc_agree_with_a_second_implementation() {
     );
 }
 
+#[test]
+fn the_other_definitions_agree_with_numpy() {
+    let cases = read_json(&home().join("tests/data/ap_cases.json"));
+    let by_numpy = read_json(&home().join("tests/data/ap_definitions.json"));
+    let (cases, by_numpy) = (
+        cases["cases"].as_array().unwrap(),
+        by_numpy["cases"].as_array().unwrap(),
+    );
+    assert_eq!(cases.len(), by_numpy.len());
+    let (mut compared, mut worst) = (0, 0.0_f64);
+    for (case, wanted) in cases.iter().zip(by_numpy) {
+        for definition in [ApDefinition::AllPoint, ApDefinition::Voc11, ApDefinition::Yolov5Ramp] {
+            let found = average_precision_as(definition, &images_of(case), case["iou"].as_f64().unwrap());
+            assert_eq!(found.is_none(), wanted.is_null());
+            if let Some(found) = found {
+                worst = worst.max((found.ap - wanted[definition.name()].as_f64().unwrap()).abs());
+                compared += 1;
+            }
+        }
+    }
+    println!("{compared} figures of three definitions agree with numpy's within {worst:.1e}");
+    assert!(worst < 1e-9 && compared > 60);
+}
+
 /// What numpy gives for YOLOv5's recipe: the envelope of (0, 1), the curve and (1, 0), `interp` at 101 recalls, `trapz`.
 #[test]
 fn the_yolov5_ramp_on_a_curve_with_a_false_positive() {

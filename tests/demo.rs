@@ -17,11 +17,12 @@ fn demo(command: &mut Command, out: &Path) -> String {
 
 fn assert_complete(text: &str, out: &Path) {
     let lines: Vec<&str> = text.trim_end().lines().collect();
-    let summary = &lines[lines.len() - 6..];
-    assert!(
-        summary[0].contains("normal: AP@0.5 / hits / conf.") && summary[0].contains("random: AP@0.5"),
-        "{text}"
-    );
+    let headline = lines
+        .iter()
+        .position(|l| *l == "AP@0.5 (coco-101) / hits / mean confidence")
+        .unwrap();
+    let summary = &lines[headline + 1..headline + 7];
+    assert!(summary[0].contains("normal") && summary[0].contains("random"), "{text}");
     for (line, detector) in summary[1..].iter().zip(DETECTORS) {
         assert!(line.starts_with(detector) && line.matches('%').count() == 2, "{line}");
     }

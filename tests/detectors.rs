@@ -145,6 +145,121 @@ fn a_manifest_of_the_users_own_runs_by_its_path() {
     );
 }
 
+/// One box, always the same, as YOLOv10 answers: x1 y1 x2 y2, score, label.
+fn one_box(label: f32) -> onnx::Output {
+    onnx::Output::floats("output0", &[1, 1, 6], vec![8.0, 8.0, 56.0, 56.0, 0.9, label])
+}
+
+fn small_picture() -> onnx::Input {
+    onnx::Input::floats("images", &[1, 3, 64, 64])
+}
+
+/// `score` with a detector made here, on a session of three pictures with their truth given: grey, black, grey.
+fn score_with(network: &[u8], labels: &str, head: &str) -> (std::process::Output, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    std::fs::write(folder.path().join("made.onnx"), network).unwrap();
+    let hash = scaleproof::files::sha256_hex(network);
+    write(
+        "made.toml",
+        &format!(
+            "name = \"made\"\ntitle = \"Made\"\nlicence = \"none\"\norigin = \"this test\"\nlabels = {labels}\n[weights]\n\
+             file = \"made.onnx\"\nsha256 = \"{hash}\"\n[input]\nsize_px = [64, 64]\nresize = \"stretch\"\nkernel = \"opencv_linear\"\n\
+             channels = \"rgb\"\nmean = [0.0, 0.0, 0.0]\nstd = [255.0, 255.0, 255.0]\n[head]\n{head}\n"
+        ),
+    );
+    write(
+        "scene.toml",
+        "[model]\nname='m'\nscale=10\nclass='car'\nsize_mm=[400,180,120]\n[bins]\nazimuth_deg=45\npitch_deg=[15]\ndistance_mm=[800]\n",
+    );
+    write(
+        "camera.yaml",
+        "image_width: 64\nimage_height: 64\ncamera_matrix: {rows: 3, cols: 3, data: [60, 0, 31.5, 0, 60, 31.5, 0, 0, 1]}\n\
+         distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n",
+    );
+    let mut photos = Vec::new();
+    for (i, grey) in [120, 0, 200].into_iter().enumerate() {
+        let file = format!("{i}.png");
+        let picture = image::RgbImage::from_pixel(64, 64, image::Rgb([grey; 3]));
+        picture.save(folder.path().join(&file)).unwrap();
+        photos.push(
+            serde_json::json!({"file": file, "variant": "normal", "box_xyxy_px": [8, 8, 56, 56],
+            "viewpoint": {"azimuth_deg": 90.0 * i as f64, "pitch_deg": 15, "distance_mm": 800}}),
+        );
+    }
+    let session = serde_json::json!({"scene": "scene.toml", "camera": "camera.yaml", "photos": photos});
+    write("session.json", &session.to_string());
+    let mut command = program();
+    command
+        .arg("score")
+        .arg(folder.path())
+        .arg("--out")
+        .arg(folder.path().join("out"));
+    command.arg("--detector").arg(folder.path().join("made.toml"));
+    (command.output().unwrap(), folder)
+}
+
+#[test]
+fn a_photo_that_is_answered_with_nan_is_left_out_and_the_others_are_scored() {
+    let network = onnx::network_blind_in_the_dark(&small_picture(), &[one_box(2.0)], 0.1);
+    let (output, folder) = score_with(&network, "\"coco80\"", "kind = \"yolov10\"");
+    let text = common::stderr(&output);
+    assert!(output.status.success(), "{text}");
+    assert!(
+        text.contains("1.png: made answered with NaN in its output output0"),
+        "{text}"
+    );
+    let summary = common::read_json(&folder.path().join("out/summary.json"));
+    assert_eq!(summary["photos_scored"], 2);
+    assert_eq!(summary["results"][0]["overall"]["hit_rate"]["count"], 2);
+    assert_eq!(summary["not_scored"][0]["file"], "1.png");
+    // On every photo: nothing can be scored.
+    let network = onnx::network_blind_in_the_dark(&small_picture(), &[one_box(2.0)], 2.0);
+    let (output, folder) = score_with(&network, "\"coco80\"", "kind = \"yolov10\"");
+    assert_refused(&output, &["none of the 3 photos could be scored", "NaN"]);
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn detectors_that_their_manifest_does_not_describe_are_refused_before_anything_is_written() {
+    let network = onnx::network(&[small_picture()], &[one_box(80.0)]);
+    let refused = |network: &[u8], labels: &str, head: &str, words: &[&str]| {
+        let (output, folder) = score_with(network, labels, head);
+        assert_refused(&output, words);
+        assert!(!folder.path().join("out").exists(), "something was left behind");
+    };
+    let end_to_end = "kind = \"yolov10\"";
+    refused(
+        &network,
+        "\"coco80\"",
+        end_to_end,
+        &["made failed", "label 80", "not among the 80"],
+    );
+    refused(
+        &network,
+        "[\"truck\", \"bus\"]",
+        end_to_end,
+        &["made has no label `car`"],
+    );
+    refused(
+        &network,
+        "[\"car\", \"car\"]",
+        end_to_end,
+        &["made.toml", "\"car\" is listed twice"],
+    );
+    let head = "kind = \"yolov8\"\nnms_iou = 0.7";
+    refused(
+        &network,
+        "\"coco80\"",
+        head,
+        &["made failed", "output0 [1, 1, 6]", "does not fit this file"],
+    );
+    let other_size = onnx::network(&[onnx::Input::floats("images", &[1, 3, 32, 32])], &[one_box(2.0)]);
+    refused(&other_size, "\"coco80\"", end_to_end, &["made failed", "images"]);
+    let two_inputs = onnx::network(&[small_picture(), onnx::Input::whole("size", &[1, 2])], &[one_box(2.0)]);
+    refused(&two_inputs, "\"coco80\"", end_to_end, &["made failed", "size"]);
+}
+
 #[test]
 fn the_list_says_what_there_is_and_what_is_missing() {
     let output = program().args(["detectors", "list"]).output().unwrap();

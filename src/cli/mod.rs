@@ -14,7 +14,6 @@ mod print;
 mod progress;
 mod scene;
 mod score;
-mod speed;
 mod survey;
 
 use std::error::Error;

@@ -1,10 +1,10 @@
 //! Label maps: what the class numbers of a detector mean.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A list of labels: in a manifest, one of the names below or a list of its own, `["car", "truck"]`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "Written")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(try_from = "Written", into = "Written")]
 pub enum Labels {
     /// The 80 classes of COCO detection, in the order of COCO's category ids.
     Coco80,
@@ -17,7 +17,7 @@ pub enum Labels {
 }
 
 /// Labels as a manifest writes them.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     untagged,
     expecting = "labels are \"coco80\", \"coco91\", \"voc20\" or a list of names"
@@ -32,27 +32,59 @@ impl TryFrom<Written> for Labels {
 
     fn try_from(written: Written) -> Result<Labels, String> {
         match written {
-            Written::Named(name) => match name.as_str() {
-                "coco80" => Ok(Labels::Coco80),
-                "coco91" => Ok(Labels::Coco91),
-                "voc20" => Ok(Labels::Voc20),
-                _ => Err(format!(
-                    "labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names"
-                )),
-            },
-            Written::Custom(names) => {
-                let twice = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n));
-                match twice {
-                    Some((_, name)) => Err(format!("the label {name:?} is listed twice")),
-                    None if names.is_empty() => Err("the list of labels is empty".into()),
-                    None => Ok(Labels::Custom(Box::leak(names.into_boxed_slice()))),
-                }
-            }
+            Written::Named(name) => Labels::of_list(&name).ok_or_else(|| {
+                format!("labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names")
+            }),
+            Written::Custom(names) => Labels::custom(names),
+        }
+    }
+}
+
+impl From<Labels> for Written {
+    fn from(labels: Labels) -> Written {
+        let named = |name: &str| Written::Named(name.to_owned());
+        match labels {
+            Labels::Coco80 => named("coco80"),
+            Labels::Coco91 => named("coco91"),
+            Labels::Voc20 => named("voc20"),
+            Labels::Custom(names) => Written::Custom(names.to_vec()),
         }
     }
 }
 
 impl Labels {
+    /// One of the lists that have a name.
+    pub fn of_list(name: &str) -> Option<Labels> {
+        match name {
+            "coco80" => Some(Labels::Coco80),
+            "coco91" => Some(Labels::Coco91),
+            "voc20" => Some(Labels::Voc20),
+            _ => None,
+        }
+    }
+
+    /// Labels by their names, in the order of their numbers; those of COCO or VOC become that list.
+    pub fn of_names(names: Vec<String>) -> Result<Labels, String> {
+        let is = |list: &Labels| {
+            (0..list.count())
+                .map(|i| list.name(i))
+                .eq(names.iter().map(|n| Some(n.as_str())))
+        };
+        match [Labels::Coco80, Labels::Voc20].into_iter().find(is) {
+            Some(list) => Ok(list),
+            None => Labels::custom(names),
+        }
+    }
+
+    fn custom(names: Vec<String>) -> Result<Labels, String> {
+        let twice = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n));
+        match twice {
+            Some((_, name)) => Err(format!("the label {name:?} is listed twice")),
+            None if names.is_empty() => Err("the list of labels is empty".into()),
+            None => Ok(Labels::Custom(Box::leak(names.into_boxed_slice()))),
+        }
+    }
+
     /// How many numbers a network gives: one more than the highest label.
     pub fn count(self) -> usize {
         match self {

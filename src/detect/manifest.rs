@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Labels;
 use crate::files::{self, FileError};
 
 /// A detector this program knows.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// What `--detector` takes.
@@ -26,32 +26,32 @@ pub struct Manifest {
 }
 
 /// The ONNX file.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weights {
     pub file: String,
     /// The raw file at a pinned commit; empty when there is none to fetch.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub url: String,
     /// SHA-256, hex.
     pub sha256: String,
 }
 
 /// From a photo to the input tensor.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
     /// Width, height. For `short_side` both are the length of the photo's shorter side; `original` has none.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub size_px: [u32; 2],
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub layout: Layout,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub values: Values,
     pub resize: Resize,
     pub kernel: Kernel,
     /// Grey level (0–255) around a letterboxed photo.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub pad: u8,
     pub channels: Channels,
     /// Each channel becomes (value − mean) / std, in the order of `channels`, on values 0–255.
@@ -59,7 +59,12 @@ pub struct Input {
     pub std: [f32; 3],
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// A manifest leaves out what is as usual.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Resize {
     /// To the full input size, whatever the aspect ratio.
@@ -77,7 +82,7 @@ pub enum Resize {
 }
 
 /// The order of the input tensor's axes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
     /// 1×3×height×width.
@@ -90,7 +95,7 @@ pub enum Layout {
 }
 
 /// The numbers of the input tensor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Values {
     #[default]
@@ -99,7 +104,7 @@ pub enum Values {
 }
 
 /// The interpolation of the detector's own pipeline; another one moves scores by up to 0.07.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kernel {
     /// OpenCV `INTER_LINEAR`.
@@ -108,7 +113,7 @@ pub enum Kernel {
     Antialiased,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Channels {
     Rgb,
@@ -116,7 +121,7 @@ pub enum Channels {
 }
 
 /// From output tensors to boxes. One file per kind in `heads/`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Head {
     Yolox { nms_iou: f64 },
@@ -136,7 +141,7 @@ pub enum Head {
 }
 
 /// How a head with numbered labels counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FirstLabel {
     /// The number the network gives the first entry of `labels`: 1 where 0 is the background, 0 with `coco91`, whose
@@ -213,6 +218,17 @@ impl Manifest {
         let manifest: Manifest = toml::from_str(text).map_err(|e| refused(e.message().replace('\n', " ")))?;
         manifest.check().map_err(refused)?;
         Ok(manifest)
+    }
+
+    /// The text of this manifest, which [`Manifest::parse`] reads as the same.
+    pub fn to_toml(&self) -> Result<String, ManifestError> {
+        let refused = |message: String| ManifestError::Syntax {
+            file: self.name.clone(),
+            message,
+        };
+        let text = toml::to_string(self).map_err(|e| refused(e.to_string().replace('\n', " ")))?;
+        Manifest::parse(&text, &self.name)?;
+        Ok(text)
     }
 
     /// What TOML alone cannot say.

@@ -7,6 +7,7 @@ mod input;
 mod labels;
 mod manifest;
 mod nms;
+mod propose;
 mod runtime;
 mod speed;
 mod weights;
@@ -19,6 +20,7 @@ pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_r
 pub use fetch::{FetchError, fetch};
 pub use labels::Labels;
 pub use manifest::{Manifest, ManifestError};
+pub use propose::{Family, Hints, Proposal, ProposeError, propose};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{ROUNDS, Speed, SpeedError, Speeds, measure};
 pub use weights::{WeightFolders, WeightsError};

@@ -27,6 +27,8 @@ pub enum DetectError {
     Model { path: PathBuf, reason: String },
     #[error("{detector} failed: {reason}")]
     Run { detector: String, reason: String },
+    #[error("{detector} answered with NaN in its output {output}: no box of it can be trusted")]
+    NotANumber { detector: String, output: String },
 }
 
 /// The loaded ONNX Runtime.
@@ -114,8 +116,14 @@ impl Detector {
         let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(failed)?;
         let outputs = run(&mut self.session, &self.manifest, tensor, &placement).map_err(|e| DetectError::Run {
             detector: self.manifest.name.clone(),
-            reason: e.to_string(),
+            reason: e.to_string().replace('\n', " "),
         })?;
+        if let Some(output) = heads::with_nan(&outputs) {
+            return Err(DetectError::NotANumber {
+                detector: self.manifest.name.clone(),
+                output: output.to_owned(),
+            });
+        }
         let decoded = heads::decode(&self.manifest, &outputs, placement.canvas).map_err(failed)?;
         let to_photo = |b: BoxPx| match decoded.in_photo_px {
             true => b.clipped(placement.photo[0], placement.photo[1]),
@@ -129,7 +137,7 @@ impl Detector {
     }
 }
 
-fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
+pub(super) fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
     Session::builder(&runtime.environment)?
         .with_optimization_level(GraphOptimizationLevel::Level3)?
         .with_intra_threads(1)?
@@ -137,7 +145,7 @@ fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session> {
         .commit_from_file(weights)
 }
 
-fn run(
+pub(super) fn run(
     session: &mut Session,
     manifest: &Manifest,
     tensor: Vec<f32>,

@@ -206,7 +206,10 @@ impl Worker {
             Err(e) => return left_out(e.to_string()),
         };
         match self.place(&photo, job) {
-            Ok(place) => Ok(Ok(self.scored(job, &photo, place, contestants)?)),
+            Ok(place) => match self.scored(job, &photo, place, contestants) {
+                Err(ScoreError::Detect(e @ DetectError::NotANumber { .. })) => left_out(e.to_string()),
+                scored => scored.map(Ok),
+            },
             Err(reason) => left_out(reason),
         }
     }

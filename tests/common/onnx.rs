@@ -67,6 +67,43 @@ impl Output {
 
 /// A ModelProto: every output = Identity(constant).
 pub fn network(inputs: &[Input], outputs: &[Output]) -> Vec<u8> {
+    network_with(inputs, outputs, &|constant, output| {
+        node("Identity", &[constant], output, &[])
+    })
+}
+
+/// The same, but all numbers are NaN for pictures whose mean is below `darkest`: output = constant + 0 · √(mean − darkest).
+pub fn network_blind_in_the_dark(input: &Input, outputs: &[Output], darkest: f32) -> Vec<u8> {
+    let scalar = |name: &str, value: f32| {
+        let tensor = [int(2, FLOAT), bytes(8, name.as_bytes()), bytes(9, &value.to_le_bytes())].concat();
+        bytes(5, &tensor)
+    };
+    let no_axes_kept = [bytes(1, b"keepdims"), int(3, 0), int(20, 2)].concat();
+    let mean = node("ReduceMean", &[&input.name], "mean", &[&no_axes_kept]);
+    let steps = [
+        scalar("darkest", darkest),
+        scalar("zero", 0.0),
+        mean,
+        node("Sub", &["mean", "darkest"], "above", &[]),
+        node("Sqrt", &["above"], "root", &[]),
+        node("Mul", &["root", "zero"], "nothing", &[]),
+    ];
+    network_with(std::slice::from_ref(input), outputs, &|constant, output| {
+        [steps.concat(), node("Add", &[constant, "nothing"], output, &[])].concat()
+    })
+}
+
+/// A node of the graph, with attributes as their own messages.
+fn node(operator: &str, inputs: &[&str], output: &str, attributes: &[&[u8]]) -> Vec<u8> {
+    let mut node: Vec<u8> = inputs.iter().flat_map(|i| bytes(1, i.as_bytes())).collect();
+    node.extend(bytes(2, output.as_bytes()));
+    node.extend(bytes(4, operator.as_bytes()));
+    node.extend(attributes.iter().flat_map(|a| bytes(5, a)));
+    bytes(1, &node)
+}
+
+/// `nodes` gives what of the graph leads from a constant to an output, by their names.
+fn network_with(inputs: &[Input], outputs: &[Output], nodes: &dyn Fn(&str, &str) -> Vec<u8>) -> Vec<u8> {
     let mut graph = bytes(2, b"graph");
     for (i, output) in outputs.iter().enumerate() {
         let constant = format!("constant_{i}");
@@ -78,14 +115,8 @@ pub fn network(inputs: &[Input], outputs: &[Output]) -> Vec<u8> {
             bytes(9, &output.raw),
         ]
         .concat();
-        let node = [
-            bytes(1, constant.as_bytes()),
-            bytes(2, output.name.as_bytes()),
-            bytes(4, b"Identity"),
-        ]
-        .concat();
         let shape: Vec<i64> = output.shape.iter().map(|d| *d as i64).collect();
-        graph.extend([bytes(1, &node), bytes(5, &tensor)].concat());
+        graph.extend([nodes(&constant, &output.name), bytes(5, &tensor)].concat());
         graph.extend(bytes(12, &value(&output.name, output.element, &shape)));
     }
     for input in inputs {

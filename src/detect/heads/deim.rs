@@ -9,7 +9,7 @@ use crate::geometry::BoxPx;
 pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>, String> {
     let rows =
         Rows::pick(outputs).ok_or_else(|| misfit("deim", "labels 1×n, boxes 1×n×4, scores 1×n".into(), outputs))?;
-    Ok(rows.candidates(0, labels, BoxPx::from))
+    rows.candidates(0, labels, BoxPx::from)
 }
 
 #[cfg(test)]
@@ -32,12 +32,19 @@ mod tests {
     }
 
     #[test]
-    fn rows_come_back_without_strange_labels() {
-        let found = decode(&outputs(vec![2, 7, 91, -1], vec![0.2, 0.9, 0.99, 0.99]), 80).unwrap();
+    fn rows_come_back_and_a_strange_label_is_named() {
+        let found = decode(&outputs(vec![2, 7, 91, -1], vec![0.2, 0.9, 0.0, 0.0]), 80).unwrap();
         assert_eq!(
             found.iter().map(|c| (c.label, c.b.x1)).collect::<Vec<_>>(),
             [(2, 0.0), (7, 1.0)]
         );
+        for strange in [91, 80, -1, i64::MIN] {
+            let error = decode(&outputs(vec![2, strange], vec![0.2, 0.01]), 80).unwrap_err();
+            assert!(
+                error.contains(&format!("label {strange}, which is not among the 80")),
+                "{error}"
+            );
+        }
         assert!(decode(&outputs(vec![2], vec![0.2, 0.9]), 80).is_err());
     }
 }

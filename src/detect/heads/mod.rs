@@ -92,6 +92,12 @@ pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) ->
     })
 }
 
+/// The name of the first output that holds a NaN.
+pub(super) fn with_nan(outputs: &[Tensor]) -> Option<&str> {
+    let has_nan = |t: &&Tensor| t.floats().is_some_and(|v| v.iter().any(|v| v.is_nan()));
+    outputs.iter().find(has_nan).map(|t| t.name.as_str())
+}
+
 /// Does the detector want the photo's size as a second input?
 pub(super) fn wants_photo_size(head: &Head) -> bool {
     matches!(head, Head::Deim {})

@@ -9,5 +9,5 @@ use crate::geometry::BoxPx;
 pub(super) fn decode(outputs: &[Tensor], first_label: i64, labels: usize) -> Result<Vec<Candidate>, String> {
     let rows = Rows::pick(outputs)
         .ok_or_else(|| misfit("rcnn", "boxes n×4, whole-number labels n, scores n".into(), outputs))?;
-    Ok(rows.candidates(first_label, labels, BoxPx::from))
+    rows.candidates(first_label, labels, BoxPx::from)
 }

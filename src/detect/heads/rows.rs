@@ -1,7 +1,7 @@
 //! What the networks have in common that list their boxes: n labels, n boxes, n scores, already suppressed.
 
 use super::super::nms::Candidate;
-use super::{Data, Tensor, from_corners};
+use super::{Data, SCORE_FLOOR, Tensor, from_corners};
 use crate::geometry::BoxPx;
 
 /// The three lists, of equal length.
@@ -36,20 +36,36 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// The candidates whose label is in the list; `first_label` is the number of its first entry.
+    /// The candidates; `first_label` is the number of the list's first entry. A label outside the list is an error, since
+    /// then the others are most likely other things than they are called, too.
     pub fn candidates(
         &self,
         first_label: i64,
         labels: usize,
         to_input_px: impl Fn([f64; 4]) -> BoxPx,
-    ) -> Vec<Candidate> {
+    ) -> Result<Vec<Candidate>, String> {
         let rows = self.labels.iter().zip(self.boxes.chunks_exact(4)).zip(self.scores);
-        rows.filter_map(|((label, b), score)| {
-            let label = usize::try_from(label.checked_sub(first_label)?)
-                .ok()
-                .filter(|l| *l < labels)?;
-            from_corners(label, *score, to_input_px([b[0], b[1], b[2], b[3]].map(f64::from)))
-        })
-        .collect()
+        // Rows of padding have any label, and no score.
+        let rows = rows.filter(|(_, score)| f64::from(**score) >= SCORE_FLOOR);
+        let candidates = rows.map(|((label, b), score)| {
+            let in_list = label.checked_sub(first_label).and_then(|l| usize::try_from(l).ok());
+            let in_list = in_list
+                .filter(|l| *l < labels)
+                .ok_or_else(|| strange_label(*label, labels))?;
+            Ok(from_corners(
+                in_list,
+                *score,
+                to_input_px([b[0], b[1], b[2], b[3]].map(f64::from)),
+            ))
+        });
+        let candidates: Result<Vec<_>, String> = candidates.collect();
+        Ok(candidates?.into_iter().flatten().collect())
     }
+}
+
+/// The refusal of a label that the manifest does not have.
+pub(super) fn strange_label(label: impl std::fmt::Display, labels: usize) -> String {
+    format!(
+        "it answered with label {label}, which is not among the {labels} of its manifest: `labels` or `first_label` is another network's"
+    )
 }

@@ -1,5 +1,6 @@
 //! SSD-ResNet34 of the ONNX zoo: boxes 1×n×4 (x1 y1 x2 y2 as shares of the input), labels 1×n, scores 1×n. Source: the zoo's
-//! page on the model.
+//! page on the model for the shapes; MLPerf's reference for the order (mlcommons/inference, `PostProcessCocoOnnx`, which swaps
+//! each pair to read it as TensorFlow's y1 x1 y2 x2).
 
 use super::super::nms::Candidate;
 use super::rows::Rows;
@@ -19,5 +20,5 @@ pub(super) fn decode(
             outputs,
         )
     })?;
-    Ok(rows.candidates(first_label, labels, |b| scaled(BoxPx::from(b), size)))
+    rows.candidates(first_label, labels, |b| scaled(BoxPx::from(b), size))
 }

@@ -17,9 +17,9 @@ pub(super) fn decode(
         let expected = "detection_boxes 1×n×4, detection_classes 1×n, detection_scores 1×n";
         misfit("tf_od", expected.into(), outputs)
     })?;
-    Ok(rows.candidates(first_label, labels, |[y1, x1, y2, x2]| {
+    rows.candidates(first_label, labels, |[y1, x1, y2, x2]| {
         scaled(BoxPx::new(x1, y1, x2, y2), size)
-    }))
+    })
 }
 
 /// Classes and scores are alike in type and size, so the lists are picked by name; converters append `:0`.

@@ -2,7 +2,8 @@
 //! Source: Wang et al. 2024 and the Ultralytics documentation of its exports.
 
 use super::super::nms::Candidate;
-use super::{Tensor, from_corners, misfit};
+use super::rows::strange_label;
+use super::{SCORE_FLOOR, Tensor, from_corners, misfit};
 use crate::geometry::BoxPx;
 
 pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>, String> {
@@ -11,11 +12,16 @@ pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>
         .find(|t| matches!(t.shape[..], [1, _, 6]))
         .and_then(Tensor::floats)
         .ok_or_else(|| misfit("yolov10", "1×n×6".into(), outputs))?;
-    let rows = data.chunks_exact(6).filter_map(|o| {
+    // Rows of padding have any label, and no score.
+    let rows = data.chunks_exact(6).filter(|o| f64::from(o[4]) >= SCORE_FLOOR);
+    let candidates = rows.map(|o| {
         let label = o[5].round();
-        let known = label >= 0.0 && label < labels as f32;
+        if !(0.0..labels as f32).contains(&label) {
+            return Err(strange_label(label, labels));
+        }
         let b = [o[0], o[1], o[2], o[3]].map(f64::from);
-        known.then(|| from_corners(label as usize, o[4], BoxPx::from(b)))?
+        Ok(from_corners(label as usize, o[4], BoxPx::from(b)))
     });
-    Ok(rows.collect())
+    let candidates: Result<Vec<_>, String> = candidates.collect();
+    Ok(candidates?.into_iter().flatten().collect())
 }

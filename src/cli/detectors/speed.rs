@@ -3,7 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome, detectors};
+use super::{Folder, chosen};
+use crate::cli::{CommandResult, Outcome};
 use crate::detect::{self, ROUNDS, Runtime, Speeds};
 use crate::files;
 use crate::photo::Photo;
@@ -20,7 +21,7 @@ pub struct Args {
     #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
-    folder: detectors::Folder,
+    folder: Folder,
     /// What to call the machine, e.g. "laptop, Core i5-1240P"; stands beside the chart.
     #[arg(long)]
     machine: String,
@@ -31,7 +32,7 @@ pub struct Args {
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
-    let mut manifests = detectors::chosen(&args.detectors)?;
+    let mut manifests = chosen(&args.detectors)?;
     if args.detectors.is_empty() {
         manifests.retain(|m| folders.find(m).is_some());
     }

@@ -1,17 +1,20 @@
 //! `scaleproof detectors`: which detectors there are, where their weights come from, and whether they work.
 
+mod add;
+mod speed;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, progress, speed};
+use crate::cli::{CommandResult, Outcome, progress};
 use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders, WeightsError};
 use crate::geometry::BoxPx;
 use crate::photo::Photo;
 
-/// List, fetch and try out the object detectors.
+/// List, fetch, try out and add object detectors.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -26,6 +29,11 @@ enum Command {
     Fetch(FetchArgs),
     /// Run every detector whose weights are present on some photos and print what it finds.
     Check(CheckArgs),
+    /// Write the manifest of a detector of your own from its ONNX file, or say what the file does not tell.
+    ///
+    /// The network is run on a grey picture and on noise; its outputs tell the family. How a photo is to be prepared no file
+    /// says: the family's usual way is written, to be compared with the program that the weights come from.
+    Add(add::Args),
     Speed(speed::Args),
 }
 
@@ -89,6 +97,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         Command::List(args) => list(args, out),
         Command::Fetch(args) => fetch(args, out),
         Command::Check(args) => check(args, out),
+        Command::Add(args) => add::run(args, out),
         Command::Speed(args) => speed::run(args, out),
     }
 }

@@ -1,0 +1,123 @@
+//! `scaleproof detectors add`: from an ONNX file to a manifest of the user's own.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::cli::{CommandResult, Outcome};
+use crate::detect::{Family, Hints, Labels, Manifest, ProposeError, Runtime, propose};
+use crate::files;
+
+#[derive(clap::Args)]
+pub struct Args {
+    /// The network (ONNX).
+    model: PathBuf,
+    /// The manifest to write; beside the network and named as it is, when left out.
+    #[arg(short, long = "output", value_name = "FILE.toml")]
+    out: Option<PathBuf>,
+    /// What the class numbers mean: coco80, coco91, voc20, or a text file with one label a line.
+    #[arg(long, value_name = "LABELS")]
+    labels: Option<String>,
+    /// The family, where two have the same outputs: yolov5, yolov8, yolox, deim and others.
+    #[arg(long, value_name = "NAME", value_parser = Family::from_name)]
+    family: Option<Family>,
+    /// The input's size in pixels, where the file leaves it open: 640 or 640x480 (width first).
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    size: Option<[u32; 2]>,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    let path = args.out.clone().unwrap_or_else(|| args.model.with_extension("toml"));
+    if path.exists() {
+        let text = format!(
+            "{} is already there: remove it, or name another file by --output",
+            path.display()
+        );
+        return Err(text.into());
+    }
+    if path.extension().is_none_or(|e| e != "toml") {
+        return Err(format!(
+            "{} does not end in .toml, by which --detector knows a manifest",
+            path.display()
+        )
+        .into());
+    }
+    let hints = Hints {
+        family: args.family,
+        labels: args.labels.as_deref().map(labels).transpose()?,
+        size_px: args.size,
+    };
+    // First, so that a file that cannot be read is named as such.
+    files::read(&args.model)?;
+    let runtime = Runtime::load()?;
+    let proposal = propose(
+        runtime,
+        &args.model,
+        &weights(&args.model, &path),
+        &name(&args.model)?,
+        hints,
+    );
+    let proposal = proposal.map_err(|e| match e {
+        // These name the file themselves.
+        ProposeError::File(_) | ProposeError::Detect(_) => e.to_string(),
+        e => format!("{}: {e}", args.model.display()),
+    })?;
+    files::write_atomically(&path, proposal.text.as_bytes())?;
+    for note in &proposal.notes {
+        writeln!(out, "{note}")?;
+    }
+    let path = path.display();
+    writeln!(
+        out,
+        "manifest: {path}\ntry it: scaleproof detectors check --detector {path} PHOTO…"
+    )?;
+    Ok(Outcome::Done)
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |s: &str| s.parse().ok().filter(|side| (32..=8192).contains(side));
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    let size = side(width).zip(side(height)).map(|(w, h)| [w, h]);
+    size.ok_or_else(|| "give 640, or width and height as 640x480, each from 32 to 8192".to_owned())
+}
+
+fn labels(text: &str) -> Result<Labels, Box<dyn std::error::Error>> {
+    if let Some(list) = Labels::of_list(text) {
+        return Ok(list);
+    }
+    let lines = files::read_text(Path::new(text))
+        .map_err(|e| format!("--labels {text} is neither coco80, coco91 nor voc20, and as a file: {e}"))?;
+    let names = lines.lines().map(str::trim).filter(|line| !line.is_empty());
+    Ok(Labels::of_names(names.map(str::to_owned).collect()).map_err(|e| format!("{text}: {e}"))?)
+}
+
+/// The network as seen from the manifest: by its name when they lie together, else by its whole path.
+fn weights(model: &Path, manifest: &Path) -> String {
+    let folder = |p: &Path| {
+        let folder = p
+            .parent()
+            .filter(|f| !f.as_os_str().is_empty())
+            .unwrap_or(Path::new("."));
+        folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    };
+    let file = model.file_name().map(Path::new).unwrap_or(model);
+    let seen = match folder(model) == folder(manifest) {
+        true => file.to_owned(),
+        false => folder(model).join(file),
+    };
+    seen.to_string_lossy().into_owned()
+}
+
+/// The file's name without its ending, in the characters that a manifest's name may have; never a built-in detector's.
+fn name(model: &Path) -> Result<String, Box<dyn std::error::Error>> {
+    let stem = model.file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || "._-".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let name: String = stem.trim_start_matches('.').chars().map(plain).collect();
+    let taken = name.is_empty() || Manifest::all()?.iter().any(|m| m.name == name);
+    Ok(if taken { format!("own_{name}") } else { name })
+}

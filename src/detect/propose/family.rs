@@ -1,0 +1,230 @@
+//! The families of detectors: how each is usually fed, which no ONNX file says, and what its manifest says of the head.
+//!
+//! Source: the table in `detectors/README.md`, from the repositories the families come from.
+
+use crate::detect::Labels;
+use crate::detect::manifest::{Channels, FirstLabel, Head, Input, Kernel, Layout, Resize, Values};
+
+/// A family of detectors that are fed and read alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    Yolov4,
+    /// Also v6 and v7.
+    Yolov5,
+    /// Also v9, 11 and 12.
+    Yolov8,
+    /// Also YOLO26.
+    Yolov10,
+    Yolox,
+    /// YOLOX exported with its decoding.
+    YoloxDecoded,
+    Nanodet,
+    NanodetPlus,
+    Fastestdet,
+    /// Also D-FINE and RT-DETR, with the photo's size as a second input.
+    Deim,
+    /// RT-DETR as Ultralytics exports it.
+    Rtdetr,
+    Rfdetr,
+    TfOd,
+    SsdResnet34,
+    /// Faster and Mask R-CNN of the ONNX zoo.
+    ZooRcnn,
+    /// R-CNN, SSD and RetinaNet of torchvision.
+    Torchvision,
+}
+
+/// Mean and standard deviation of ImageNet, red first, on values 0–255.
+const IMAGENET: ([f32; 3], [f32; 3]) = ([123.675, 116.28, 103.53], [58.395, 57.12, 57.375]);
+
+impl Family {
+    pub const ALL: [Family; 16] = [
+        Family::Yolov4,
+        Family::Yolov5,
+        Family::Yolov8,
+        Family::Yolov10,
+        Family::Yolox,
+        Family::YoloxDecoded,
+        Family::Nanodet,
+        Family::NanodetPlus,
+        Family::Fastestdet,
+        Family::Deim,
+        Family::Rtdetr,
+        Family::Rfdetr,
+        Family::TfOd,
+        Family::SsdResnet34,
+        Family::ZooRcnn,
+        Family::Torchvision,
+    ];
+
+    /// What `--family` takes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Yolov4 => "yolov4",
+            Family::Yolov5 => "yolov5",
+            Family::Yolov8 => "yolov8",
+            Family::Yolov10 => "yolov10",
+            Family::Yolox => "yolox",
+            Family::YoloxDecoded => "yolox_decoded",
+            Family::Nanodet => "nanodet",
+            Family::NanodetPlus => "nanodet_plus",
+            Family::Fastestdet => "fastestdet",
+            Family::Deim => "deim",
+            Family::Rtdetr => "rtdetr",
+            Family::Rfdetr => "rfdetr",
+            Family::TfOd => "tf_od",
+            Family::SsdResnet34 => "ssd_resnet34",
+            Family::ZooRcnn => "zoo_rcnn",
+            Family::Torchvision => "torchvision",
+        }
+    }
+
+    /// The family of that name; the error lists the names.
+    pub fn from_name(name: &str) -> Result<Family, String> {
+        let named = Family::ALL.into_iter().find(|f| f.name() == name);
+        named.ok_or_else(|| {
+            let names = Family::ALL.map(Family::name).join(", ");
+            format!("there is no family `{name}`: choose one of {names}")
+        })
+    }
+
+    /// What people call it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Family::Yolov4 => "YOLOv4 of the ONNX zoo",
+            Family::Yolov5 => "YOLOv5, v6 or v7",
+            Family::Yolov8 => "YOLOv8, v9, 11 or 12",
+            Family::Yolov10 => "YOLOv10 or YOLO26",
+            Family::Yolox => "YOLOX",
+            Family::YoloxDecoded => "YOLOX exported with its decoding",
+            Family::Nanodet => "NanoDet",
+            Family::NanodetPlus => "NanoDet-Plus",
+            Family::Fastestdet => "FastestDet",
+            Family::Deim => "DEIM, D-FINE or RT-DETR with the photo's size as an input",
+            Family::Rtdetr => "RT-DETR as Ultralytics exports it",
+            Family::Rfdetr => "RF-DETR",
+            Family::TfOd => "TensorFlow Object Detection",
+            Family::SsdResnet34 => "SSD-ResNet34 of the ONNX zoo",
+            Family::ZooRcnn => "Faster or Mask R-CNN of the ONNX zoo",
+            Family::Torchvision => "a detector of torchvision",
+        }
+    }
+
+    /// How the family's own programs prepare a photo, for a network that takes pictures of `size_px`, or of any size.
+    pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Input {
+        let usual = self.usual();
+        match (self, size_px) {
+            (_, Some(size_px)) => Input { size_px, ..usual },
+            (Family::TfOd | Family::Torchvision, None) => Input {
+                resize: Resize::Original,
+                ..usual
+            },
+            (Family::ZooRcnn, None) => Input {
+                resize: Resize::ShortSide,
+                size_px: [800, 800],
+                ..usual
+            },
+            (_, None) => usual,
+        }
+    }
+
+    /// True for families whose networks take pictures of any size, where the file does not fix one.
+    pub(super) fn takes_any_size(self) -> bool {
+        matches!(self, Family::TfOd | Family::Torchvision | Family::ZooRcnn)
+    }
+
+    fn usual(self) -> Input {
+        let plain = Input {
+            size_px: [0, 0],
+            layout: Layout::Nchw,
+            values: Values::F32,
+            resize: Resize::Stretch,
+            kernel: Kernel::OpencvLinear,
+            pad: 0,
+            channels: Channels::Rgb,
+            mean: [0.0; 3],
+            std: [255.0; 3],
+        };
+        // Blue first, as OpenCV reads pictures; the deviations are those of the repository, not turned round from ImageNet's.
+        let nanodet = Input {
+            channels: Channels::Bgr,
+            mean: [103.53, 116.28, 123.675],
+            std: [57.375, 57.12, 58.395],
+            ..plain.clone()
+        };
+        let imagenet = Input {
+            mean: IMAGENET.0,
+            std: IMAGENET.1,
+            ..plain.clone()
+        };
+        match self {
+            Family::Yolov4 => Input {
+                resize: Resize::LetterboxCentre,
+                pad: 128,
+                ..plain
+            },
+            Family::Yolov5 | Family::Yolov8 | Family::Yolov10 => Input {
+                resize: Resize::LetterboxCentreRounded,
+                pad: 114,
+                ..plain
+            },
+            Family::Yolox | Family::YoloxDecoded => Input {
+                resize: Resize::LetterboxTopLeft,
+                pad: 114,
+                channels: Channels::Bgr,
+                std: [1.0; 3],
+                ..plain
+            },
+            Family::Nanodet => Input {
+                resize: Resize::LetterboxCentre,
+                ..nanodet
+            },
+            Family::NanodetPlus => nanodet,
+            Family::Fastestdet => Input {
+                channels: Channels::Bgr,
+                ..plain
+            },
+            Family::Deim => Input {
+                kernel: Kernel::Antialiased,
+                ..plain
+            },
+            Family::Rfdetr | Family::SsdResnet34 => Input {
+                kernel: Kernel::Antialiased,
+                ..imagenet
+            },
+            Family::TfOd => Input { std: [1.0; 3], ..plain },
+            Family::ZooRcnn => Input {
+                kernel: Kernel::Antialiased,
+                channels: Channels::Bgr,
+                mean: [102.9801, 115.9465, 122.7717],
+                std: [1.0; 3],
+                ..plain
+            },
+            Family::Rtdetr | Family::Torchvision => plain,
+        }
+    }
+
+    /// How its outputs are read.
+    pub(super) fn head(self, labels: Labels, strides: Vec<u32>) -> Head {
+        // 0 is the background, except with COCO's category ids, which need no shift.
+        let first = FirstLabel {
+            first_label: i64::from(labels != Labels::Coco91),
+        };
+        match self {
+            Family::Yolov4 => Head::Yolov4 { nms_iou: 0.213 },
+            Family::Yolov5 | Family::YoloxDecoded => Head::Yolov5 { nms_iou: 0.45 },
+            Family::Yolov8 => Head::Yolov8 { nms_iou: 0.7 },
+            Family::Yolov10 => Head::Yolov10 {},
+            Family::Yolox => Head::Yolox { nms_iou: 0.45 },
+            Family::Nanodet => Head::Nanodet { strides, nms_iou: 0.6 },
+            Family::NanodetPlus => Head::NanodetPlus { strides, nms_iou: 0.6 },
+            Family::Fastestdet => Head::Fastestdet { nms_iou: 0.45 },
+            Family::Deim => Head::Deim {},
+            Family::Rtdetr => Head::Rtdetr {},
+            Family::Rfdetr => Head::Rfdetr {},
+            Family::TfOd => Head::TfOd(first),
+            Family::SsdResnet34 => Head::SsdResnet34(first),
+            Family::ZooRcnn | Family::Torchvision => Head::Rcnn(first),
+        }
+    }
+}

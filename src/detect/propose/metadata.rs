@@ -1,0 +1,100 @@
+//! What Ultralytics' exporter writes into an ONNX file beside the network: `names`, `imgsz`, `task`, `license`. Source: the
+//! Ultralytics documentation of its export mode.
+
+use ort::session::Session;
+
+/// The entries that a manifest can use; each absent where the file has none.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Metadata {
+    /// Labels in the order of their numbers.
+    pub names: Option<Vec<String>>,
+    /// Width, height.
+    pub size_px: Option<[u32; 2]>,
+    /// `detect`, `segment`, `pose`, …
+    pub task: Option<String>,
+    pub licence: Option<String>,
+}
+
+impl Metadata {
+    pub(super) fn of(session: &Session) -> Metadata {
+        let Ok(metadata) = session.metadata() else {
+            return Metadata::default();
+        };
+        let entry = |key: &str| metadata.custom(key).filter(|v| !v.trim().is_empty());
+        Metadata {
+            names: entry("names").and_then(|text| names(&text)),
+            size_px: entry("imgsz").and_then(|text| height_and_width(&text)),
+            task: entry("task"),
+            licence: entry("license"),
+        }
+    }
+}
+
+/// `[480, 640]`, height first.
+fn height_and_width(text: &str) -> Option<[u32; 2]> {
+    match serde_json::from_str::<Vec<u32>>(text).ok()?[..] {
+        [height, width] => Some([width, height]),
+        _ => None,
+    }
+}
+
+/// A Python dictionary of numbers and strings, `{0: 'person', 1: "driver's seat"}`, numbered from 0 without gaps.
+fn names(text: &str) -> Option<Vec<String>> {
+    let mut rest = text.trim().strip_prefix('{')?.trim_start();
+    let mut names = Vec::new();
+    while let Some((number, after)) = rest.split_once(':') {
+        if number.trim().trim_matches(['\'', '"']).parse() != Ok(names.len()) {
+            return None;
+        }
+        let (name, after) = quoted(after.trim_start())?;
+        names.push(name);
+        rest = after.trim_start().trim_start_matches(',').trim_start();
+    }
+    (rest == "}" && !names.is_empty()).then_some(names)
+}
+
+/// A string in single or double quotes, with backslash escapes of quotes and backslashes; and what follows it.
+fn quoted(text: &str) -> Option<(String, &str)> {
+    let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+    let mut name = String::new();
+    let mut characters = text.char_indices().skip(1);
+    while let Some((i, c)) = characters.next() {
+        match c {
+            '\\' => name.push(characters.next()?.1),
+            c if c == quote => return Some((name, &text[i + 1..])),
+            c => name.push(c),
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_as_python_writes_them() {
+        let read = |text: &str| names(text).map(|n| n.join("|"));
+        assert_eq!(
+            read("{0: 'person', 1: 'traffic light'}").as_deref(),
+            Some("person|traffic light")
+        );
+        assert_eq!(
+            read(r#"{0: "driver's seat", 1: 'a\'b: c, }'}"#).as_deref(),
+            Some("driver's seat|a'b: c, }")
+        );
+        assert_eq!(read(r#"{"0": "car"}"#).as_deref(), Some("car"));
+        for bad in [
+            "{}",
+            "{1: 'car'}",
+            "{0: 'car'",
+            "{0: car}",
+            "['car']",
+            "{0: 'a', 2: 'b'}",
+            "{0: 'é",
+        ] {
+            assert_eq!(read(bad), None, "{bad}");
+        }
+        assert_eq!(height_and_width("[480, 640]"), Some([640, 480]));
+    }
+}

@@ -1,0 +1,296 @@
+//! From an ONNX file alone to a manifest: which family its outputs are of, and what no file says.
+
+mod family;
+mod inspect;
+mod metadata;
+mod recognise;
+
+use std::path::Path;
+
+pub use family::Family;
+
+use super::heads::{self, Tensor};
+use super::manifest::{Input, Values, Weights};
+use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
+use crate::files;
+use inspect::Inspected;
+use recognise::Candidate;
+
+/// What the user knows and the file may not say.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hints {
+    pub family: Option<Family>,
+    pub labels: Option<Labels>,
+    /// Width, height of the input, for files that leave it open.
+    pub size_px: Option<[u32; 2]>,
+}
+
+/// A manifest that the network was run with, and what it rests on.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    pub family: Family,
+    pub manifest: Manifest,
+    /// The manifest as TOML.
+    pub text: String,
+    /// What was read from the file and what was not, as sentences.
+    pub notes: Vec<String>,
+}
+
+/// Why no manifest can be proposed. Each is a sentence that says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum ProposeError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error(transparent)]
+    Detect(#[from] DetectError),
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    #[error("no input is a picture of three channels (inputs: {inputs}): this is no detector for photos")]
+    NoPicture { inputs: String },
+    #[error("several inputs could be the picture ({inputs}): only networks that look at one picture can be used")]
+    SeveralPictures { inputs: String },
+    #[error("the picture is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
+    OtherNumbers { inputs: String },
+    #[error(
+        "besides the picture only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
+         network without the others"
+    )]
+    OtherInputs { inputs: String },
+    #[error("the network takes several pictures at once (inputs: {inputs}): export it for a single one")]
+    Batch { inputs: String },
+    #[error("the input is fixed at {}×{} pixels, not {}×{}: leave --size out", fixed[0], fixed[1], named[0], named[1])]
+    OtherSize { fixed: [u32; 2], named: [u32; 2] },
+    #[error("a picture of {}×{} pixels could not be run ({reason}): name the input's size by --size", size_px[0], size_px[1])]
+    Trial { size_px: [u32; 2], reason: String },
+    #[error("the file says that its task is {task:?}, and only detectors can be scored")]
+    OtherTask { task: String },
+    #[error("it answers a plain grey picture or noise with NaN in its output {output}: no box of it could be trusted")]
+    NotANumber { output: String },
+    #[error("its outputs {outputs} are of no known family: see the table in detectors/README.md")]
+    Unknown { outputs: String },
+    #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
+    WrongNumbers {
+        outputs: String,
+        title: &'static str,
+        reason: String,
+    },
+    #[error("its outputs {outputs} are not those of {named}: {instead}")]
+    NotThisFamily {
+        outputs: String,
+        named: &'static str,
+        instead: String,
+    },
+    #[error("its outputs {outputs} could be of {families}, which are fed differently: name yours by --family")]
+    Ambiguous { outputs: String, families: String },
+    #[error("{what}: name the labels by --labels, as coco80, coco91, voc20 or a file with one a line")]
+    NoLabels { what: String },
+    #[error("the outputs have room for {room} labels, and {given} are named: the labels are another network's")]
+    LabelCount { room: usize, given: usize },
+    #[error("the network's outputs cannot be read as {title}: {reason}")]
+    Misread { title: &'static str, reason: String },
+}
+
+/// Inspects an ONNX file, runs it on a grey picture and on noise, and writes the manifest of the family that fits.
+///
+/// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those
+/// are errors that say what to name. How a photo is prepared is the family's usual way; the notes say so.
+pub fn propose(
+    runtime: &Runtime,
+    path: &Path,
+    weights: &str,
+    name: &str,
+    hints: Hints,
+) -> Result<Proposal, ProposeError> {
+    let sha256 = files::sha256_hex(&files::read(path)?);
+    let network = inspect::inspect(runtime, path, hints.size_px)?;
+    if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
+        return Err(ProposeError::OtherTask { task: task.clone() });
+    }
+    if let Some(output) = network.answers.iter().find_map(|outputs| heads::with_nan(outputs)) {
+        let output = output.to_owned();
+        return Err(ProposeError::NotANumber { output });
+    }
+    let known = match (hints.labels, &network.metadata.names) {
+        (Some(labels), _) => Some(labels),
+        (None, Some(names)) => Some(Labels::of_names(names.clone()).map_err(|e| ProposeError::NoLabels {
+            what: format!("the names that the file gives cannot be used, as {e}"),
+        })?),
+        (None, None) => None,
+    };
+    let candidate = chosen(&network, hints.family, known)?;
+    let (labels, guessed) = labels(&candidate, known)?;
+    let manifest = Manifest {
+        name: name.to_owned(),
+        title: name.to_owned(),
+        licence: network.metadata.licence.clone().unwrap_or_else(|| "not stated".into()),
+        origin: "not stated".into(),
+        labels,
+        weights: Weights {
+            file: weights.to_owned(),
+            url: String::new(),
+            sha256,
+        },
+        input: input(&network, candidate.family),
+        head: candidate.family.head(labels, candidate.strides.clone()),
+        folder: None,
+    };
+    let text = manifest.to_toml()?;
+    for outputs in &network.answers {
+        heads::decode(&manifest, outputs, network.size_px).map_err(|reason| ProposeError::Misread {
+            title: candidate.family.title(),
+            reason,
+        })?;
+    }
+    Ok(Proposal {
+        family: candidate.family,
+        notes: notes(&network, &candidate, &manifest, guessed),
+        manifest,
+        text,
+    })
+}
+
+/// The family's usual way, for what this network takes.
+fn input(network: &Inspected, family: Family) -> Input {
+    let takes_any_size = !network.size_is_fixed && family.takes_any_size();
+    let usual = family.usual_input((!takes_any_size).then_some(network.size_px));
+    let (mean, std) = match network.values {
+        Values::F32 => (usual.mean, usual.std),
+        Values::U8 => ([0.0; 3], [1.0; 3]),
+    };
+    Input {
+        layout: network.layout,
+        values: network.values,
+        mean,
+        std,
+        ..usual
+    }
+}
+
+/// The one family that fits, or why there is not one.
+fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<Candidate, ProposeError> {
+    let outputs = || shapes(&network.answers[0]);
+    let has_room = |c: &Candidate| {
+        c.labels
+            .zip(labels)
+            .is_none_or(|(room, labels)| fits(c.family, room, labels))
+    };
+    let mut fitting = recognise::by_shape(network);
+    if let Some(named) = named {
+        if !fitting.iter().any(|c| c.family == named) {
+            let others: Vec<&str> = fitting.iter().map(|c| c.family.name()).collect();
+            let instead = match others.is_empty() {
+                true => "they are of no known family".to_owned(),
+                false => format!("they could be of {}", others.join(" or ")),
+            };
+            let (outputs, named) = (outputs(), named.title());
+            return Err(ProposeError::NotThisFamily {
+                outputs,
+                named,
+                instead,
+            });
+        }
+        fitting.retain(|c| c.family == named);
+    }
+    let first = fitting
+        .first()
+        .cloned()
+        .ok_or_else(|| ProposeError::Unknown { outputs: outputs() })?;
+    // Labels that fit none of them are another mistake than numbers that do not.
+    let room = first.labels.unwrap_or_default();
+    fitting.retain(has_room);
+    if let (true, Some(labels)) = (fitting.is_empty(), labels) {
+        let given = labels.count();
+        return Err(ProposeError::LabelCount { room, given });
+    }
+    let judged: Vec<(Candidate, Option<String>)> = fitting
+        .into_iter()
+        .map(|c| (c.clone(), recognise::against(&c, network)))
+        .collect();
+    let refuted = judged
+        .iter()
+        .find_map(|(c, against)| Some((c.family, against.clone()?)));
+    let left: Vec<Candidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    match (&left[..], refuted) {
+        ([only], _) => Ok(only.clone()),
+        ([], Some((family, reason))) => Err(ProposeError::WrongNumbers {
+            outputs: outputs(),
+            title: family.title(),
+            reason,
+        }),
+        ([], None) => Err(ProposeError::Unknown { outputs: outputs() }),
+        (several, _) => {
+            let names = several
+                .iter()
+                .map(|c| format!("{} ({})", c.family.name(), c.family.title()));
+            let families = names.collect::<Vec<_>>().join(" or ");
+            Err(ProposeError::Ambiguous {
+                outputs: outputs(),
+                families,
+            })
+        }
+    }
+}
+
+/// RF-DETR may have a column more, for "no object".
+fn fits(family: Family, room: usize, labels: Labels) -> bool {
+    room == labels.count() || (family == Family::Rfdetr && room == labels.count() + 1)
+}
+
+/// The labels of a network, and whether their number alone says so.
+fn labels(candidate: &Candidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
+    if let Some(labels) = known {
+        return Ok((labels, false));
+    }
+    let what = match candidate.labels {
+        Some(80) => return Ok((Labels::Coco80, true)),
+        Some(91) => return Ok((Labels::Coco91, true)),
+        Some(20) => return Ok((Labels::Voc20, true)),
+        Some(room) => format!("the outputs have room for {room} labels, which the file does not name"),
+        None => "neither the file nor the outputs' shapes say what the labels are".to_owned(),
+    };
+    Err(ProposeError::NoLabels { what })
+}
+
+fn shapes(outputs: &[Tensor]) -> String {
+    let of = |t: &Tensor| {
+        let shape: Vec<String> = t.shape.iter().map(usize::to_string).collect();
+        format!("{} {}", t.name, shape.join("×"))
+    };
+    outputs.iter().map(of).collect::<Vec<_>>().join(", ")
+}
+
+fn notes(network: &Inspected, candidate: &Candidate, manifest: &Manifest, guessed: bool) -> Vec<String> {
+    let family = candidate.family;
+    let mut notes = vec![format!(
+        "{}: told from inputs {} and outputs {}, and from what it answers to a grey picture and to noise",
+        family.title(),
+        network.inputs,
+        shapes(&network.answers[0])
+    )];
+    if guessed {
+        let count = manifest.labels.count();
+        let list = ["coco80", "coco91", "voc20"].into_iter();
+        let list = list
+            .filter(|l| Labels::of_list(l) == Some(manifest.labels))
+            .collect::<String>();
+        notes.push(format!(
+            "the labels are taken for {list}, as there are {count}: name others by --labels"
+        ));
+    }
+    let size = manifest.input.size_px;
+    if !network.size_is_fixed && !family.takes_any_size() {
+        let [width, height] = size;
+        notes.push(format!(
+            "the file leaves the input's size open: {width}×{height} is taken, name another by --size"
+        ));
+    }
+    if network.values == Values::U8 && family != Family::TfOd {
+        notes.push("the input is bytes, so the network is taken to normalise them itself".into());
+    }
+    notes.push(
+        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
+         them: compare [input] with the program that the weights come from"
+            .into(),
+    );
+    notes
+}
