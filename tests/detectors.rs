@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::{assert_refused, program, shared, skyline, stdout};
-use scaleproof::detect::{Detector, Manifest, Runtime};
+use scaleproof::detect::{Detector, Manifest, Runtime, Speeds};
 
 #[path = "common/onnx.rs"]
 mod onnx;
@@ -65,21 +65,61 @@ fn a_network_that_does_not_fit_its_manifest_is_named() {
     assert!(error.contains("other.onnx is not a model"), "{error}");
 }
 
-/// A manifest beside its network is named by its path; nothing but the name differs from a built-in one.
-#[test]
-fn a_manifest_of_the_users_own_runs_by_its_path() {
-    let folder = tempfile::tempdir().unwrap();
+/// Writes a network into a folder, `mine.onnx`, and returns the text of its manifest.
+fn own_manifest(folder: &Path) -> String {
     let network = constant_network(&[1, 3549, 85], yolox_answer());
-    std::fs::write(folder.path().join("mine.onnx"), &network).unwrap();
+    std::fs::write(folder.join("mine.onnx"), &network).unwrap();
     let built_in = std::fs::read_to_string(common::home().join("detectors/yolox_nano.toml")).unwrap();
     let hash = scaleproof::files::sha256_hex(&network);
-    let mine = built_in
+    built_in
         .replace("\"yolox_nano\"", "\"mine\"")
         .replace("yolox_nano.onnx", "mine.onnx")
         .replace(
             "695e750a5d5754bb5a8d5325643b59282191a7e7a564e435a415fd3c578eab14",
             &hash,
-        );
+        )
+}
+
+#[test]
+fn times_are_measured_and_kept_in_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (manifest, file) = (folder.path().join("mine.toml"), folder.path().join("speed.json"));
+    std::fs::write(&manifest, own_manifest(folder.path())).unwrap();
+    let speed = |more: &[&std::ffi::OsStr]| {
+        let mut command = program();
+        command
+            .args(["detectors", "speed", "--machine", "a test", "-o"])
+            .arg(&file);
+        command
+            .arg(skyline().join("normal_000.jpg"))
+            .args(more)
+            .output()
+            .unwrap()
+    };
+    // Without any weights there is nothing to time, and no file.
+    assert_refused(&speed(&[]), &["no detector's weights are here"]);
+    assert!(!file.exists());
+    let output = speed(&["--detector".as_ref(), manifest.as_os_str()]);
+    assert!(output.status.success(), "{}", common::stderr(&output));
+    let manifest = Manifest::open(&manifest).unwrap();
+    let speeds = Speeds::open(&file, &[&manifest]).unwrap();
+    let time = speeds.of("mine").unwrap();
+    assert_eq!(
+        (speeds.photos, speeds.megapixels, speeds.machine.as_str()),
+        (1, 1.23, "a test")
+    );
+    assert_eq!(time.weights_sha256, manifest.weights.sha256);
+    assert!(
+        time.ms_range == [time.ms_per_photo; 2] && time.ms_per_photo < 10_000.0,
+        "{time:?}"
+    );
+}
+
+/// A manifest beside its network is named by its path; nothing but the name differs from a built-in one.
+#[test]
+fn a_manifest_of_the_users_own_runs_by_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = own_manifest(folder.path());
     let check = |text: &str| {
         let manifest = folder.path().join("mine.toml");
         std::fs::write(&manifest, text).unwrap();

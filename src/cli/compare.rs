@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::{CommandResult, Outcome, detectors, score as score_command};
 use crate::files;
 use crate::report;
-use crate::score::{self, ApDefinition};
+use crate::score::{self, ApDefinition, Criteria};
 use crate::session::Session;
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
@@ -29,7 +29,7 @@ pub struct Args {
     /// Compare the detections stored in the sessions instead of running the detectors.
     #[arg(long)]
     recorded: bool,
-    /// Folder for comparison.json.
+    /// Folder for comparison.html, comparison.tex and comparison.json.
     #[arg(long)]
     out: PathBuf,
     /// Print comparison.json instead of the table.
@@ -44,17 +44,25 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let folders = (!args.recorded).then(|| args.folder.folders()).transpose()?;
     let contestants = score_command::contestants(&sessions, manifests, folders.as_ref())?;
     files::check_writable(&args.out)?;
-    let scores = score_command::score_with_progress(sessions, contestants)?;
+    let criteria = Criteria {
+        ap: args.ap,
+        ..Criteria::default()
+    };
+    let scores = score_command::score_with_progress(sessions, contestants)?.judged_by(criteria);
     let comparison = score::compare(&scores, &args.base, args.ap)?;
-    let page = report::comparison_json(&scores, &comparison)?;
-    files::write_atomically(&args.out.join("comparison.json"), page.as_bytes())?;
+    let page = report::write_comparison(&args.out, &scores, &comparison)?;
     score_command::caution(&scores);
     for photo in &comparison.unpaired {
         eprintln!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);
     }
     match args.json {
-        true => write!(out, "{page}")?,
-        false => writeln!(out, "{}", report::comparison_table(&comparison))?,
+        true => write!(out, "{}", report::comparison_json(&scores, &comparison)?)?,
+        false => writeln!(
+            out,
+            "{}\npage: {}",
+            report::comparison_table(&comparison),
+            page.display()
+        )?,
     }
     Ok(Outcome::Done)
 }

@@ -34,8 +34,9 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     locate::table(&session, out)?;
     writeln!(out, "\n3. Detectors are scored on them")?;
     let contestants = contestants(&session, &args.folder.folders()?, out)?;
+    let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &contestants)?;
     let scores = score::score_with_progress(vec![session], contestants)?;
-    let page = report::write(&args.out, &scores)?;
+    let page = report::write(&args.out, &scores, Some(&speeds))?;
     score::caution(&scores);
     writeln!(out, "\nreport:   {}\ntemplate: {}\n", page.display(), pdf.display())?;
     writeln!(out, "{}", report::summary_table(&scores))?;

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome, detectors, progress};
-use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, WeightFolders};
+use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, SpeedError, Speeds, WeightFolders};
 use crate::files::{self, FileError};
 use crate::report;
 use crate::score::{self, ApDefinition, Contestant, ContestantError, Criteria, ScoreError, Scores};
@@ -28,9 +28,12 @@ pub struct Args {
     /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
     #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE)]
     confidence: f64,
-    /// Folder for report.html, summary.json, photos.csv, figures.csv and the COCO files.
+    /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv and the COCO files.
     #[arg(long)]
     out: PathBuf,
+    /// File of `scaleproof detectors speed`: the report then charts AP against milliseconds a photo.
+    #[arg(long, value_name = "FILE")]
+    speed: Option<PathBuf>,
     /// Score the detections stored in the sessions instead of running the detectors.
     #[arg(long)]
     recorded: bool,
@@ -57,8 +60,13 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     };
     let contestants = contestants(&sessions, manifests, folders.as_ref())?;
     check_places(&args, &sessions)?;
+    let speeds = args
+        .speed
+        .as_deref()
+        .map(|path| speeds(path, &contestants))
+        .transpose()?;
     let scores = score_with_progress(sessions, contestants)?.judged_by(criteria);
-    let page = report::write(&args.out, &scores)?;
+    let page = report::write(&args.out, &scores, speeds.as_ref())?;
     if args.record {
         record(&scores)?;
     }
@@ -109,6 +117,12 @@ pub fn contestants(
         None => Contestant::recorded(m, &places, &class),
     };
     manifests.into_iter().map(contestant).collect()
+}
+
+/// The times of these detectors in a file.
+pub fn speeds(path: &Path, contestants: &[Contestant]) -> Result<Speeds, SpeedError> {
+    let manifests: Vec<&Manifest> = contestants.iter().map(|c| &c.manifest).collect();
+    Speeds::open(path, &manifests)
 }
 
 /// Scores sessions and shows how far it has come.

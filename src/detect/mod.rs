@@ -9,6 +9,7 @@ mod manifest;
 mod nms;
 mod propose;
 mod runtime;
+mod speed;
 mod weights;
 
 use serde::Serialize;
@@ -21,6 +22,7 @@ pub use labels::Labels;
 pub use manifest::{Manifest, ManifestError};
 pub use propose::{Family, Hints, Proposal, ProposeError, propose};
 pub use runtime::{DetectError, Detector, Runtime};
+pub use speed::{ROUNDS, Speed, SpeedError, Speeds, measure};
 pub use weights::{WeightFolders, WeightsError};
 
 /// Candidates below this score are dropped, as the AP of `notes/print_capture_score.md` needs them down to here.

@@ -77,7 +77,7 @@ impl Axis {
 }
 
 /// A tick's value as people write it.
-pub(super) fn label(value: f64) -> String {
+pub fn tick_label(value: f64) -> String {
     let digits = if value == 0.0 {
         0
     } else {
@@ -122,7 +122,7 @@ mod tests {
         let axis = Axis::around("share", Scale::Linear, [0.3, 0.9]);
         assert_eq!((axis.low, axis.high), (0.0, 0.9));
         assert_eq!(
-            axis.ticks().iter().map(|v| label(*v)).collect::<Vec<_>>(),
+            axis.ticks().iter().map(|v| tick_label(*v)).collect::<Vec<_>>(),
             ["0", "0.2", "0.4", "0.6", "0.8"]
         );
     }
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn labels_are_short() {
         assert_eq!(
-            [0.002, 0.05, 1.0, 20.0, 1500.0, 0.0].map(label),
+            [0.002, 0.05, 1.0, 20.0, 1500.0, 0.0].map(tick_label),
             ["0.002", "0.05", "1", "20", "1500", "0"]
         );
     }

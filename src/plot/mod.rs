@@ -6,7 +6,7 @@ mod axis;
 mod panels;
 mod scatter;
 
-pub use axis::{Axis, Scale};
+pub use axis::{Axis, Scale, tick_label};
 pub use panels::{Line, Panel, panels};
 pub use scatter::{Cloud, Dot, scatter};
 

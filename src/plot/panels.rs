@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::axis::label;
+use super::axis::tick_label;
 use super::{Axis, FAINT, INK, NOTE, colour, document, round};
 
 /// One line of a panel: values along the panel's x, gaps where nothing was measured.
@@ -62,7 +62,7 @@ fn draw(panel: &Panel) -> Markup {
         text y="-7" font-size="11" font-weight="bold" fill=(INK) { (panel.title) }
         @for tick in panel.y.ticks() {
             line x2=(PANEL.0) y1=(y(tick)) y2=(y(tick)) stroke=(FAINT) {}
-            text x="-4" y=(y(tick) + 3.0) font-size="8.5" text-anchor="end" fill=(NOTE) { (label(tick)) }
+            text x="-4" y=(y(tick) + 3.0) font-size="8.5" text-anchor="end" fill=(NOTE) { (tick_label(tick)) }
         }
         rect width=(PANEL.0) height=(PANEL.1) fill="none" stroke=(NOTE) {}
         @for (i, step) in panel.steps.iter().enumerate().filter(|(i, _)| i % every == 0) {

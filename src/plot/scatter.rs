@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use maud::{Markup, html};
 
-use super::axis::label;
+use super::axis::tick_label;
 use super::{Axis, FAINT, INK, NOTE, colour, document, round};
 
 /// What a mark looks like besides its colour.
@@ -89,12 +89,12 @@ fn grid(cloud: &Cloud, with_y_labels: bool) -> Markup {
         @for tick in cloud.x.ticks() {
             @let x = round(cloud.x.share(tick) * PLOT.0);
             line x1=(x) x2=(x) y2=(PLOT.1) stroke=(FAINT) {}
-            text x=(x) y=(PLOT.1 + 14.0) font-size="10" text-anchor="middle" fill=(NOTE) { (label(tick)) }
+            text x=(x) y=(PLOT.1 + 14.0) font-size="10" text-anchor="middle" fill=(NOTE) { (tick_label(tick)) }
         }
         @for tick in cloud.y.ticks() {
             @let y = round((1.0 - cloud.y.share(tick)) * PLOT.1);
             line x2=(PLOT.0) y1=(y) y2=(y) stroke=(FAINT) {}
-            @if with_y_labels { text x="-6" y=(y + 3.5) font-size="10" text-anchor="end" fill=(NOTE) { (label(tick)) } }
+            @if with_y_labels { text x="-6" y=(y + 3.5) font-size="10" text-anchor="end" fill=(NOTE) { (tick_label(tick)) } }
         }
         rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke=(NOTE) {}
         text x=(PLOT.0 / 2.0) y=(PLOT.1 + 32.0) font-size="11" text-anchor="middle" fill=(INK) { (cloud.x.title) }

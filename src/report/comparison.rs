@@ -1,12 +1,15 @@
-//! `comparison.json`, and the comparison as text for the terminal.
+//! A comparison as files, `comparison.html`, `.tex` and `.json`, and as text for the terminal.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::ReportError;
+use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, Finding, NotScored, Scores};
+use super::{ReportError, latex};
+use crate::files;
+use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, NotScored, Scores};
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -16,6 +19,23 @@ struct Page<'a> {
     not_scored: &'a [NotScored],
     definitions: BTreeMap<&'static str, &'static str>,
     provenance: Provenance,
+}
+
+/// Writes every file of a comparison into a folder, or none, and returns the path of the page to open.
+pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison) -> Result<PathBuf, ReportError> {
+    let page = folder.join("comparison.html");
+    files::write_all_atomically(&[
+        (page.clone(), page::render(scores, comparison).into_bytes()),
+        (
+            folder.join("comparison.tex"),
+            latex::comparison(scores, comparison).into_bytes(),
+        ),
+        (
+            folder.join("comparison.json"),
+            comparison_json(scores, comparison)?.into_bytes(),
+        ),
+    ])?;
+    Ok(page)
 }
 
 /// The whole of `comparison.json`.
@@ -53,12 +73,7 @@ fn line(name: &str, d: &Difference, test: &str) -> String {
     let interval = d
         .interval_95
         .map_or("no interval".to_owned(), |i| format!("[{:.2}, {:.2}]", i.low, i.high));
-    let finding = match d.finding {
-        Finding::Drop => "a drop",
-        Finding::Rise => "a rise",
-        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
-        Finding::TooFewPhotosToTell => "too few photos to tell",
-    };
+    let finding = page::in_words(d.finding);
     format!(
         "  {name:<24} {:.3} → {:.3}, drop {:.3} {interval}  {test}{finding}",
         d.base, d.other, d.drop

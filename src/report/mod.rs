@@ -1,10 +1,11 @@
-//! Scores become files people and programs read: HTML, JSON, CSV, COCO.
+//! Scores become files people and programs read: HTML, LaTeX, JSON, CSV, COCO.
 
 mod coco;
 mod comparison;
 mod csv;
 mod figures_csv;
 mod html;
+mod latex;
 mod provenance;
 mod summary_json;
 mod table;
@@ -12,11 +13,11 @@ mod truth;
 
 use std::path::{Path, PathBuf};
 
-use crate::detect::{Manifest, coco_results};
+use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
 use crate::score::{Contestant, ScoredPhoto, Scores};
 
-pub use comparison::{comparison_json, comparison_table};
+pub use comparison::{comparison_json, comparison_table, write_comparison};
 pub use table::summary_table;
 pub use truth::truth_boxes;
 
@@ -29,13 +30,17 @@ pub enum ReportError {
     Format(String),
 }
 
-/// Writes every report file into a folder and returns the path of the page to open.
+/// Writes every report file into a folder and returns the path of the page to open. Times of detectors come from a file, never
+/// from a clock, so that the same input gives the same bytes.
 ///
 /// All contents are made before the first byte is written, and the files appear together or not at all.
-pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
+pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<PathBuf, ReportError> {
     let format = |e: serde_json::Error| ReportError::Format(e.to_string());
     let mut contents = vec![
-        ("summary.json".to_owned(), summary_json::render(scores).map_err(format)?),
+        (
+            "summary.json".to_owned(),
+            summary_json::render(scores, speeds).map_err(format)?,
+        ),
         (
             "photos.csv".to_owned(),
             csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
@@ -45,7 +50,8 @@ pub fn write(folder: &Path, scores: &Scores) -> Result<PathBuf, ReportError> {
             figures_csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
         ),
         ("coco_truth.json".to_owned(), coco::truth(scores).map_err(format)?),
-        ("report.html".to_owned(), html::render(scores)),
+        ("table.tex".to_owned(), latex::table(scores)),
+        ("report.html".to_owned(), html::render(scores, speeds)),
     ];
     for (index, contestant) in scores.contestants.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));

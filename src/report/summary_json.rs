@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::provenance::{self, Provenance};
-use crate::score::{NotScored, Scores, Summary, TransferRow, transfer};
+use crate::detect::Speeds;
+use crate::score::{NotScored, Reliability, Scores, Summary, TransferRow, reliability, transfer};
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -15,19 +16,24 @@ struct Page<'a> {
     hit_confidence: f64,
     results: &'a [Summary],
     transfer: Vec<TransferRow>,
+    reliability: Vec<Reliability>,
+    /// Times of the detectors, where a file of them was given.
+    speed: Option<&'a Speeds>,
     cautions: &'a [String],
     not_scored: &'a [NotScored],
     definitions: BTreeMap<&'static str, String>,
     provenance: Provenance,
 }
 
-pub(super) fn render(scores: &Scores) -> serde_json::Result<String> {
+pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
     let page = Page {
         photos_scored: scores.photos.len(),
         ap_definition: scores.criteria.ap.name(),
         hit_confidence: scores.criteria.hit_confidence,
         results: &scores.summaries,
         transfer: transfer(&scores.summaries),
+        reliability: reliability(&scores.photos, &scores.contestants),
+        speed: speeds,
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
         definitions: scores.criteria.definitions().into_iter().collect(),

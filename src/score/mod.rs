@@ -7,6 +7,8 @@ mod contestant;
 mod criteria;
 mod outcome;
 mod photo;
+mod preview;
+mod reliability;
 mod run;
 mod summary;
 mod transfer;
@@ -20,7 +22,8 @@ pub use compare::{
 pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;
 pub use outcome::{Outcome, Verdict};
-pub use photo::{NotScored, ScoredPhoto};
+pub use photo::{NotScored, ScoredPhoto, TagMark};
+pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
 pub use run::{ScoreError, Scores, score};
 pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};

@@ -26,6 +26,8 @@ pub struct ScoredPhoto {
     pub bin: Option<Bin>,
     /// Ids of the tags behind the pose; empty when the session gave the viewpoint.
     pub tags: Vec<u32>,
+    /// Every tag that was seen, for the report's picture.
+    pub tag_marks: Vec<TagMark>,
     /// Reprojection error of the pose.
     pub rms_px: Option<f64>,
     pub truth: BoxPx,
@@ -37,6 +39,16 @@ pub struct ScoredPhoto {
     pub outcomes: Vec<Outcome>,
     /// A small JPEG for the report.
     pub preview_jpeg: Vec<u8>,
+}
+
+/// Where a tag was seen in a photo.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TagMark {
+    pub id: u32,
+    /// In pixels of the photo, around the tag.
+    pub corners_px: [[f64; 2]; 4],
+    /// True when the pose rests on it.
+    pub is_used: bool,
 }
 
 /// A photo that could not be scored.

@@ -1,15 +1,15 @@
 //! A scoring run: every photo of some sessions through pose, truth and detectors, in parallel.
 
-use image::codecs::jpeg::JpegEncoder;
-use image::imageops::{self, FilterType};
-
-use super::{Contestant, Criteria, HIT_CONFIDENCE, NotScored, Outcome, ScoredPhoto, Source, Summary, caution, summary};
+use super::{
+    Contestant, Criteria, HIT_CONFIDENCE, NotScored, Outcome, ScoredPhoto, Source, Summary, TagMark, caution, preview,
+    summary,
+};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
 use crate::locate::{self, Abstention, Located};
 use crate::photo::Photo;
 use crate::session::{PhotoEntry, Session};
-use crate::tags::{StartError, TagDetector, TagDetectorChoice};
+use crate::tags::{SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::workers;
 
 /// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
@@ -78,6 +78,7 @@ pub fn score(
             Ok::<_, ScoreError>(Worker {
                 tags: TagDetectorChoice::default().open(&families)?,
                 detectors: open(&contestants, runtime)?,
+                preview_px: preview::longest_side_px(jobs.len()),
             })
         },
         |worker, job| worker.photo(job, &contestants),
@@ -177,11 +178,15 @@ fn open(contestants: &[Contestant], runtime: Option<&Runtime>) -> Result<Vec<Opt
 struct Worker {
     tags: Box<dyn TagDetector>,
     detectors: Vec<Option<Detector>>,
+    /// Longest side of the report's pictures.
+    preview_px: u32,
 }
 
 /// Where the model is in a photo, and from where it was seen.
 struct Place {
     located: Option<Located>,
+    /// Every tag seen.
+    tag_marks: Vec<TagMark>,
     truth: BoxPx,
 }
 
@@ -220,17 +225,25 @@ impl Worker {
             return Err("box_xyxy_px lies outside the picture: is it another photo's?".into());
         }
         if let (Some(truth), Some(_)) = (given, job.entry.viewpoint) {
-            return Ok(Place { located: None, truth });
+            return Ok(Place {
+                located: None,
+                tag_marks: Vec::new(),
+                truth,
+            });
         }
         let camera = job.session.known_camera().map_err(|e| e.to_string())?;
         let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg);
+        let mut seen = Vec::new();
         let located = fitted.map_err(Abstention::from).and_then(|fitted| {
-            let located = locate::locate(&self.tags.find(&photo.grey()), scene, &fitted.camera)?;
+            seen = self.tags.find(&photo.grey());
+            let located = locate::locate(&seen, scene, &fitted.camera)?;
             Ok((located, fitted.camera))
         });
+        let tag_marks = marks(&seen, located.as_ref().ok().map(|(located, _)| located));
         match (located, given) {
             (located, Some(truth)) => Ok(Place {
                 located: located.ok().map(|(located, _)| located),
+                tag_marks,
                 truth,
             }),
             (Ok((located, camera)), None) => {
@@ -240,6 +253,7 @@ impl Worker {
                     .map_err(|e| e.to_string())?;
                 Ok(Place {
                     located: Some(located),
+                    tag_marks,
                     truth,
                 })
             }
@@ -277,14 +291,29 @@ impl Worker {
             viewpoint,
             bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
             tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
+            tag_marks: place.tag_marks,
             rms_px: place.located.as_ref().map(|l| l.rms_px),
             truth: place.truth,
             truth_given: job.entry.box_xyxy_px.is_some(),
             detections,
             outcomes,
-            preview_jpeg: preview(photo),
+            preview_jpeg: preview::jpeg(photo, self.preview_px),
         })
     }
+}
+
+/// Where the tags were seen, by id, and which of them the pose rests on.
+fn marks(seen: &[SeenTag], located: Option<&Located>) -> Vec<TagMark> {
+    let mut marks: Vec<TagMark> = seen
+        .iter()
+        .map(|tag| TagMark {
+            id: tag.id,
+            corners_px: tag.corners_px,
+            is_used: located.is_some_and(|l| l.tags.contains(&tag.id)),
+        })
+        .collect();
+    marks.sort_by_key(|mark| mark.id);
+    marks
 }
 
 fn detections(
@@ -308,19 +337,4 @@ fn detections(
             detector: contestant.manifest.name.clone(),
         })?;
     Ok(found.to_vec())
-}
-
-/// A JPEG small enough to embed once per photo in the report; never larger than the photo.
-fn preview(photo: &Photo) -> Vec<u8> {
-    const LONGEST_SIDE: f64 = 480.0;
-    let (width, height) = (f64::from(photo.width()), f64::from(photo.height()));
-    let scale = (LONGEST_SIDE / width.max(height)).min(1.0);
-    let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
-    let small = imageops::resize(&photo.rgb, width, height, FilterType::Triangle);
-    let mut jpeg = Vec::new();
-    // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.
-    match JpegEncoder::new_with_quality(&mut jpeg, 78).encode_image(&small) {
-        Ok(()) => jpeg,
-        Err(_) => Vec::new(),
-    }
 }

@@ -1,6 +1,7 @@
 //! `scaleproof detectors`: which detectors there are, where their weights come from, and whether they work.
 
 mod add;
+mod speed;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ enum Command {
     /// The network is run on a grey picture and on noise; its outputs tell the family. How a photo is to be prepared no file
     /// says: the family's usual way is written, to be compared with the program that the weights come from.
     Add(add::Args),
+    Speed(speed::Args),
 }
 
 /// Where weights are.
@@ -96,6 +98,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         Command::Fetch(args) => fetch(args, out),
         Command::Check(args) => check(args, out),
         Command::Add(args) => add::run(args, out),
+        Command::Speed(args) => speed::run(args, out),
     }
 }
 

@@ -1,45 +1,48 @@
-//! Contact sheets: every photo with its truth box and detections, bordered by outcome as in the paper.
+//! The contact sheet: every photo with its truth box and detections, bordered by outcome as in the paper, the worst first.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::{side, variants};
+use super::{filters, side, variants};
+use crate::detect::Detection;
 use crate::report::other_label;
-use crate::score::{Contestant, ScoredPhoto, Scores, Verdict};
+use crate::score::{Contestant, MATCH_IOU, Outcome, ScoredPhoto, Scores, Verdict};
 
-/// Each photo once, hidden; the sheets refer to it, so that ten detectors do not embed it ten times.
+/// More photos are not shown: the page would be too large to open.
+const MOST_PHOTOS: usize = 400;
+
+/// Detections of the class below the hit confidence are drawn when enlarged, from here up.
+const WEAKEST_DRAWN: f64 = 0.1;
+
+/// The photos of which the run kept a picture.
+fn pictured(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
+    scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
+}
+
+/// The photos that are shown: all, or those that the most detectors missed, the least confident first.
+fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
+    let mut photos: Vec<&ScoredPhoto> = pictured(scores).collect();
+    let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
+    let confidence = |p: &ScoredPhoto| p.outcomes.iter().map(|o| o.confidence).sum::<f64>();
+    photos.sort_by(|a, b| hits(a).cmp(&hits(b)).then(confidence(a).total_cmp(&confidence(b))));
+    photos.truncate(MOST_PHOTOS);
+    photos
+}
+
+/// Each photo and its marks once, hidden; the sheet refers to them, so that ten detectors do not embed them ten times.
 pub(super) fn photo_library(scores: &Scores) -> Markup {
     html! {
         svg.library aria-hidden="true" {
             defs {
-                @for p in &scores.photos {
+                @for p in shown(scores) {
                     image id=(format!("photo{}", p.id)) width=(p.width) height=(p.height) preserveAspectRatio="none"
                         href=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&p.preview_jpeg))) {}
-                }
-            }
-        }
-    }
-}
-
-/// One sheet per detector: a group for each viewing direction, so that normal stands beside camouflaged.
-pub(super) fn sheets(scores: &Scores) -> Markup {
-    let groups = groups(scores);
-    html! {
-        ul.legend {
-            li { i style="background:var(--found)" {} "found as the class" }
-            li { i style="background:var(--other)" {} "found, but another label on it too" }
-            li { i style="background:var(--missed)" {} "missed" }
-            li.note { "dashed white: truth box; solid: detections at confidence ≥ 0.5 (blue: the class, orange: another label)" }
-        }
-        @for (index, contestant) in scores.contestants.iter().enumerate() {
-            details open[index == 0] {
-                summary { (contestant.manifest.title) }
-                div.sheet {
-                    @for (azimuth, photos) in &groups {
-                        div.group {
-                            h3 { (direction(*azimuth)) }
-                            div.photos { @for p in photos { (photo(p, index, contestant, scores.criteria.hit_confidence)) } }
+                    g id=(format!("tags{}", p.id)) {
+                        @for tag in &p.tag_marks {
+                            @let corners = tag.corners_px.map(|[x, y]| format!("{x:.1},{y:.1}")).join(" ");
+                            polygon.line points=(corners) fill="none" stroke=(if tag.is_used { "#39e600" } else { "#c0c0c0" }) {}
+                            (text(p, tag.corners_px[0], "#39e600", &tag.id.to_string()))
                         }
                     }
                 }
@@ -48,73 +51,153 @@ pub(super) fn sheets(scores: &Scores) -> Markup {
     }
 }
 
-type Group<'a> = (Option<f64>, Vec<&'a ScoredPhoto>);
-
-/// Photos by azimuth bin from the front on, photos without a viewpoint last; within a bin the base variant first.
-fn groups(scores: &Scores) -> Vec<Group<'_>> {
-    let order = variants(scores);
-    let rank = |p: &&ScoredPhoto| (order.iter().position(|v| *v == p.variant), p.id);
-    let centres = scores.sessions[0].scene.bins.azimuth_centres();
-    let group = |azimuth: Option<f64>| {
-        let mut photos: Vec<_> = scores
-            .photos
-            .iter()
-            .filter(|p| p.bin.map(|b| b.azimuth_deg) == azimuth)
-            .collect();
-        photos.sort_by_key(rank);
-        (azimuth, photos)
-    };
-    let groups = centres.into_iter().map(Some).chain([None]).map(group);
-    groups.filter(|(_, photos)| !photos.is_empty()).collect()
-}
-
-fn direction(azimuth: Option<f64>) -> String {
-    match azimuth {
-        Some(azimuth) => format!("{azimuth}° {}", side(azimuth)),
-        None => "direction not known".into(),
+/// A card for each detector and photo, the worst first, and what narrows them down.
+pub(super) fn sheet(scores: &Scores) -> Markup {
+    let photos = shown(scores);
+    let (kept, all) = (pictured(scores).count(), scores.photos.len());
+    let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.contestants.len())
+        .flat_map(|index| photos.iter().map(move |p| (index, *p)))
+        .collect();
+    cards.sort_by(|a, b| {
+        let key = |(index, p): &(usize, &ScoredPhoto)| {
+            (rank(&p.outcomes[*index]), p.outcomes[*index].confidence, *index, p.id)
+        };
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0)
+            .then(a.1.total_cmp(&b.1))
+            .then((a.2, a.3).cmp(&(b.2, b.3)))
+    });
+    html! {
+        ul.legend {
+            li { i style="background:var(--found)" {} "found as the class" }
+            li { i style="background:var(--other)" {} "found, but another label on it too" }
+            li { i style="background:var(--missed)" {} "missed" }
+            li.note {
+                "dashed white: truth box; solid: detections at confidence ≥ " (scores.criteria.hit_confidence)
+                " (blue: the class, orange: another label)"
+            }
+        }
+        @if photos.len() < all {
+            p.banner {
+                "Shown are the " (photos.len()) " of " (all) " photos that the most detectors missed"
+                @if kept < all { ", among " (kept) " that the run kept pictures of" }
+                "; all are in photos.csv."
+            }
+        }
+        (filters::bar(scores, &photos))
+        div #sheet {
+            @for (index, p) in cards { (card(scores, p, index)) }
+        }
     }
 }
 
-fn photo(p: &ScoredPhoto, index: usize, contestant: &Contestant, confidence: f64) -> Markup {
+/// Worst first: missed, found with another label, found.
+fn rank(outcome: &Outcome) -> usize {
+    match outcome.verdict {
+        Verdict::Missed => 0,
+        Verdict::FoundWithOther => 1,
+        Verdict::Found => 2,
+    }
+}
+
+fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+    let contestant = &scores.contestants[index];
     let outcome = &p.outcomes[index];
-    let (class, word) = match outcome.verdict {
-        Verdict::Missed => ("missed", "missed"),
-        Verdict::FoundWithOther => ("found_with_other", "found"),
-        Verdict::Found => ("found", "found"),
-    };
+    let texture = variants(scores).iter().position(|v| *v == p.variant);
+    let texture = texture.unwrap_or_default();
+    let class = ["missed", "found_with_other", "found"][rank(outcome)];
+    let word = if outcome.is_hit() { "found" } else { "missed" };
     html! {
-        figure class=(format!("photo {class}")) {
-            (picture(p, index, contestant, confidence))
+        figure class=(format!("photo {class}")) data-detector=(contestant.manifest.name) data-variant=(p.variant)
+            data-outcome=(filters::outcome_key(outcome)) data-azimuth=[p.bin.map(|b| b.azimuth_deg)]
+            data-pitch=[p.bin.map(|b| b.pitch_deg)] data-distance=[p.bin.map(|b| b.distance_mm)] data-texture=(texture) {
+            (picture(scores, p, index))
             figcaption {
                 b { (word) } @if outcome.confidence > 0.0 { (format!(" {:.2}", outcome.confidence)) }
                 @if let Some((label, confidence)) = other_label(p, index, contestant) {
                     (format!(", {label} {confidence:.2}"))
                 }
-                br;
-                (p.variant)
-                @if let Some(v) = p.viewpoint { (format!(" · {:.0}°", v.azimuth_deg)) }
+                br; (p.variant) " · " (direction(p))
+                br; (contestant.manifest.title)
                 br; small.note { (p.file) }
             }
         }
     }
 }
 
-fn picture(p: &ScoredPhoto, index: usize, contestant: &Contestant, confidence: f64) -> Markup {
-    // Lines keep their thickness whatever the size of the original.
-    let stroke = f64::from(p.width) / 200.0;
-    let alt = format!("{}, {}", p.file, p.variant);
+fn direction(p: &ScoredPhoto) -> String {
+    let Some(v) = p.viewpoint else {
+        return "direction not known".into();
+    };
+    format!("{:.0}° {}", v.azimuth_deg, side(v.azimuth_deg))
+}
+
+fn picture(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+    let contestant = &scores.contestants[index];
+    let threshold = scores.criteria.hit_confidence;
+    let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
+        p.detections[index].iter().partition(|d| d.score >= threshold);
+    let is_weak_find = |d: &&&Detection| {
+        d.label == contestant.class && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU
+    };
+    let alt = format!("{}, {}, {}", p.file, p.variant, contestant.manifest.title);
     html! {
         svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {
-            (PreEscaped(format!("<use href=\"#photo{}\"/>", p.id)))
-            rect x=(p.truth.x1) y=(p.truth.y1) width=(p.truth.width()) height=(p.truth.height()) fill="none" stroke="#fff"
-                stroke-width=(stroke) stroke-dasharray=(format!("{} {}", 3.0 * stroke, 2.0 * stroke)) {}
-            @for d in p.detections[index].iter().filter(|d| d.score >= confidence) {
-                @let b = d.box_px;
-                rect x=(b.x1) y=(b.y1) width=(b.width()) height=(b.height()) fill="none" stroke-width=(stroke)
-                    stroke=(if d.label == contestant.class { "#29a3ff" } else { "#ff8c1a" }) {
-                    title { (contestant.labels().name(d.label).unwrap_or("?")) (format!(" {:.2}", d.score)) }
-                }
+            (PreEscaped(format!("<use href=\"#photo{0}\"/><use class=\"fine\" href=\"#tags{0}\"/>", p.id)))
+            (rectangle(&p.truth.to_xywh(), "#fff", Some("6 4")))
+            @for d in &strong { (detection(d, contestant, None)) }
+            g.fine {
+                @for d in weak.iter().filter(is_weak_find) { (detection(d, contestant, Some("2 3"))) }
+                @for d in strong.iter().copied().chain(weak.iter().filter(is_weak_find).copied()) { (name(p, d, contestant)) }
+                (text(p, [p.truth.x1, p.truth.y2 + 1.2 * letter(p)], "#fff", "truth"))
             }
         }
+    }
+}
+
+fn detection(d: &Detection, contestant: &Contestant, dashes: Option<&str>) -> Markup {
+    rectangle(&d.box_px.to_xywh(), paint(d, contestant), dashes)
+}
+
+fn paint(d: &Detection, contestant: &Contestant) -> &'static str {
+    if d.label == contestant.class {
+        "#29a3ff"
+    } else {
+        "#ff8c1a"
+    }
+}
+
+/// The label and confidence above a detection's box, or in it at the picture's upper edge.
+fn name(p: &ScoredPhoto, d: &Detection, contestant: &Contestant) -> Markup {
+    let label = contestant.labels().name(d.label).unwrap_or("?");
+    let above = d.box_px.y1 - 0.3 * letter(p);
+    let y = if above < letter(p) {
+        d.box_px.y1 + 1.1 * letter(p)
+    } else {
+        above
+    };
+    text(
+        p,
+        [d.box_px.x1, y],
+        paint(d, contestant),
+        &format!("{label} {:.2}", d.score),
+    )
+}
+
+fn rectangle([x, y, width, height]: &[f64; 4], colour: &str, dashes: Option<&str>) -> Markup {
+    let tenth = |v: &f64| format!("{v:.1}");
+    html! {
+        rect.line x=(tenth(x)) y=(tenth(y)) width=(tenth(width)) height=(tenth(height)) fill="none" stroke=(colour) stroke-dasharray=[dashes] {}
+    }
+}
+
+/// Height of the letters in pixels of the photo.
+fn letter(p: &ScoredPhoto) -> f64 {
+    f64::from(p.width.max(p.height)) / 65.0
+}
+
+fn text(p: &ScoredPhoto, [x, y]: [f64; 2], colour: &str, content: &str) -> Markup {
+    html! {
+        text x=(format!("{x:.1}")) y=(format!("{y:.1}")) font-size=(format!("{:.1}", letter(p))) fill=(colour) { (content) }
     }
 }

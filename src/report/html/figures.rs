@@ -1,20 +1,23 @@
-//! The tables: headline figures, and figures by viewing direction.
+//! The headline table, in the layout of the paper's tables: detector × texture.
 
 use maud::{Markup, html};
 
-use super::{side, summary, variants};
-use crate::score::{BASE_VARIANT, Figures, Scores};
+use super::{number, summary, variants};
+use crate::score::{BASE_VARIANT, Figures, MATCH_IOU, Scores};
 
-/// Detector × texture, in the layout of the paper's tables, each number beside how many photos it rests on.
+/// Each number beside how many photos it rests on, and its drop from the base variant.
 pub(super) fn headline(scores: &Scores) -> Markup {
     let variants = variants(scores);
     html! {
         div.scroll {
-            table {
+            table.headline {
                 thead {
                     tr {
-                        th { "detector" } th { "texture" } th { "photos" } th { "AP@0.5" } th { "hit rate" br; small { "95 % interval" } }
-                        th { "confidence" }
+                        th { "detector" } th.text { "texture" } th.photos { "photos" }
+                        th { "AP@0.5" } th.of { "drop" }
+                        th { "hit rate" br; small { "95 % interval" } } th.of { "drop" }
+                        th { "confidence" br; small { "mean" } } th.of { "drop" }
+                        th { br; small { "median" } }
                     }
                 }
                 tbody {
@@ -22,12 +25,14 @@ pub(super) fn headline(scores: &Scores) -> Markup {
                         @for (i, variant) in variants.iter().enumerate() {
                             @if let Some(s) = summary(scores, &c.manifest.name, variant) {
                                 tr.first[i == 0] {
-                                    td { @if i == 0 { (c.manifest.title) @if c.is_recorded() { " " small { "recorded" } } } }
+                                    td { @if i == 0 { (c.manifest.title) @if c.is_recorded() { " " small.recorded { "recorded" } } } }
                                     td.text { (variant) }
-                                    td { (s.overall.photos) }
-                                    td { (number(s.overall.ap50, 3)) (change(s.drop.map(|d| d.ap50), 3)) }
-                                    td { (rate(&s.overall)) (change(s.drop.map(|d| d.hit_rate), 2)) }
-                                    td { (number(s.overall.mean_confidence, 2)) (change(s.drop.map(|d| d.mean_confidence), 2)) }
+                                    td.photos { (s.overall.photos) }
+                                    td { (number(s.overall.ap50, 3)) } td.of { (drop(s.drop.map(|d| d.ap50), 3)) }
+                                    td { (rate(&s.overall)) } td.of { (drop(s.drop.map(|d| d.hit_rate), 2)) }
+                                    td { (number(s.overall.mean_confidence, 2)) }
+                                    td.of { (drop(s.drop.map(|d| d.mean_confidence), 2)) }
+                                    td { (number(s.overall.median_confidence, 2)) }
                                 }
                             }
                         }
@@ -36,47 +41,11 @@ pub(super) fn headline(scores: &Scores) -> Markup {
             }
         }
         p.note {
-            "AP@0.5 by the definition " (scores.criteria.ap.name()) ": " (scores.criteria.ap.meaning()) ". A hit needs confidence ≥ "
-            (scores.criteria.hit_confidence) " and IoU ≥ 0.5. In parentheses: change from " (BASE_VARIANT)
-            @if !variants.contains(&BASE_VARIANT) { ", which this run lacks, so no change is given" } "."
+            "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: confidence ≥ "
+            (scores.criteria.hit_confidence) " and IoU ≥ " (MATCH_IOU) ". Confidence: misses count 0. Drop: " (BASE_VARIANT)
+            " minus this texture; above 0, the detector does worse"
+            @if !variants.contains(&BASE_VARIANT) { ". This run lacks " (BASE_VARIANT) ", so no drop is given" } "."
         }
-    }
-}
-
-/// Hits and mean confidence for each azimuth bin.
-pub(super) fn by_azimuth(scores: &Scores) -> Markup {
-    let centres = scores.sessions[0].scene.bins.azimuth_centres();
-    let variants = variants(scores);
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "detector" } th { "texture" }
-                        @for azimuth in &centres { th { (azimuth) "°" br; small { (side(*azimuth)) } } }
-                    }
-                }
-                tbody {
-                    @for c in &scores.contestants {
-                        @for (i, variant) in variants.iter().enumerate() {
-                            @if let Some(s) = summary(scores, &c.manifest.name, variant) {
-                                tr.first[i == 0] {
-                                    td { @if i == 0 { (c.manifest.title) } }
-                                    td.text { (variant) }
-                                    @for bin in &s.azimuth_bins {
-                                        td { @match &bin.figures {
-                                            Some(f) => { (f.hit_rate.count) "/" (f.photos) br; small { (number(f.mean_confidence, 2)) } }
-                                            None => { "–" }
-                                        } }
-                                    }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        p.note { "Hits / photos, and mean confidence below. “–”: no photo in this bin. AP per bin is in summary.json." }
     }
 }
 
@@ -85,38 +54,9 @@ fn rate(f: &Figures) -> Markup {
     html! { (r.count) "/" (f.photos) " " small { "[" (number(r.low, 2)) ", " (number(r.high, 2)) "]" } }
 }
 
-/// The change from the base variant; a fall is negative.
-fn change(drop: Option<f64>, digits: usize) -> Markup {
+/// A fall of the figure is positive, and marked.
+fn drop(drop: Option<f64>, digits: usize) -> Markup {
     html! {
-        @if let Some(drop) = drop {
-            " " span.drop.down[drop > 0.0] { "(" (signed(-drop, digits)) ")" }
-        }
-    }
-}
-
-fn number(value: f64, digits: usize) -> String {
-    format!("{value:.digits$}")
-}
-
-fn signed(value: f64, digits: usize) -> String {
-    let text = format!("{:.digits$}", value.abs());
-    let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
-    match (is_zero, value < 0.0) {
-        (true, _) => format!("±{text}"),
-        (false, true) => format!("−{text}"),
-        (false, false) => format!("+{text}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::signed;
-
-    #[test]
-    fn changes_carry_their_sign() {
-        assert_eq!(
-            (signed(-0.25, 2), signed(0.25, 2), signed(-0.001, 2)),
-            ("−0.25".into(), "+0.25".into(), "±0.00".into())
-        );
+        @if let Some(drop) = drop { span.down[drop > 0.0] { (number(drop, digits)) } }
     }
 }

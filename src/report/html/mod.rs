@@ -1,18 +1,35 @@
-//! `report.html`: one self-contained page; no script, no link to anywhere.
+//! `report.html` and `comparison.html`: self-contained pages without a link to anywhere. The one script filters and enlarges photos.
 
+pub(super) mod comparison;
 mod contact;
 mod figures;
+mod filters;
+mod heat;
+mod misses;
 mod notes;
 mod polar;
+mod reliability;
+mod shade;
+mod speed;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use crate::detect::Speeds;
 use crate::score::{Scores, Summary};
 
 const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
 
-/// The whole page.
-pub(super) fn render(scores: &Scores) -> String {
+/// The page of a scoring run; without `speeds` there is no chart of AP against time.
+pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
+    let tail = html! { (contact::photo_library(scores)) script { (PreEscaped(SCRIPT)) } };
+    shell(scores, &lead(scores), &sections(scores, speeds), tail)
+}
+
+/// A part of a page: its id, its title, what is in it.
+type Section = (&'static str, &'static str, Markup);
+
+fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> String {
     let title = title(scores);
     html! {
         (DOCTYPE)
@@ -24,24 +41,43 @@ pub(super) fn render(scores: &Scores) -> String {
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                (contact::photo_library(scores))
                 header {
                     h1 { (title) }
-                    p.lead { (lead(scores)) }
+                    p.lead { (lead) }
                     (recorded_banner(scores))
+                    nav { @for (id, title, _) in sections { a href=(format!("#{id}")) { (title) } } }
                 }
-                main {
-                    section { h2 { "Result" } (figures::headline(scores)) (notes::cautions(scores)) }
-                    section { h2 { "By viewing direction" } (polar::row(scores)) (figures::by_azimuth(scores)) }
-                    section { h2 { "Photos" } (contact::sheets(scores)) }
-                    (notes::not_scored(scores))
-                    section { h2 { "Definitions" } (notes::definitions(scores)) }
-                    section { h2 { "Provenance" } (notes::provenance(scores)) }
-                }
+                main { @for (id, title, content) in sections { section id=(id) { h2 { (title) } (content) } } }
+                (tail)
             }
         }
     }
     .into_string()
+}
+
+fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 8] {
+    let result = html! { (figures::headline(scores)) (notes::cautions(scores)) };
+    let outcomes = html! { (misses::outcomes(scores)) (misses::transfer_matrix(scores)) };
+    let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
+    let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
+    [
+        ("result", "Result", result),
+        ("outcomes", "Hits and misses", outcomes),
+        ("directions", "By viewing direction", directions),
+        ("photos", "Photos", photos),
+        (
+            "reliability",
+            "Reliability of the confidences",
+            reliability::diagrams(scores),
+        ),
+        ("speed", "AP against time", speed::chart(scores, speeds)),
+        ("definitions", "Definitions", notes::definitions(scores)),
+        (
+            "provenance",
+            "Provenance",
+            notes::provenance(scores, "no random numbers"),
+        ),
+    ]
 }
 
 fn title(scores: &Scores) -> String {
@@ -106,6 +142,21 @@ fn colour(index: usize) -> &'static str {
     ["#5b6573", "#d1495b", "#1f77b4", "#b8860b", "#3a7d44", "#7b4fa0"][index % 6]
 }
 
+fn number(value: f64, digits: usize) -> String {
+    // No minus before a zero.
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        Some(rest) => format!("−{rest}"),
+        None => text,
+    }
+}
+
+/// A tenth of a pixel is all a screen shows.
+fn round(v: f64) -> f64 {
+    (v * 10.0).round() / 10.0
+}
+
 /// What a viewer standing in a bin sees.
 fn side(azimuth_deg: f64) -> &'static str {
     const SIDES: [&str; 8] = [
@@ -119,4 +170,17 @@ fn side(azimuth_deg: f64) -> &'static str {
         "front right",
     ];
     SIDES[((azimuth_deg / 45.0).round() as usize) % 8]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn only_what_is_below_zero_has_a_minus() {
+        assert_eq!(
+            [0.139, -0.25, -0.001, 0.0].map(|v| number(v, 2)),
+            ["0.14", "−0.25", "0.00", "0.00"]
+        );
+    }
 }

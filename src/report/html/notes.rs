@@ -14,11 +14,10 @@ pub(super) fn cautions(scores: &Scores) -> Markup {
 pub(super) fn not_scored(scores: &Scores) -> Markup {
     html! {
         @if !scores.not_scored.is_empty() {
-            section {
-                h2 { "Photos not scored" }
-                div.scroll {
-                    table {
-                        thead { tr { th { "photo" } th { "session" } th { "texture" } th { "reason" } } }
+            h3 { "Photos not scored" }
+            div.scroll {
+                table {
+                    thead { tr { th { "photo" } @for name in ["session", "texture", "reason"] { th.text { (name) } } } }
                         tbody {
                             @for n in &scores.not_scored {
                                 tr { td { (n.file) } td.text { (n.session) } td.text { (n.variant) } td.wrap { (n.reason) } }
@@ -26,7 +25,6 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
                         }
                     }
                 }
-            }
         }
     }
 }
@@ -45,17 +43,25 @@ pub(super) fn definitions(scores: &Scores) -> Markup {
     }
 }
 
-pub(super) fn provenance(scores: &Scores) -> Markup {
+/// `chance` says which random numbers the figures rest on.
+pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
     let p = provenance::of(scores);
     html! {
-        p {
-            "scaleproof " (p.scaleproof) "; tags: " (p.tag_detector) "; OpenCV " (p.opencv)
-            @if let Some(runtime) = &p.onnx_runtime { "; " (runtime) }
-            "; candidates from confidence " (p.score_floor) " up."
+        dl.settings {
+            dt { "program" } dd {
+                "scaleproof " (p.scaleproof) ", OpenCV " (p.opencv) @if let Some(runtime) = &p.onnx_runtime { ", " (runtime) }
+            }
+            dt { "tags" } dd { (p.tag_detector) }
+            dt { "thresholds" } dd {
+                "match IoU " (p.match_iou) ", hit confidence " (p.hit_confidence) ", candidates from confidence " (p.score_floor) " up, AP "
+                (p.ap_definition)
+            }
+            @for s in &p.sessions { dt { "session " (s.folder) } dd { (s.model) ", 1:" (s.scale) ", truth envelope: " (s.truth_envelope) } }
+            dt { "chance" } dd { (chance) "; the same input gives the same files, byte for byte" }
         }
         div.scroll {
             table {
-                thead { tr { th { "detector" } th { "weights (SHA-256)" } th { "origin" } th { "licence" } th { "detections" } } }
+                thead { tr { th { "detector" } @for name in ["weights (SHA-256)", "origin", "licence", "detections"] { th.text { (name) } } } }
                 tbody {
                     @for d in &p.detectors {
                         tr {

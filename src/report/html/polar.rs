@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{colour, summary, variants};
+use super::{colour, round, summary, variants};
 use crate::score::{BinFigures, Scores};
 
 const RADIUS: f64 = 88.0;
@@ -17,7 +17,7 @@ pub(super) fn row(scores: &Scores) -> Markup {
             }
             li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit" }
         }
-        div.polars {
+        div.small-charts.polars {
             @for c in &scores.contestants {
                 figure {
                     (chart(&c.manifest.title, &variants.iter().enumerate().filter_map(|(i, variant)| {
@@ -98,10 +98,6 @@ fn line(colour: &str, bins: &[BinFigures]) -> Markup {
 fn at(azimuth_deg: f64, share: f64) -> [f64; 2] {
     let a = azimuth_deg.to_radians();
     [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]
-}
-
-fn round(v: f64) -> f64 {
-    (v * 10.0).round() / 10.0
 }
 
 #[cfg(test)]

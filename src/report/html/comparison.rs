@@ -1,0 +1,167 @@
+//! `comparison.html`: the drops of each texture with their intervals, and what the photos can tell.
+
+use maud::{Markup, html};
+
+use super::{notes, number, round, shell};
+use crate::score::{COMPARISON_DEFINITIONS, Compared, Comparison, Difference, Finding, Scores};
+
+const PLOT: f64 = 300.0;
+const LEFT: f64 = 200.0;
+const ROW: f64 = 22.0;
+
+/// The whole page.
+pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
+    let lead = format!(
+        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}.",
+        comparison.base, comparison.ap_definition
+    );
+    let sections = [
+        ("drops", "Drops", drops(scores, comparison)),
+        ("azimuth", "Hit rate by azimuth", by_azimuth(scores, comparison)),
+        ("left-out", "Photos in no difference", left_out(scores, comparison)),
+        ("definitions", "Definitions", definitions()),
+        ("provenance", "Provenance", provenance(scores, comparison)),
+    ];
+    shell(scores, &lead, &sections, html! {})
+}
+
+/// A finding as people say it.
+pub(in crate::report) fn in_words(finding: Finding) -> &'static str {
+    match finding {
+        Finding::Drop => "a drop",
+        Finding::Rise => "a rise",
+        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
+        Finding::TooFewPhotosToTell => "too few photos to tell",
+    }
+}
+
+/// The same without its explanation.
+fn briefly(finding: Finding) -> &'static str {
+    in_words(finding).split(',').next().unwrap_or_default()
+}
+
+/// Name of a figure and where it is.
+type Figure = (&'static str, fn(&Compared) -> &Difference);
+
+const FIGURES: [Figure; 3] = [
+    ("hit rate", |r| &r.hit_rate.rate),
+    ("mean confidence", |r| &r.mean_confidence),
+    ("AP@0.5", |r| &r.ap50),
+];
+
+fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
+    html! {
+        (notes::cautions(scores))
+        @for (name, of) in FIGURES {
+            h3 { "Drop: " (name) }
+            div.scroll { (forest(scores, comparison, name, of)) }
+        }
+        p.note {
+            "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown at "
+            "5 %. Numbers: base → texture, drop [interval]; of the hit rate also McNemar's exact p. “No difference shown”: one of 0.2 is "
+            "excluded."
+        }
+    }
+}
+
+/// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
+fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared) -> &Difference) -> Markup {
+    let height = ROW * comparison.results.len() as f64;
+    let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
+    html! {
+        svg.forest viewBox=(format!("0 -4 900 {}", height + 26.0)) role="img" aria-label=(format!("Drop: {name}")) {
+            @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
+                text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+            }
+            @for (i, r) in comparison.results.iter().enumerate() {
+                @let d = of(r);
+                @let y = ROW * (i as f64 + 0.5);
+                @let is_shown = matches!(d.finding, Finding::Drop | Finding::Rise);
+                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (title(scores, r)) ", " (r.variant) }
+                g.drop {
+                    title { (title(scores, r)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
+                    @if let Some(interval) = d.interval_95 {
+                        line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
+                    }
+                    circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
+                }
+                text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
+                    (numbers(d)) @if name == "hit rate" { (format!(", p = {:.3}", r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
+                }
+            }
+        }
+    }
+}
+
+fn numbers(d: &Difference) -> String {
+    let interval = d.interval_95.map_or(String::new(), |i| {
+        format!(" [{}, {}]", number(i.low, 2), number(i.high, 2))
+    });
+    format!("{:.2} → {:.2}, {}{interval}", d.base, d.other, number(d.drop, 2))
+}
+
+fn title<'a>(scores: &'a Scores, r: &'a Compared) -> &'a str {
+    let contestant = scores.contestants.iter().find(|c| c.manifest.name == r.detector);
+    contestant.map_or(&r.detector, |c| &c.manifest.title)
+}
+
+fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
+    let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "detector" } th.text { "texture" } th { "pairs" } @for azimuth in &azimuths { th { (azimuth) "°" } } } }
+                tbody {
+                    @for r in &comparison.results {
+                        tr {
+                            td { (title(scores, r)) } td.text { (r.variant) } td { (r.pairs) }
+                            @for azimuth in &azimuths {
+                                td {
+                                    @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
+                                        Some(bin) => {
+                                            (number(bin.hits.rate.drop, 2)) br;
+                                            small { @match bin.holm_p { Some(p) => { "p " (format!("{p:.3}")) } None => { "too few" } } }
+                                        }
+                                        None => { "–" }
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        p.note { "Drop of the hit rate, and McNemar's p corrected by Holm where a bin has six clusters or more. “–”: no pair." }
+    }
+}
+
+fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {
+    html! {
+        @if comparison.unpaired.is_empty() { p { "Every scored photo has its partner." } } @else {
+            div.scroll {
+                table {
+                    thead { tr { th { "photo" } @for name in ["session", "texture", "reason"] { th.text { (name) } } } }
+                    tbody {
+                        @for u in &comparison.unpaired {
+                            tr { td { (u.file) } td.text { (u.session) } td.text { (u.variant) } td.wrap { (u.reason) } }
+                        }
+                    }
+                }
+            }
+        }
+        (notes::not_scored(scores))
+    }
+}
+
+fn definitions() -> Markup {
+    html! { dl { @for (name, definition) in COMPARISON_DEFINITIONS { dt { (name) } dd { (definition) "." } } } }
+}
+
+fn provenance(scores: &Scores, comparison: &Comparison) -> Markup {
+    let chance = format!(
+        "{} bootstrap draws, seed {}",
+        comparison.bootstrap_draws, comparison.bootstrap_seed
+    );
+    notes::provenance(scores, &chance)
+}

@@ -1,0 +1,137 @@
+//! Heat maps of the viewing directions: azimuth across, pitch and distance down, for each detector and texture.
+
+use std::collections::BTreeSet;
+
+use maud::{Markup, html};
+
+use super::shade::{ink, shade};
+use super::{number, side, summary, variants};
+use crate::scene::Bin;
+use crate::score::{CellFigures, Contestant, Scores, Summary};
+
+const LEFT: f64 = 66.0;
+const TOP: f64 = 26.0;
+/// Width and height of a cell.
+const CELL: (f64, f64) = (34.0, 28.0);
+/// Of a texture's name above its rows.
+const NAME: f64 = 17.0;
+const GAP: f64 = 7.0;
+
+/// A map for each detector, its textures below each other.
+pub(super) fn maps(scores: &Scores) -> Markup {
+    let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
+    let rows = rows(scores);
+    html! {
+        @if !rows.is_empty() {
+            h3 { "Azimuth × pitch × distance" }
+            div.scale {
+                span { "mean confidence 0" }
+                @for step in 0..=10 { i style=(format!("background:{}", shade(f64::from(step) / 10.0))) {} }
+                span { "1" }
+            }
+            div.maps {
+                @for c in &scores.contestants {
+                    figure.wide[azimuths.len() > 12] {
+                        figcaption { (c.manifest.title) }
+                        div.scroll { (map(scores, c, &azimuths, &rows)) }
+                    }
+                }
+            }
+            p.note {
+                "In each cell mean confidence, hits / photos below; “–”: no photo. Rows: pitch and distance at model scale, those that have "
+                "photos. AP and intervals per cell are in figures.csv."
+            }
+        }
+    }
+}
+
+/// A row of the maps: a bin without its azimuth.
+fn row_of(bin: &Bin) -> Bin {
+    Bin {
+        azimuth_deg: 0.0,
+        ..*bin
+    }
+}
+
+/// Every pitch and distance that has photos, ascending.
+fn rows(scores: &Scores) -> Vec<Bin> {
+    let cells = scores.summaries.iter().flat_map(|s| &s.cells);
+    let rows: BTreeSet<Bin> = cells.map(|c| row_of(&c.bin)).collect();
+    rows.into_iter().collect()
+}
+
+fn map(scores: &Scores, contestant: &Contestant, azimuths: &[f64], rows: &[Bin]) -> Markup {
+    let own = variants(scores).into_iter();
+    let own: Vec<&Summary> = own
+        .filter_map(|v| summary(scores, &contestant.manifest.name, v))
+        .collect();
+    let block = NAME + GAP + CELL.1 * rows.len() as f64;
+    let (width, height) = (
+        LEFT + CELL.0 * azimuths.len() as f64 + 2.0,
+        TOP + block * own.len() as f64,
+    );
+    let x = |column: usize| LEFT + CELL.0 * (column as f64 + 0.5);
+    html! {
+        svg viewBox=(format!("0 0 {width} {height}")) role="img" style=(format!("min-width:{}px", width.min(330.0)))
+            aria-label=(format!("Mean confidence by azimuth, pitch and distance, {}", contestant.manifest.title)) {
+            @for (column, azimuth) in azimuths.iter().enumerate() {
+                text x=(x(column)) y="11" font-size="9.5" text-anchor="middle" { (azimuth) "°" }
+                @if azimuth % 90.0 == 0.0 {
+                    text x=(x(column)) y="21" font-size="8.5" text-anchor="middle" fill="#5b6573" { (side(*azimuth)) }
+                }
+            }
+            @for (i, s) in own.iter().enumerate() {
+                @let top = TOP + block * i as f64;
+                text x="0" y=(top + 11.0) font-size="11" font-weight="600" { (s.variant) }
+                @for (j, row) in rows.iter().enumerate() {
+                    @let y = top + NAME + CELL.1 * j as f64;
+                    text x=(LEFT - 5.0) y=(y + 12.0) font-size="9.5" text-anchor="end" { (row.pitch_deg) "°" }
+                    text x=(LEFT - 5.0) y=(y + 22.0) font-size="8.5" text-anchor="end" fill="#5b6573" { (row.distance_mm) " mm" }
+                    @for (column, azimuth) in azimuths.iter().enumerate() {
+                        @let bin = Bin { azimuth_deg: *azimuth, ..*row };
+                        (cell(s, &bin, x(column), y))
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn cell(s: &Summary, bin: &Bin, x: f64, y: f64) -> Markup {
+    let found = s.cells.iter().find(|c| c.bin == *bin);
+    let (fill, text) = found.map_or(("#fff".to_owned(), "#5b6573"), |c| {
+        let confidence = c.figures.mean_confidence;
+        (shade(confidence), ink(confidence))
+    });
+    html! {
+        g.cell {
+            title { (title(s, bin, found)) }
+            rect x=(x - CELL.0 / 2.0) y=(y) width=(CELL.0) height=(CELL.1) fill=(fill) stroke="#c3cad2" stroke-width="0.7" {}
+            @match found {
+                Some(c) => {
+                    text x=(x) y=(y + 12.5) font-size="10.5" text-anchor="middle" fill=(text) { (number(c.figures.mean_confidence, 2)) }
+                    text x=(x) y=(y + 23.0) font-size="8.5" text-anchor="middle" fill=(text) {
+                        (c.figures.hit_rate.count) "/" (c.figures.photos)
+                    }
+                }
+                None => { text x=(x) y=(y + 17.0) font-size="10.5" text-anchor="middle" fill=(text) { "–" } }
+            }
+        }
+    }
+}
+
+/// Everything about a cell, for the pointer and for screen readers.
+fn title(s: &Summary, bin: &Bin, found: Option<&CellFigures>) -> String {
+    let place = format!(
+        "{}, {}, {}° × {}° × {} mm",
+        s.detector, s.variant, bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
+    );
+    let Some(CellFigures { figures: f, .. }) = found else {
+        return format!("{place}: no photo");
+    };
+    let r = &f.hit_rate;
+    format!(
+        "{place}: mean confidence {:.3}, {} hits of {} [{:.2}, {:.2}], AP@0.5 {:.3}",
+        f.mean_confidence, r.count, f.photos, r.low, r.high, f.ap50
+    )
+}

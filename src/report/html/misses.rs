@@ -1,0 +1,88 @@
+//! What became of the model where it was not found, and how far a pattern's effect carries over to other detectors.
+
+use maud::{Markup, html};
+
+use super::shade::{ink, shade};
+use super::{number, summary, variants};
+use crate::score::{BASE_VARIANT, Figures, Scores, TransferDrop, transfer};
+
+/// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
+pub(super) fn outcomes(scores: &Scores) -> Markup {
+    let variants = variants(scores);
+    html! {
+        ul.legend {
+            li { i.hit {} "hit" }
+            li { i.misclassified {} "misclassified: only another class found on the model" }
+            li { i.disappeared {} "disappeared: nothing found on the model" }
+        }
+        div.scroll {
+            table.outcomes {
+                thead { tr { th { "detector" } th.text { "texture" } th.text { "photos" } th { "halluci\u{ad}nations" br; small { "a photo" } } } }
+                tbody {
+                    @for c in &scores.contestants {
+                        @for (i, variant) in variants.iter().enumerate() {
+                            @if let Some(s) = summary(scores, &c.manifest.name, variant) {
+                                tr.first[i == 0] {
+                                    td { @if i == 0 { (c.manifest.title) } }
+                                    td.text { (variant) }
+                                    td.bar { (bar(&s.overall)) }
+                                    td { (number(s.overall.hallucinations_per_image, 2)) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn bar(f: &Figures) -> Markup {
+    let parts = [
+        ("hit", f.hit_rate),
+        ("misclassified", f.misclassification_rate),
+        ("disappeared", f.disappearance_rate),
+    ];
+    html! {
+        div.bar {
+            @for (class, rate) in parts {
+                @if rate.count > 0 {
+                    i class=(class) style=(format!("flex-grow:{}", rate.count))
+                        title=(format!("{class}: {} of {}, [{:.2}, {:.2}]", rate.count, f.photos, rate.low, rate.high)) {
+                        b { (rate.count) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Pattern × detector: the drop of AP and, below it, of the hit rate. Nothing without a base to drop from.
+pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
+    let rows = transfer(&scores.summaries);
+    html! {
+        @if !rows.is_empty() {
+            h3 { "Transfer: drop from " (BASE_VARIANT) ", pattern × detector" }
+            div.scroll {
+                table.matrix {
+                    thead { tr { th { "pattern" } @for c in &scores.contestants { th { (c.manifest.title) } } } }
+                    tbody {
+                        @for row in &rows {
+                            tr { td { (row.variant) } @for cell in &row.detectors { (transfer_cell(cell)) } }
+                        }
+                    }
+                }
+            }
+            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5." }
+        }
+    }
+}
+
+fn transfer_cell(cell: &TransferDrop) -> Markup {
+    let d = &cell.drop;
+    html! {
+        td style=(format!("background:{};color:{}", shade(d.ap50), ink(d.ap50))) {
+            (number(d.ap50, 3)) br; small { (number(d.hit_rate, 2)) }
+        }
+    }
+}

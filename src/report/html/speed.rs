@@ -1,0 +1,129 @@
+//! AP against milliseconds per photo: what accuracy costs, and what each texture takes away of it.
+
+use maud::{Markup, html};
+
+use super::{colour, round, summary, variants};
+use crate::detect::{Speed, Speeds};
+use crate::plot::{Axis, Scale, tick_label};
+use crate::score::Scores;
+
+const PLOT: (f64, f64) = (430.0, 250.0);
+const RADIUS: f64 = 4.5;
+
+/// The chart of the detectors whose times are known, and where the times come from.
+pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
+    let Some(speeds) = speeds else {
+        return html! {
+            p.note {
+                "Not in this report: no times were given. " code { "scaleproof detectors speed" } " measures them and writes a file for "
+                code { "score --speed FILE" } "."
+            }
+        };
+    };
+    let timed: Vec<&Speed> = scores
+        .contestants
+        .iter()
+        .filter_map(|c| speeds.of(&c.manifest.name))
+        .collect();
+    let untimed = scores.contestants.len() - timed.len();
+    html! {
+        ul.legend {
+            @for (i, variant) in variants(scores).iter().enumerate() {
+                li { svg.mark viewBox="-7 -7 14 14" { (mark(0.0, 0.0, i)) } (variant) }
+            }
+        }
+        div.scroll { (plot(scores, &timed)) }
+        p.note {
+            "Median of " (speeds.photos) " photos of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
+            "decoded photo to boxes; " (speeds.threads) " thread, " (speeds.machine) "; " (speeds.onnx_runtime) "."
+            @if untimed > 0 { " Without times, and not in the chart: " (untimed) " detectors." }
+        }
+    }
+}
+
+fn plot(scores: &Scores, timed: &[&Speed]) -> Markup {
+    let axis = Axis::around("milliseconds a photo", Scale::Log, timed.iter().map(|s| s.ms_per_photo));
+    let x = |ms: f64| round(axis.share(ms) * PLOT.0);
+    html! {
+        svg.speed viewBox=(format!("-42 -14 {} {}", PLOT.0 + 130.0, PLOT.1 + 62.0)) role="img" aria-label="AP at IoU 0.5 against milliseconds a photo" {
+            @for tick in axis.ticks() {
+                line x1=(x(tick)) x2=(x(tick)) y2=(PLOT.1) stroke="#d7dce2" {}
+                text x=(x(tick)) y=(PLOT.1 + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (tick_label(tick)) }
+            }
+            @for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                line x2=(PLOT.0) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
+                text x="-6" y=(y(tick) + 4.0) font-size="11" text-anchor="end" fill="#5b6573" { (tick) }
+            }
+            rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke="#5b6573" {}
+            text x=(PLOT.0 / 2.0) y=(PLOT.1 + 36.0) font-size="12" text-anchor="middle" { (axis.title) ", logarithmic" }
+            text transform=(format!("translate(-32 {}) rotate(-90)", PLOT.1 / 2.0)) font-size="12" text-anchor="middle" { "AP@0.5" }
+            @for speed in timed { (detector(scores, speed, x(speed.ms_per_photo))) }
+            (names(scores, timed, x))
+        }
+    }
+}
+
+fn y(ap: f64) -> f64 {
+    round((1.0 - ap) * PLOT.1)
+}
+
+/// The AP of a detector on each texture, by the index of the texture.
+fn aps(scores: &Scores, detector: &str) -> Vec<(usize, f64)> {
+    let all = variants(scores).into_iter().enumerate();
+    all.filter_map(|(i, variant)| Some((i, summary(scores, detector, variant)?.overall.ap50)))
+        .collect()
+}
+
+/// A mark for each texture, on one upright line.
+fn detector(scores: &Scores, speed: &Speed, x: f64) -> Markup {
+    let aps = aps(scores, &speed.detector);
+    let ends = aps.iter().map(|(_, ap)| y(*ap));
+    let (top, bottom) = ends.fold((f64::INFINITY, 0.0_f64), |(top, bottom), v| (top.min(v), bottom.max(v)));
+    html! {
+        line x1=(x) x2=(x) y1=(top.min(bottom)) y2=(bottom) stroke="#5b6573" stroke-width="1.2" {}
+        @for (i, ap) in aps {
+            g.speed-mark {
+                title {
+                    (speed.detector) ", " (variants(scores)[i]) (format!(": AP@0.5 {ap:.3}, {} ms ({} to {})",
+                        speed.ms_per_photo, speed.ms_range[0], speed.ms_range[1]))
+                }
+                (mark(x, y(ap), i))
+            }
+        }
+    }
+}
+
+/// Every texture has its own shape and colour.
+fn mark(x: f64, y: f64, variant: usize) -> Markup {
+    let r = RADIUS;
+    let corners: &[(f64, f64)] = match variant % 4 {
+        0 => return html! { circle cx=(x) cy=(y) r=(r) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} },
+        1 => &[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)],
+        2 => &[(0.9, 0.9), (0.9, -0.9), (-0.9, -0.9), (-0.9, 0.9)],
+        _ => &[(0.0, 1.3), (1.3, 0.0), (0.0, -1.3), (-1.3, 0.0)],
+    };
+    let points: Vec<String> = corners
+        .iter()
+        .map(|(dx, dy)| format!("{},{}", round(x + r * dx), round(y + r * dy)))
+        .collect();
+    html! { polygon points=(points.join(" ")) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} }
+}
+
+/// The detectors' names, to the right of their lines' middles, moved down where two would cover each other.
+fn names(scores: &Scores, timed: &[&Speed], x: impl Fn(f64) -> f64) -> Markup {
+    let titled = timed.iter().filter_map(|speed| {
+        let contestant = scores.contestants.iter().find(|c| c.manifest.name == speed.detector)?;
+        let aps = aps(scores, &speed.detector);
+        let mean = aps.iter().map(|(_, ap)| ap).sum::<f64>() / aps.len() as f64;
+        Some((x(speed.ms_per_photo), y(mean), contestant.manifest.title.as_str()))
+    });
+    let mut titled: Vec<_> = titled.collect();
+    titled.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut lowest = f64::NEG_INFINITY;
+    html! {
+        @for (x, y, title) in titled {
+            @let y = { lowest = y.max(lowest + 12.5); lowest };
+            text x=(round(x + 8.0)) y=(round(y + 4.0)) font-size="11" stroke="#fff" stroke-width="3" paint-order="stroke" { (title) }
+        }
+    }
+}

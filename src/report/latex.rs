@@ -1,0 +1,180 @@
+//! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
+
+use crate::score::{BASE_VARIANT, Compared, Comparison, Difference, Drop, Finding, MATCH_IOU, Scores, Summary};
+
+/// The whole file: a comment that says what the numbers mean, and one `tabular`.
+pub(super) fn table(scores: &Scores) -> String {
+    let mut lines = vec![
+        comment(scores),
+        "\\begin{tabular}{llrrrrlrrr}".into(),
+        "\\toprule".into(),
+    ];
+    lines.push(row([
+        "Detector",
+        "Texture",
+        "Photos",
+        "AP@0.5",
+        "Drop",
+        "Hits",
+        "Hit rate, 95\\,\\%",
+        "Drop",
+        "Confidence",
+        "Drop",
+    ]
+    .map(String::from)));
+    for own in scores.summaries.chunk_by(|a, b| a.detector == b.detector) {
+        lines.push("\\midrule".into());
+        lines.extend(own.iter().enumerate().map(|(i, s)| {
+            let title = if i == 0 { title(scores, &s.detector) } else { "" };
+            row(cells(title, s))
+        }));
+    }
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
+    lines.join("\n")
+}
+
+fn comment(scores: &Scores) -> String {
+    let criteria = &scores.criteria;
+    format!(
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.\n\
+         % Hit: confidence >= {} and IoU >= {MATCH_IOU}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {BASE_VARIANT} minus texture.",
+        env!("CARGO_PKG_VERSION"),
+        criteria.ap.name(),
+        criteria.hit_confidence,
+    )
+}
+
+fn title<'a>(scores: &'a Scores, detector: &'a str) -> &'a str {
+    let contestant = scores.contestants.iter().find(|c| c.manifest.name == detector);
+    contestant.map_or(detector, |c| &c.manifest.title)
+}
+
+fn cells(title: &str, s: &Summary) -> [String; 10] {
+    let (f, r) = (&s.overall, &s.overall.hit_rate);
+    let drop = |of: fn(&Drop) -> f64, digits| s.drop.map_or(String::new(), |d| number(of(&d), digits));
+    [
+        escaped(title),
+        escaped(&s.variant),
+        f.photos.to_string(),
+        number(f.ap50, 3),
+        drop(|d| d.ap50, 3),
+        format!("{}/{}", r.count, f.photos),
+        format!("{} [{}, {}]", number(r.rate, 2), number(r.low, 2), number(r.high, 2)),
+        drop(|d| d.hit_rate, 2),
+        number(f.mean_confidence, 2),
+        drop(|d| d.mean_confidence, 2),
+    ]
+}
+
+/// The drops of a comparison: a comment that says what the numbers mean, and one `tabular`.
+pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
+    let heads = [
+        "Detector",
+        "Texture",
+        "Pairs",
+        "AP@0.5",
+        "Drop, 95\\,\\%",
+        "Hit rate",
+        "Drop, 95\\,\\%",
+        "$p$",
+        "Confidence",
+        "Drop, 95\\,\\%",
+    ];
+    let mut lines = vec![
+        format!(
+            "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
+             % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
+             % dagger: too few photos to tell.",
+            env!("CARGO_PKG_VERSION"),
+            comparison.ap_definition,
+            comparison.base,
+            comparison.bootstrap_draws,
+            comparison.bootstrap_seed
+        ),
+        "\\begin{tabular}{llrrlrlrrl}".into(),
+        "\\toprule".into(),
+        row(heads.map(String::from)),
+        "\\midrule".into(),
+    ];
+    lines.extend(comparison.results.iter().map(|r| row(compared_cells(scores, r))));
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
+    lines.join("\n")
+}
+
+fn compared_cells(scores: &Scores, r: &Compared) -> [String; 10] {
+    let both = |d: &Difference, digits| format!("{} / {}", number(d.base, digits), number(d.other, digits));
+    [
+        escaped(title(scores, &r.detector)),
+        escaped(&r.variant),
+        r.pairs.to_string(),
+        both(&r.ap50, 3),
+        drop_cell(&r.ap50),
+        both(&r.hit_rate.rate, 2),
+        drop_cell(&r.hit_rate.rate),
+        format!("{:.3}", r.hit_rate.mcnemar_p),
+        both(&r.mean_confidence, 2),
+        drop_cell(&r.mean_confidence),
+    ]
+}
+
+fn drop_cell(d: &Difference) -> String {
+    let drop = match d.finding {
+        Finding::Drop | Finding::Rise => format!("\\textbf{{{}}}", number(d.drop, 2)),
+        Finding::NoDifferenceShown => number(d.drop, 2),
+        Finding::TooFewPhotosToTell => format!("{}$^\\dagger$", number(d.drop, 2)),
+    };
+    let interval = d
+        .interval_95
+        .map(|i| format!(" [{}, {}]", number(i.low, 2), number(i.high, 2)));
+    drop + &interval.unwrap_or_default()
+}
+
+fn row(cells: [String; 10]) -> String {
+    format!("{} \\\\", cells.join(" & "))
+}
+
+/// A number with a true minus sign, and none before a zero.
+fn number(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        Some(rest) => format!("$-{rest}$"),
+        None => text,
+    }
+}
+
+/// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.
+fn escaped(text: &str) -> String {
+    let mut tex = String::new();
+    for c in text.chars() {
+        match c {
+            '\\' => tex += "\\textbackslash{}",
+            '{' | '}' | '$' | '&' | '#' | '_' | '%' => tex.extend(['\\', c]),
+            '^' => tex += "\\textasciicircum{}",
+            '~' => tex += "\\textasciitilde{}",
+            '<' => tex += "\\textless{}",
+            '>' => tex += "\\textgreater{}",
+            '|' => tex += "\\textbar{}",
+            '[' | '*' => tex.extend(['{', c, '}']),
+            c if c.is_control() => tex.push(' '),
+            c => tex.push(c),
+        }
+    }
+    tex
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_tex_takes_for_commands_is_escaped() {
+        assert_eq!(escaped("a_b & 50 % {x} #1 $"), "a\\_b \\& 50 \\% \\{x\\} \\#1 \\$");
+        assert_eq!(
+            escaped("\\end^~"),
+            "\\textbackslash{}end\\textasciicircum{}\\textasciitilde{}"
+        );
+        assert_eq!(escaped("[1]*\n"), "{[}1]{*} ");
+        assert_eq!(escaped("Größe"), "Größe");
+    }
+}
