@@ -1,5 +1,6 @@
 //! Photos: decoded upright, or refused with the reason. A file is never written back.
 
+mod file;
 mod lens;
 
 use std::io::Cursor;
@@ -14,6 +15,7 @@ use zune_jpeg::JpegDecoder;
 
 use crate::files;
 
+pub use file::PhotoFile;
 pub use lens::Lens;
 
 /// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
@@ -50,18 +52,7 @@ impl Photo {
     /// Reads and decodes a JPEG or PNG file, whatever its name says.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read(path)?;
-        let decoded = decode(&bytes).map_err(|problem| match problem {
-            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path: path.to_owned() },
-            DecodeProblem::Truncated => PhotoError::Truncated { path: path.to_owned() },
-            DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge {
-                path: path.to_owned(),
-                megapixels,
-            },
-            DecodeProblem::Damaged(reason) => PhotoError::Damaged {
-                path: path.to_owned(),
-                reason,
-            },
-        })?;
+        let decoded = decode(&bytes).map_err(|problem| problem.at(path))?;
         Ok(Photo {
             rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),
@@ -96,6 +87,18 @@ enum DecodeProblem {
     Damaged(String),
 }
 
+impl DecodeProblem {
+    fn at(self, path: &Path) -> PhotoError {
+        let path = path.to_owned();
+        match self {
+            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
+            DecodeProblem::Truncated => PhotoError::Truncated { path },
+            DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge { path, megapixels },
+            DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
+        }
+    }
+}
+
 /// A picture, upright, and what its EXIF data says.
 #[derive(Debug)]
 struct Decoded {
@@ -105,15 +108,7 @@ struct Decoded {
 }
 
 fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => format,
-        _ => return Err(DecodeProblem::NotAPicture),
-    };
-    // The decoder fills the missing rows of a cut JPEG with grey and calls it a success, so we look first.
-    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
-        return Err(DecodeProblem::Truncated);
-    }
-    let (mut picture, exif) = match format {
+    let (mut picture, exif) = match picture_format(bytes)? {
         ImageFormat::Jpeg => decode_jpeg(bytes)?,
         _ => decode_png(bytes)?,
     };
@@ -125,6 +120,16 @@ fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
         turned_deg: turned_deg(orientation),
         lens: exif.map(Lens::from_exif).unwrap_or_default(),
     })
+}
+
+/// JPEG or PNG, by the first bytes. A cut JPEG ends here.
+fn picture_format(bytes: &[u8]) -> Result<ImageFormat, DecodeProblem> {
+    match image::guess_format(bytes) {
+        // Decoders fill the missing rows of a cut JPEG with grey and call it a success, so we look first.
+        Ok(ImageFormat::Jpeg) if !jpeg_is_complete(bytes) => Err(DecodeProblem::Truncated),
+        Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => Ok(format),
+        _ => Err(DecodeProblem::NotAPicture),
+    }
 }
 
 /// How far the sensor's picture is turned clockwise; mirroring is what software did to it before.
@@ -151,21 +156,31 @@ fn decode_png(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
     Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, exif))
 }
 
-/// Strictly: by default the decoder fills what damaged data leaves open with grey.
 fn decode_jpeg(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
+    let (pixels, width, height, exif) = decode_jpeg_as(bytes, ColorSpace::RGB)?;
+    let picture = RgbImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
+    Ok((picture.into(), exif))
+}
+
+/// Pixels as they are stored, width, height, EXIF data.
+fn decode_jpeg_as(bytes: &[u8], colours: ColorSpace) -> Result<(Vec<u8>, u32, u32, Option<Vec<u8>>), DecodeProblem> {
+    let mut decoder = jpeg_header(bytes, colours)?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    check_size(width as u64, height as u64)?;
+    let pixels = decoder.decode().map_err(damaged)?;
+    Ok((pixels, width as u32, height as u32, decoder.exif().cloned()))
+}
+
+/// A decoder that has read the header. Strict: by default it fills what damaged data leaves open with grey.
+fn jpeg_header(bytes: &[u8], colours: ColorSpace) -> Result<JpegDecoder<ZCursor<&[u8]>>, DecodeProblem> {
     let options = DecoderOptions::default()
         .set_strict_mode(true)
         .set_max_width(usize::MAX)
         .set_max_height(usize::MAX)
-        .jpeg_set_out_colorspace(ColorSpace::RGB);
+        .jpeg_set_out_colorspace(colours);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(damaged)?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
-    check_size(width as u64, height as u64)?;
-    let pixels = decoder.decode().map_err(damaged)?;
-    let picture =
-        RgbImage::from_raw(width as u32, height as u32, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
-    Ok((picture.into(), decoder.exif().map(|exif| exif.to_vec())))
+    Ok(decoder)
 }
 
 fn check_size(width: u64, height: u64) -> Result<(), DecodeProblem> {

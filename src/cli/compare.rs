@@ -29,6 +29,8 @@ pub struct Args {
     /// Compare the detections stored in the sessions instead of running the detectors.
     #[arg(long)]
     recorded: bool,
+    #[command(flatten)]
+    effort: score_command::Effort,
     /// Folder for comparison.json.
     #[arg(long)]
     out: PathBuf,
@@ -44,7 +46,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let folders = (!args.recorded).then(|| args.folder.folders()).transpose()?;
     let contestants = score_command::contestants(&sessions, manifests, folders.as_ref())?;
     files::check_writable(&args.out)?;
-    let scores = score_command::score_with_progress(sessions, contestants)?;
+    let options = args.effort.options(&contestants)?;
+    let scores = score_command::score_with_progress(sessions, contestants, &options)?;
     let comparison = score::compare(&scores, &args.base, args.ap)?;
     let page = report::comparison_json(&scores, &comparison)?;
     files::write_atomically(&args.out.join("comparison.json"), page.as_bytes())?;

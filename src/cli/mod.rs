@@ -8,6 +8,7 @@ mod compare;
 mod demo;
 mod detectors;
 mod locate;
+mod merge;
 mod pattern;
 mod plan;
 mod print;
@@ -43,6 +44,7 @@ enum Command {
     Locate(locate::Args),
     Detectors(detectors::Args),
     Score(score::Args),
+    Merge(merge::Args),
     Compare(compare::Args),
     Plan(plan::Args),
     Survey(survey::Args),
@@ -77,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Score(args) => score::run(args, out),
+        Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),
         Command::Plan(args) => plan::run(args, out),
         Command::Survey(args) => survey::run(args, out),

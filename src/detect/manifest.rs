@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::Labels;
+use super::input::Placement;
 use crate::files::{self, FileError};
 
 /// A detector this program knows.
@@ -213,6 +214,11 @@ impl Manifest {
         let manifest: Manifest = toml::from_str(text).map_err(|e| refused(e.message().replace('\n', " ")))?;
         manifest.check().map_err(refused)?;
         Ok(manifest)
+    }
+
+    /// The least width and height in pixels to which a photo of this size may be reduced before it is resized for the network.
+    pub fn least_px(&self, photo_width: u32, photo_height: u32) -> [u32; 2] {
+        Placement::new(&self.input, photo_width, photo_height).least_px(&self.input)
     }
 
     /// What TOML alone cannot say.

@@ -1,25 +1,31 @@
 //! Photos, poses and detections become numbers: truth boxes, matching, AP, rates, drops.
 
 mod ap;
+mod cache;
 mod caution;
 mod compare;
 mod contestant;
+mod observe;
 mod outcome;
 mod photo;
+mod preview;
 mod run;
+pub mod shard;
 mod summary;
 mod truth;
 mod wilson;
 
 pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+pub use cache::Cache;
 pub use compare::{
     BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
     holm, interval_95, mcnemar_p, pairs_needed, power,
 };
 pub use contestant::{Contestant, ContestantError, Source};
+pub use observe::{Observation, Options};
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto};
-pub use run::{ScoreError, Scores, score};
+pub use run::{ScoreError, Scores, libraries, merge, observe, runtime, score};
 pub use summary::{BinFigures, Drop, Figures, Rate, Summary};
 pub use truth::{NoTruth, box_from_pose};
 pub use wilson::wilson_95;

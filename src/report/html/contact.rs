@@ -13,7 +13,7 @@ pub(super) fn photo_library(scores: &Scores) -> Markup {
     html! {
         svg.library aria-hidden="true" {
             defs {
-                @for p in &scores.photos {
+                @for p in shown(scores) {
                     image id=(format!("photo{}", p.id)) width=(p.width) height=(p.height) preserveAspectRatio="none"
                         href=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&p.preview_jpeg))) {}
                 }
@@ -22,10 +22,19 @@ pub(super) fn photo_library(scores: &Scores) -> Markup {
     }
 }
 
+/// The photos that have a picture: in a large run only some do.
+fn shown(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
+    scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
+}
+
 /// One sheet per detector: a group for each viewing direction, so that normal stands beside camouflaged.
 pub(super) fn sheets(scores: &Scores) -> Markup {
     let groups = groups(scores);
+    let (pictures, photos) = (shown(scores).count(), scores.photos.len());
     html! {
+        @if pictures < photos {
+            p.note { (format!("{pictures} of {photos} photos are shown, spread evenly; the figures count all, and photos.csv lists all.")) }
+        }
         ul.legend {
             li { i style="background:var(--found)" {} "found as the class" }
             li { i style="background:var(--other)" {} "found, but another label on it too" }
@@ -56,9 +65,7 @@ fn groups(scores: &Scores) -> Vec<Group<'_>> {
     let rank = |p: &&ScoredPhoto| (order.iter().position(|v| *v == p.variant), p.id);
     let centres = scores.sessions[0].scene.bins.azimuth_centres();
     let group = |azimuth: Option<f64>| {
-        let mut photos: Vec<_> = scores
-            .photos
-            .iter()
+        let mut photos: Vec<_> = shown(scores)
             .filter(|p| p.bin.map(|b| b.azimuth_deg) == azimuth)
             .collect();
         photos.sort_by_key(rank);
