@@ -157,18 +157,20 @@ fn decode_png(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
 }
 
 fn decode_jpeg(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
-    let (pixels, width, height, exif) = decode_jpeg_as(bytes, ColorSpace::RGB)?;
+    let (pixels, [width, height], exif) = jpeg_pixels(bytes, ColorSpace::RGB)?;
     let picture = RgbImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
     Ok((picture.into(), exif))
 }
 
-/// Pixels as they are stored, width, height, EXIF data.
-fn decode_jpeg_as(bytes: &[u8], colours: ColorSpace) -> Result<(Vec<u8>, u32, u32, Option<Vec<u8>>), DecodeProblem> {
+/// Pixels as they are stored, width and height, EXIF data.
+type JpegPixels = (Vec<u8>, [u32; 2], Option<Vec<u8>>);
+
+fn jpeg_pixels(bytes: &[u8], colours: ColorSpace) -> Result<JpegPixels, DecodeProblem> {
     let mut decoder = jpeg_header(bytes, colours)?;
     let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
     check_size(width as u64, height as u64)?;
     let pixels = decoder.decode().map_err(damaged)?;
-    Ok((pixels, width as u32, height as u32, decoder.exif().cloned()))
+    Ok((pixels, [width as u32, height as u32], decoder.exif().cloned()))
 }
 
 /// A decoder that has read the header. Strict: by default it fills what damaged data leaves open with grey.

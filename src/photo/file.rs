@@ -8,7 +8,7 @@ use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, Rgb
 use zune_core::colorspace::ColorSpace;
 
 use super::{
-    DecodeProblem, PhotoError, check_size, damaged, decode, decode_jpeg_as, jpeg_header, picture_format, turned_deg,
+    DecodeProblem, PhotoError, check_size, damaged, decode, jpeg_header, jpeg_pixels, picture_format, turned_deg,
 };
 use crate::files;
 
@@ -60,7 +60,7 @@ impl PhotoFile {
             return Ok(image::imageops::grayscale(&self.rgb(1)?));
         }
         let luma = || {
-            let (pixels, width, height, _) = decode_jpeg_as(&self.bytes, ColorSpace::Luma)?;
+            let (pixels, [width, height], _) = jpeg_pixels(&self.bytes, ColorSpace::Luma)?;
             GrayImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no grey picture"))
         };
         let mut picture = DynamicImage::from(luma().map_err(|problem| problem.at(&self.path))?);

@@ -155,7 +155,7 @@ pub enum ShardError {
     #[error("{a} and {b} are the same shard: name each once", a = a.display(), b = b.display())]
     Twice { a: PathBuf, b: PathBuf },
     #[error(
-        "{found} of {count} shards are here, {} missing: score what is missing and merge all",
+        "{found} of {count} shards are here; missing: {} (score what is missing and merge all)",
         list_of(missing)
     )]
     Missing {
