@@ -11,7 +11,7 @@ use scaleproof::files::sha256_hex;
 use scaleproof::mesh::{Mesh, Placement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::palette::Palette;
-use scaleproof::photo::Photo;
+use scaleproof::photo::{Photo, PhotoFile};
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
 use scaleproof::session::Session;
@@ -136,8 +136,14 @@ fn mesh(name: &str, bytes: &[u8]) {
 }
 
 pub fn photo(bytes: &[u8]) {
-    if let Ok(photo) = Photo::open(&file("photo", bytes)) {
+    let path = file("photo", bytes);
+    if let Ok(photo) = Photo::open(&path) {
         let _ = Camera::guessed(photo.width(), photo.height(), &photo.lens);
+    }
+    if let Ok(photo) = PhotoFile::open(&path) {
+        let _ = photo.grey();
+        let wanted = [1, 2, 4, 8].map(|r| photo.reduction([photo.width / r, photo.height / r]));
+        wanted.iter().for_each(|reduction| drop(photo.rgb(*reduction)));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Photos: decoded upright, or refused with the reason. A file is never written back.
 
+mod file;
 mod lens;
-mod upright_size;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,8 @@ use zune_jpeg::JpegDecoder;
 
 use crate::files;
 
+pub use file::PhotoFile;
 pub use lens::Lens;
-pub use upright_size::upright_size;
 
 /// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
 const MAX_MEGAPIXELS: u64 = 250;
@@ -52,7 +52,7 @@ impl Photo {
     /// Reads and decodes a JPEG or PNG file, whatever its name says.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read(path)?;
-        let decoded = decode(&bytes).map_err(|problem| refusal(path, problem))?;
+        let decoded = decode(&bytes).map_err(|problem| problem.at(path))?;
         Ok(Photo {
             rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),
@@ -87,20 +87,16 @@ enum DecodeProblem {
     Damaged(String),
 }
 
-fn refusal(path: &Path, problem: DecodeProblem) -> PhotoError {
-    let path = path.to_owned();
-    match problem {
-        DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
-        DecodeProblem::Truncated => PhotoError::Truncated { path },
-        DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge { path, megapixels },
-        DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
+impl DecodeProblem {
+    fn at(self, path: &Path) -> PhotoError {
+        let path = path.to_owned();
+        match self {
+            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
+            DecodeProblem::Truncated => PhotoError::Truncated { path },
+            DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge { path, megapixels },
+            DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
+        }
     }
-}
-
-/// The format of a picture that photos come in.
-fn known_format(bytes: &[u8]) -> Option<ImageFormat> {
-    let format = image::guess_format(bytes).ok()?;
-    matches!(format, ImageFormat::Jpeg | ImageFormat::Png).then_some(format)
 }
 
 /// A picture, upright, and what its EXIF data says.
@@ -112,12 +108,7 @@ struct Decoded {
 }
 
 fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
-    let format = known_format(bytes).ok_or(DecodeProblem::NotAPicture)?;
-    // The decoder fills the missing rows of a cut JPEG with grey and calls it a success, so we look first.
-    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
-        return Err(DecodeProblem::Truncated);
-    }
-    let (mut picture, exif) = match format {
+    let (mut picture, exif) = match picture_format(bytes)? {
         ImageFormat::Jpeg => decode_jpeg(bytes)?,
         _ => decode_png(bytes)?,
     };
@@ -129,6 +120,16 @@ fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
         turned_deg: turned_deg(orientation),
         lens: exif.map(Lens::from_exif).unwrap_or_default(),
     })
+}
+
+/// JPEG or PNG, by the first bytes. A cut JPEG ends here.
+fn picture_format(bytes: &[u8]) -> Result<ImageFormat, DecodeProblem> {
+    match image::guess_format(bytes) {
+        // Decoders fill the missing rows of a cut JPEG with grey and call it a success, so we look first.
+        Ok(ImageFormat::Jpeg) if !jpeg_is_complete(bytes) => Err(DecodeProblem::Truncated),
+        Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => Ok(format),
+        _ => Err(DecodeProblem::NotAPicture),
+    }
 }
 
 /// How far the sensor's picture is turned clockwise; mirroring is what software did to it before.
@@ -155,21 +156,33 @@ fn decode_png(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
     Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, exif))
 }
 
-/// Strictly: by default the decoder fills what damaged data leaves open with grey.
 fn decode_jpeg(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
+    let (pixels, [width, height], exif) = jpeg_pixels(bytes, ColorSpace::RGB)?;
+    let picture = RgbImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
+    Ok((picture.into(), exif))
+}
+
+/// Pixels as they are stored, width and height, EXIF data.
+type JpegPixels = (Vec<u8>, [u32; 2], Option<Vec<u8>>);
+
+fn jpeg_pixels(bytes: &[u8], colours: ColorSpace) -> Result<JpegPixels, DecodeProblem> {
+    let mut decoder = jpeg_header(bytes, colours)?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    check_size(width as u64, height as u64)?;
+    let pixels = decoder.decode().map_err(damaged)?;
+    Ok((pixels, [width as u32, height as u32], decoder.exif().cloned()))
+}
+
+/// A decoder that has read the header. Strict: by default it fills what damaged data leaves open with grey.
+fn jpeg_header(bytes: &[u8], colours: ColorSpace) -> Result<JpegDecoder<ZCursor<&[u8]>>, DecodeProblem> {
     let options = DecoderOptions::default()
         .set_strict_mode(true)
         .set_max_width(usize::MAX)
         .set_max_height(usize::MAX)
-        .jpeg_set_out_colorspace(ColorSpace::RGB);
+        .jpeg_set_out_colorspace(colours);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(damaged)?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
-    check_size(width as u64, height as u64)?;
-    let pixels = decoder.decode().map_err(damaged)?;
-    let picture =
-        RgbImage::from_raw(width as u32, height as u32, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
-    Ok((picture.into(), decoder.exif().map(|exif| exif.to_vec())))
+    Ok(decoder)
 }
 
 fn check_size(width: u64, height: u64) -> Result<(), DecodeProblem> {

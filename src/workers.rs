@@ -8,11 +8,30 @@ pub fn thread_count() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
-/// Does `work` on every item, spread over threads; results keep the items' order.
+/// [`map_over`] with one thread a core.
+pub fn map<T, S, R, E>(
+    items: &[T],
+    make_state: impl Fn() -> Result<S, E> + Sync,
+    work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
+    on_done: impl Fn() + Sync,
+) -> Result<Vec<R>, E>
+where
+    T: Sync,
+    R: Send,
+    E: Send,
+{
+    map_over(thread_count(), items, make_state, work, on_done)
+}
+
+/// Does `work` on every item, spread over so many threads; results keep the items' order.
+///
+/// A thread takes the next item when it has done one, so that one reads and decodes while another computes, and no more items
+/// are in work than there are threads.
 ///
 /// Each thread makes its state once. When a state cannot be made, or some work fails, the first error is returned and the
 /// remaining items are left.
-pub fn map<T, S, R, E>(
+pub fn map_over<T, S, R, E>(
+    threads: usize,
     items: &[T],
     make_state: impl Fn() -> Result<S, E> + Sync,
     work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
@@ -46,7 +65,7 @@ where
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..thread_count().min(items.len()) {
+        for _ in 0..threads.clamp(1, items.len().max(1)) {
             scope.spawn(run);
         }
     });

@@ -29,6 +29,8 @@ pub struct Args {
     /// Compare the detections stored in the sessions instead of running the detectors.
     #[arg(long)]
     recorded: bool,
+    #[command(flatten)]
+    effort: score_command::Effort,
     /// Folder for comparison.html, comparison.tex and comparison.json.
     #[arg(long)]
     out: PathBuf,
@@ -48,7 +50,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         ap: args.ap,
         ..Criteria::default()
     };
-    let scores = score_command::score_with_progress(sessions, contestants)?.judged_by(criteria);
+    let options = args.effort.options(&contestants)?;
+    let scores = score_command::score_with_progress(sessions, contestants, &options)?.judged_by(criteria);
     let comparison = score::compare(&scores, &args.base, args.ap)?;
     let page = report::write_comparison(&args.out, &scores, &comparison)?;
     score_command::caution(&scores);

@@ -11,7 +11,7 @@ use crate::print::paper::{Orientation, Paper};
 use crate::print::printer::Printer;
 use crate::print::template::{Front, LayoutRequest, TemplateRequest};
 use crate::report;
-use crate::score::Contestant;
+use crate::score::{Contestant, Options};
 use crate::session::Session;
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.
@@ -35,7 +35,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     writeln!(out, "\n3. Detectors are scored on them")?;
     let contestants = contestants(&session, &args.folder.folders()?, out)?;
     let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &contestants)?;
-    let scores = score::score_with_progress(vec![session], contestants)?;
+    let scores = score::score_with_progress(vec![session], contestants, &Options::default())?;
     let page = report::write(&args.out, &scores, Some(&speeds))?;
     score::caution(&scores);
     writeln!(out, "\nreport:   {}\ntemplate: {}\n", page.display(), pdf.display())?;

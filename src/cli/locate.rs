@@ -10,7 +10,7 @@ use super::{CommandResult, Outcome, progress};
 use crate::camera::{Camera, Fitted};
 use crate::geometry::rigid;
 use crate::locate::{self, Abstention, IgnoredTag, Located, Sigma, Warning};
-use crate::photo::Photo;
+use crate::photo::{PhotoError, PhotoFile};
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
@@ -182,15 +182,17 @@ fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
 }
 
 fn locate_file(path: &Path, tags: &mut dyn TagDetector, scene: &Scene, camera: &Camera) -> Result<Found, NoPose> {
-    let photo = Photo::open(path).map_err(|e| NoPose {
+    let unreadable = |e: PhotoError| NoPose {
         code: UNREADABLE,
         reason: e.to_string(),
-    })?;
-    let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg);
+    };
+    let photo = PhotoFile::open(path).map_err(unreadable)?;
+    let grey = photo.grey().map_err(unreadable)?;
+    let fitted = camera.for_photo(photo.width, photo.height, photo.turned_deg);
     fitted
         .map_err(Abstention::from)
         .and_then(|fitted| {
-            let located = locate::locate(&tags.find(&photo.grey()), scene, &fitted.camera)?;
+            let located = locate::locate(&tags.find(&grey), scene, &fitted.camera)?;
             Ok(Found { located, fitted })
         })
         .map_err(|e| NoPose {

@@ -8,6 +8,7 @@ mod compare;
 mod demo;
 mod detectors;
 mod locate;
+mod merge;
 mod pattern;
 mod plan;
 mod print;
@@ -45,6 +46,7 @@ enum Command {
     Detectors(detectors::Args),
     Session(session::Args),
     Score(score::Args),
+    Merge(merge::Args),
     Compare(compare::Args),
     Plan(plan::Args),
     Survey(survey::Args),
@@ -80,6 +82,7 @@ pub fn main() -> ExitCode {
         Command::Detectors(args) => detectors::run(args, out),
         Command::Session(args) => session::run(args, out),
         Command::Score(args) => score::run(args, out),
+        Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),
         Command::Plan(args) => plan::run(args, out),
         Command::Survey(args) => survey::run(args, out),

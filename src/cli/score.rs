@@ -7,8 +7,12 @@ use super::{CommandResult, Outcome, detectors, progress};
 use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, SpeedError, Speeds, WeightFolders};
 use crate::files::{self, FileError};
 use crate::report;
-use crate::score::{self, ApDefinition, Contestant, ContestantError, Criteria, ScoreError, Scores};
+use crate::score::shard::{DetectorUsed, Part, Run, SessionSeen, Shard};
+use crate::score::{
+    self, ApDefinition, Cache, Contestant, ContestantError, Criteria, Options, ScoreError, Scores, Source,
+};
 use crate::session::Session;
+use crate::workers;
 
 /// Score detectors on photo sessions: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
 ///
@@ -22,31 +26,95 @@ pub struct Args {
     detectors: Vec<String>,
     #[command(flatten)]
     folder: detectors::Folder,
-    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
-    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
-    ap: ApDefinition,
-    /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
-    #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE)]
-    confidence: f64,
+    #[command(flatten)]
+    judging: Judging,
+    #[command(flatten)]
+    effort: Effort,
     /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv and the COCO files.
     #[arg(long)]
     out: PathBuf,
-    /// File of `scaleproof detectors speed`: the report then charts AP against milliseconds a photo.
-    #[arg(long, value_name = "FILE")]
-    speed: Option<PathBuf>,
     /// Score the detections stored in the sessions instead of running the detectors.
     #[arg(long)]
     recorded: bool,
     /// Store the detections in each session's folder `recorded`, for later runs with --recorded.
     #[arg(long, conflicts_with = "recorded")]
     record: bool,
+    /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
+    /// the task of an array job, `k8s/3` the pod of an indexed job of three.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "speed"])]
+    shard: Option<Part>,
+}
+
+/// What is made of what was found: nothing of it needs the photos again.
+#[derive(clap::Args)]
+pub struct Judging {
+    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
+    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
+    ap: ApDefinition,
+    /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
+    #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE)]
+    confidence: f64,
+    /// File of `scaleproof detectors speed`: the report then charts AP against milliseconds a photo.
+    #[arg(long, value_name = "FILE")]
+    speed: Option<PathBuf>,
+}
+
+impl Judging {
+    pub fn criteria(&self) -> Result<Criteria, String> {
+        if !(SCORE_FLOOR..=1.0).contains(&self.confidence) {
+            let confidence = self.confidence;
+            return Err(format!(
+                "--confidence is {confidence}: give a number from {SCORE_FLOOR} to 1"
+            ));
+        }
+        Ok(Criteria {
+            ap: self.ap,
+            hit_confidence: self.confidence,
+        })
+    }
+
+    pub fn speeds(&self, contestants: &[Contestant]) -> Result<Option<Speeds>, SpeedError> {
+        self.speed.as_deref().map(|path| speeds(path, contestants)).transpose()
+    }
+}
+
+/// How hard a run works and what it keeps; no result depends on it.
+#[derive(clap::Args)]
+pub struct Effort {
+    /// Threads to use; one a core when left out.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder that keeps what was found in each photo, by content, so that a later or interrupted run need not look again; the
+    /// user's cache when left out. It may be deleted at any time.
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+}
+
+impl Effort {
+    pub fn options(&self, contestants: &[Contestant]) -> Result<Options, Box<dyn std::error::Error>> {
+        let runtime = score::runtime(contestants)?.map(|runtime| runtime.provenance());
+        let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());
+        let folder = self
+            .cache
+            .clone()
+            .or_else(|| Some(dirs::cache_dir()?.join("scaleproof/photos")));
+        let cache = match folder.map(|folder| Cache::open(&folder, &libraries)) {
+            // Only what the user named must be there.
+            Some(Err(e)) if self.cache.is_some() => return Err(e.into()),
+            cache => cache.and_then(Result::ok),
+        };
+        Ok(Options {
+            threads: self.threads.map_or_else(workers::thread_count, usize::from),
+            cache,
+        })
+    }
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if args.sessions.is_empty() {
         return Err("no session is named: name the session folders first, then --detector and the others".into());
     }
-    let criteria = criteria(&args)?;
+    let criteria = args.judging.criteria()?;
     let sessions = args
         .sessions
         .iter()
@@ -60,12 +128,14 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     };
     let contestants = contestants(&sessions, manifests, folders.as_ref())?;
     check_places(&args, &sessions)?;
-    let speeds = args
-        .speed
-        .as_deref()
-        .map(|path| speeds(path, &contestants))
-        .transpose()?;
-    let scores = score_with_progress(sessions, contestants)?.judged_by(criteria);
+    let speeds = args.judging.speeds(&contestants)?;
+    let options = args.effort.options(&contestants)?;
+    if let Some(part) = args.shard {
+        let path = write_shard(&args, part, &sessions, &contestants, &options)?;
+        writeln!(out, "shard {part}: {}", path.display())?;
+        return Ok(Outcome::Done);
+    }
+    let scores = score_with_progress(sessions, contestants, &options)?.judged_by(criteria);
     let page = report::write(&args.out, &scores, speeds.as_ref())?;
     if args.record {
         record(&scores)?;
@@ -75,19 +145,6 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     writeln!(out, "truth boxes: {}", report::truth_boxes(&scores))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
-}
-
-fn criteria(args: &Args) -> Result<Criteria, String> {
-    if !(SCORE_FLOOR..=1.0).contains(&args.confidence) {
-        let confidence = args.confidence;
-        return Err(format!(
-            "--confidence is {confidence}: give a number from {SCORE_FLOOR} to 1"
-        ));
-    }
-    Ok(Criteria {
-        ap: args.ap,
-        hit_confidence: args.confidence,
-    })
 }
 
 /// Finds out before the work that its results can be stored.
@@ -126,11 +183,89 @@ pub fn speeds(path: &Path, contestants: &[Contestant]) -> Result<Speeds, SpeedEr
 }
 
 /// Scores sessions and shows how far it has come.
-pub fn score_with_progress(sessions: Vec<Session>, contestants: Vec<Contestant>) -> Result<Scores, ScoreError> {
+pub fn score_with_progress(
+    sessions: Vec<Session>,
+    contestants: Vec<Contestant>,
+    options: &Options,
+) -> Result<Scores, ScoreError> {
     let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
-    let scores = score::score(sessions, contestants, || bar.inc(1));
+    let scores = score::score(sessions, contestants, options, || bar.inc(1));
     bar.finish_and_clear();
+    complain(options);
     scores
+}
+
+fn complain(options: &Options) {
+    for complaint in options.cache.iter().flat_map(Cache::complaints) {
+        eprintln!("note: {complaint}");
+    }
+}
+
+/// Looks at one part of the photos and writes what `merge` needs.
+fn write_shard(
+    args: &Args,
+    part: Part,
+    sessions: &[Session],
+    contestants: &[Contestant],
+    options: &Options,
+) -> Result<PathBuf, Box<dyn std::error::Error>> {
+    let photos = (1..=sessions.iter().map(|s| s.photos.len() as u64).sum()).filter(|id| part.holds(*id));
+    let bar = progress::photos(&format!("scoring {part}"), photos.count());
+    let observed = score::observe(sessions, contestants, options, part, || bar.inc(1));
+    bar.finish_and_clear();
+    complain(options);
+    let shard = Shard {
+        run: Run {
+            sessions: sessions.iter().map(session_seen).collect::<Result<_, _>>()?,
+            detectors: detectors_used(&args.detectors, contestants)?,
+            is_recorded: args.recorded,
+            runtime: score::runtime(contestants)?.map(|runtime| runtime.provenance()),
+            libraries: score::libraries(),
+        },
+        part,
+        observed: observed?,
+    };
+    Ok(shard.write(&args.out)?)
+}
+
+pub fn session_seen(session: &Session) -> std::io::Result<SessionSeen> {
+    Ok(SessionSeen {
+        folder: session.folder.canonicalize()?,
+        hashes: session.hashes.clone(),
+    })
+}
+
+/// The contestants by what chooses them again: a built-in one's name, a manifest's path.
+fn detectors_used(chosen: &[String], contestants: &[Contestant]) -> std::io::Result<Vec<DetectorUsed>> {
+    let manifest_of = |c: &Contestant| {
+        let files = chosen.iter().filter(|name| name.ends_with(".toml"));
+        let mut paths = files.map(Path::new);
+        paths.find(|path| Manifest::open(path).is_ok_and(|m| m == c.manifest))
+    };
+    let used = contestants.iter().map(|c| {
+        let chosen_as = match manifest_of(c) {
+            Some(path) => path.canonicalize()?.display().to_string(),
+            None => c.manifest.name.clone(),
+        };
+        Ok(DetectorUsed {
+            chosen_as,
+            fingerprint: fingerprint(c),
+        })
+    });
+    used.collect()
+}
+
+/// SHA-256 of all that a manifest says except where it lies, and of the recordings that are played back.
+pub fn fingerprint(c: &Contestant) -> String {
+    let anywhere = Manifest {
+        folder: None,
+        ..c.manifest.clone()
+    };
+    let recordings: Vec<_> = match &c.source {
+        Source::Live(_) => Vec::new(),
+        Source::Recorded(recordings) => recordings.iter().map(|r| &r.recording).collect(),
+    };
+    files::sha256_hex(format!("{anywhere:?} {recordings:?}").as_bytes())
 }
 
 /// Says on standard error which photos were left out, and what to know before believing the figures.

@@ -26,7 +26,7 @@ pub fn coco_results<'a>(
     photos: impl IntoIterator<Item = (u64, &'a [Detection])>,
     labels: Labels,
 ) -> serde_json::Result<String> {
-    let mut lines = Vec::new();
+    let mut text = String::from("[");
     for (image_id, detections) in photos {
         for d in detections {
             // A label outside the map cannot come from `Detector`, and a file cannot name it.
@@ -39,10 +39,13 @@ pub fn coco_results<'a>(
                 bbox: d.to_xywh(),
                 score: d.score,
             };
-            lines.push(serde_json::to_string(&line)?);
+            text.push_str(if text.len() == 1 { "\n" } else { ",\n" });
+            text.push_str(&serde_json::to_string(&line)?);
         }
     }
-    Ok(format!("[\n{}\n]\n", lines.join(",\n")))
+    // Without a result the list is an empty line.
+    text.push_str(if text.len() == 1 { "\n\n]\n" } else { "\n]\n" });
+    Ok(text)
 }
 
 /// Where a recording came from.

@@ -60,6 +60,15 @@ impl Placement {
         }
     }
 
+    /// Width, height a reduced picture must have to stand in for the photo: twice what the network sees of it, or all where the
+    /// network resizes by itself. A kernel then never has to enlarge, and still averages over the reduced pixels.
+    pub(super) fn least_px(&self, input: &Input) -> [u32; 2] {
+        match input.resize {
+            Resize::Original => self.size,
+            _ => self.size.map(|side| side.saturating_mul(2)),
+        }
+    }
+
     /// A box in input pixels as a box in photo pixels, cut at the photo's border.
     pub(super) fn to_photo(self, b: BoxPx) -> BoxPx {
         let x = |v: f64| (v - self.offset[0]) / self.scale[0];
@@ -72,7 +81,7 @@ fn per_axis(size: [u32; 2], photo: [f64; 2]) -> [f64; 2] {
     [f64::from(size[0]) / photo[0], f64::from(size[1]) / photo[1]]
 }
 
-/// The input tensor's numbers, in the order of the manifest's layout.
+/// The input tensor's numbers, in the order of the manifest's layout. The photo may come reduced.
 pub(super) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> Result<Vec<f32>, String> {
     let resized = resize(photo, placement.size, input.kernel)?;
     let [net_w, net_h] = placement.canvas.map(|v| v as usize);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::Labels;
+use super::input::Placement;
 use crate::files::{self, FileError};
 
 /// A detector this program knows.
@@ -229,6 +230,11 @@ impl Manifest {
         let text = toml::to_string(self).map_err(|e| refused(e.to_string().replace('\n', " ")))?;
         Manifest::parse(&text, &self.name)?;
         Ok(text)
+    }
+
+    /// The least width and height in pixels to which a photo of this size may be reduced before it is resized for the network.
+    pub fn least_px(&self, photo_width: u32, photo_height: u32) -> [u32; 2] {
+        Placement::new(&self.input, photo_width, photo_height).least_px(&self.input)
     }
 
     /// What TOML alone cannot say.

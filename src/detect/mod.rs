@@ -12,7 +12,7 @@ mod runtime;
 mod speed;
 mod weights;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::BoxPx;
 
@@ -34,7 +34,7 @@ pub const MAX_DETECTIONS: usize = 100;
 /// One box a detector found.
 ///
 /// Coordinates are rounded to 0.01 px and scores to 1e-6, so that a run and its recording are the same numbers.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Detection {
     /// Index into the detector's labels.
     pub label: usize,

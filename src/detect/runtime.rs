@@ -108,11 +108,16 @@ impl Detector {
 
     /// Every detection of a photo above the score floor, best first, at most [`MAX_DETECTIONS`].
     pub fn detect(&mut self, photo: &RgbImage) -> Result<Vec<Detection>, DetectError> {
+        self.detect_reduced(photo, photo.width(), photo.height())
+    }
+
+    /// The same for a photo of a size in pixels of which `photo` is a reduced picture, no smaller than [`Manifest::least_px`].
+    pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
         let failed = |reason: String| DetectError::Run {
             detector: self.manifest.name.clone(),
             reason,
         };
-        let placement = Placement::new(&self.manifest.input, photo.width(), photo.height());
+        let placement = Placement::new(&self.manifest.input, width, height);
         let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(failed)?;
         let outputs = run(&mut self.session, &self.manifest, tensor, &placement).map_err(|e| DetectError::Run {
             detector: self.manifest.name.clone(),

@@ -52,6 +52,12 @@ impl Contestant {
         Contestant::new(manifest, source, class)
     }
 
+    /// A detector that ran elsewhere, for shards: it needs no weights here.
+    pub fn ran_elsewhere(manifest: Manifest, class: &str) -> Result<Contestant, ContestantError> {
+        let source = Source::Live(PathBuf::from(&manifest.weights.file));
+        Contestant::new(manifest, source, class)
+    }
+
     /// Where a session's recordings lie.
     pub fn recordings_of(session: &Path) -> PathBuf {
         session.join(RECORDED)

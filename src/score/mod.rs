@@ -1,30 +1,35 @@
 //! Photos, poses and detections become numbers: truth boxes, matching, AP, rates, drops.
 
 mod ap;
+mod cache;
 mod caution;
 mod compare;
 mod contestant;
 mod criteria;
+mod observe;
 mod outcome;
 mod photo;
 mod preview;
 mod reliability;
 mod run;
+pub mod shard;
 mod summary;
 mod transfer;
 mod wilson;
 
 pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+pub use cache::Cache;
 pub use compare::{
     BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
     holm, interval_95, mcnemar_p, pairs_needed, power,
 };
 pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;
+pub use observe::{Observation, Options};
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto, TagMark};
 pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
-pub use run::{ScoreError, Scores, score};
+pub use run::{ScoreError, Scores, libraries, merge, observe, runtime, score};
 pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};
 pub use wilson::wilson_95;

@@ -1,11 +1,15 @@
-//! Small JPEGs of the photos for the report: the fewer photos, the larger.
+//! Small JPEGs of the photos for the report.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
-use crate::photo::Photo;
+use super::observe::Pictures;
+use crate::photo::PhotoError;
 
-/// Longest side in pixels of the previews of so many photos: some megabytes for all of them together.
+/// More pictures than this make a page that no browser shows, and a run that no memory holds.
+const MAX_PREVIEWS: usize = 1000;
+
+/// Longest side in pixels of the previews of so many photos: the fewer, the larger.
 pub(super) fn longest_side_px(photos: usize) -> u32 {
     match photos {
         0..=32 => 1200,
@@ -14,16 +18,38 @@ pub(super) fn longest_side_px(photos: usize) -> u32 {
     }
 }
 
-/// The photo with its longest side scaled down to `longest_side_px`; never larger than it is.
-pub(super) fn jpeg(photo: &Photo, longest_side_px: u32) -> Vec<u8> {
-    let (width, height) = (f64::from(photo.width()), f64::from(photo.height()));
+/// Whether the photo of this id (from 1) has a preview in a run of so many photos: all, or a thousand spread evenly.
+pub(super) fn has_preview(id: u64, photos: usize) -> bool {
+    let share = |id: u64| id as u128 * MAX_PREVIEWS as u128 / photos as u128;
+    photos <= MAX_PREVIEWS || share(id) != share(id - 1)
+}
+
+/// The photo with its longest side made `longest_side_px`; never larger than it is.
+pub(super) fn jpeg(pictures: &mut Pictures, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
+    let (width, height) = (f64::from(pictures.file.width), f64::from(pictures.file.height));
     let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
     let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
-    let small = imageops::resize(&photo.rgb, width, height, FilterType::Triangle);
+    let picture = pictures.at_least([2 * width, 2 * height])?;
+    let small = imageops::resize(picture, width, height, FilterType::Triangle);
     let mut jpeg = Vec::new();
     // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.
     match JpegEncoder::new_with_quality(&mut jpeg, 80).encode_image(&small) {
-        Ok(()) => jpeg,
-        Err(_) => Vec::new(),
+        Ok(()) => Ok(jpeg),
+        Err(_) => Ok(Vec::new()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thousand_photos_at_most_have_previews() {
+        for photos in [1, 999, 1000, 1001, 10_000, 21_600] {
+            let shown: Vec<u64> = (1..=photos as u64).filter(|id| has_preview(*id, photos)).collect();
+            assert_eq!(shown.len(), photos.min(1000));
+            let widest = shown.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(1);
+            assert!(widest as usize <= photos.div_ceil(1000), "spread evenly");
+        }
     }
 }

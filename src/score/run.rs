@@ -1,15 +1,15 @@
 //! A scoring run: every photo of some sessions through pose, truth and detectors, in parallel.
 
+use std::collections::BTreeMap;
+
+use super::observe::{Job, Observation, Observer, Options, Place, place};
 use super::{
-    Contestant, Criteria, HIT_CONFIDENCE, NotScored, Outcome, ScoredPhoto, Source, Summary, TagMark, caution, preview,
-    summary,
+    Contestant, Criteria, HIT_CONFIDENCE, NotScored, Outcome, ScoredPhoto, Summary, TagMark, caution, shard, summary,
 };
-use crate::detect::{DetectError, Detection, Detector, Runtime};
-use crate::geometry::BoxPx;
-use crate::locate::{self, Abstention, Located};
-use crate::photo::Photo;
-use crate::session::{PhotoEntry, Session};
-use crate::tags::{SeenTag, StartError, TagDetector, TagDetectorChoice};
+use crate::detect::{DetectError, Runtime};
+use crate::locate::Located;
+use crate::session::Session;
+use crate::tags::{SeenTag, StartError, TagDetectorChoice};
 use crate::workers;
 
 /// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
@@ -31,6 +31,8 @@ pub enum ScoreError {
         file: String,
         reason: String,
     },
+    #[error("the shards do not hold {file} of {session}: score them again")]
+    NotObserved { session: String, file: String },
     #[error(transparent)]
     Detect(#[from] DetectError),
     #[error(transparent)]
@@ -59,84 +61,131 @@ pub struct Scores {
 pub fn score(
     sessions: Vec<Session>,
     contestants: Vec<Contestant>,
+    options: &Options,
     on_photo: impl Fn() + Sync,
 ) -> Result<Scores, ScoreError> {
-    check_alike(&sessions)?;
-    let runtime = match contestants.iter().any(|c| !c.is_recorded()) {
-        true => Some(Runtime::load()?),
-        false => None,
-    };
-    let families = sessions
-        .iter()
-        .flat_map(|s| s.scene.families())
-        .collect::<std::collections::BTreeSet<_>>();
-    let families: Vec<_> = families.into_iter().collect();
-    let jobs: Vec<Job> = jobs(&sessions);
-    let results = workers::map(
-        &jobs,
-        || {
-            Ok::<_, ScoreError>(Worker {
-                tags: TagDetectorChoice::default().open(&families)?,
-                detectors: open(&contestants, runtime)?,
-                preview_px: preview::longest_side_px(jobs.len()),
-            })
-        },
-        |worker, job| worker.photo(job, &contestants),
-        on_photo,
-    )?;
-    let (mut photos, mut not_scored) = (Vec::new(), Vec::new());
-    for result in results {
-        match result {
-            Ok(photo) => photos.push(photo),
-            Err(reason) => not_scored.push(reason),
-        }
-    }
-    if let (true, Some(first)) = (photos.is_empty(), not_scored.first()) {
-        let (file, reason) = (first.file.clone(), first.reason.clone());
-        return Err(ScoreError::NothingScored {
-            photos: not_scored.len(),
-            file,
-            reason,
-        });
-    }
-    let cautions = caution::cautions(&photos, &not_scored, &sessions);
-    let criteria = Criteria::default();
-    let summaries = summary::summaries(&photos, &contestants, &sessions[0].scene.bins, criteria.ap);
-    let runtime = runtime.map(Runtime::provenance);
-    Ok(Scores {
-        sessions,
-        contestants,
-        photos,
-        not_scored,
-        summaries,
-        criteria,
-        cautions,
-        runtime,
+    let results = over_photos(&sessions, &contestants, options, None, on_photo, |job, seen| {
+        Ok(seen.map(|(observation, place)| scored(job, &contestants, observation, place)))
+    })?;
+    let runtime = runtime(&contestants)?.map(Runtime::provenance);
+    Scores::new(sessions, contestants, results, runtime)
+}
+
+/// What the results depend on besides the photos, the detectors and this program: versions of libraries.
+pub fn libraries() -> String {
+    let opencv = opencv::core::get_version_string().unwrap_or_default();
+    format!("OpenCV {opencv}; {}", TagDetectorChoice::default().provenance())
+}
+
+/// Looks at the photos of one shard only; [`merge`] judges them with the others.
+pub fn observe(
+    sessions: &[Session],
+    contestants: &[Contestant],
+    options: &Options,
+    part: shard::Part,
+    on_photo: impl Fn() + Sync,
+) -> Result<shard::Observed, ScoreError> {
+    over_photos(sessions, contestants, options, Some(part), on_photo, |job, seen| {
+        let observation = seen
+            .map(|(observation, _)| observation)
+            .map_err(|left_out| left_out.reason);
+        Ok((job.id, observation))
     })
 }
 
-/// One photo to be scored.
-struct Job<'a> {
-    id: u64,
-    session_index: usize,
-    session: &'a Session,
-    entry: &'a PhotoEntry,
+/// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.
+pub fn merge(
+    sessions: Vec<Session>,
+    contestants: Vec<Contestant>,
+    mut observed: BTreeMap<u64, Result<Observation, String>>,
+    runtime: Option<String>,
+) -> Result<Scores, ScoreError> {
+    check_alike(&sessions)?;
+    let mut judge = |job: &Job| {
+        let not_observed = || ScoreError::NotObserved {
+            session: job.session.name.clone(),
+            file: job.entry.file.clone(),
+        };
+        let observation = observed.remove(&job.id).ok_or_else(not_observed)?;
+        Ok(observation
+            .and_then(|o| place(job, &o).map(|place| scored(job, &contestants, o, place)))
+            .map_err(|reason| job.left_out(reason)))
+    };
+    let jobs = Job::all(&sessions);
+    let results = jobs.iter().map(&mut judge).collect::<Result<_, ScoreError>>()?;
+    drop(jobs);
+    Scores::new(sessions, contestants, results, runtime)
 }
 
-fn jobs(sessions: &[Session]) -> Vec<Job<'_>> {
-    let entries = sessions
-        .iter()
-        .enumerate()
-        .flat_map(|(i, s)| s.photos.iter().map(move |entry| (i, s, entry)));
-    (1..)
-        .zip(entries)
-        .map(|(id, (session_index, session, entry))| Job {
-            id,
-            session_index,
-            session,
-            entry,
+/// Looks at every photo, or those of a part, and keeps what `judge` makes of each.
+fn over_photos<R: Send>(
+    sessions: &[Session],
+    contestants: &[Contestant],
+    options: &Options,
+    part: Option<shard::Part>,
+    on_photo: impl Fn() + Sync,
+    judge: impl Fn(&Job, Result<(Observation, Place), NotScored>) -> Result<R, ScoreError> + Sync,
+) -> Result<Vec<R>, ScoreError> {
+    check_alike(sessions)?;
+    let runtime = runtime(contestants)?;
+    let families = sessions.iter().flat_map(|s| s.scene.families());
+    let families: Vec<_> = families
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let mut jobs = Job::all(sessions);
+    let photos = jobs.len();
+    jobs.retain(|job| part.is_none_or(|part| part.holds(job.id)));
+    workers::map_over(
+        options.threads,
+        &jobs,
+        || Observer::new(&families, contestants, runtime, options.cache.as_ref(), photos),
+        |observer, job| judge(job, observer.photo(job)?),
+        on_photo,
+    )
+}
+
+/// The ONNX Runtime, when some contestant runs.
+pub fn runtime(contestants: &[Contestant]) -> Result<Option<&'static Runtime>, DetectError> {
+    let is_needed = contestants.iter().any(|c| !c.is_recorded());
+    is_needed.then(Runtime::load).transpose()
+}
+
+impl Scores {
+    /// Puts the figures together.
+    fn new(
+        sessions: Vec<Session>,
+        contestants: Vec<Contestant>,
+        results: Vec<Result<ScoredPhoto, NotScored>>,
+        runtime: Option<String>,
+    ) -> Result<Scores, ScoreError> {
+        let (mut photos, mut not_scored) = (Vec::new(), Vec::new());
+        for result in results {
+            match result {
+                Ok(photo) => photos.push(photo),
+                Err(reason) => not_scored.push(reason),
+            }
+        }
+        if let (true, Some(first)) = (photos.is_empty(), not_scored.first()) {
+            let (file, reason) = (first.file.clone(), first.reason.clone());
+            return Err(ScoreError::NothingScored {
+                photos: not_scored.len(),
+                file,
+                reason,
+            });
+        }
+        let criteria = Criteria::default();
+        Ok(Scores {
+            cautions: caution::cautions(&photos, &not_scored, &sessions),
+            summaries: summary::summaries(&photos, &contestants, &sessions[0].scene.bins, criteria.ap),
+            criteria,
+            runtime,
+            sessions,
+            contestants,
+            photos,
+            not_scored,
         })
-        .collect()
+    }
 }
 
 fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
@@ -163,142 +212,33 @@ fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
     }
 }
 
-/// A detector for each live contestant, in their order.
-fn open(contestants: &[Contestant], runtime: Option<&Runtime>) -> Result<Vec<Option<Detector>>, DetectError> {
-    contestants
+/// The per-photo values of a photo whose model was placed.
+fn scored(job: &Job, contestants: &[Contestant], observation: Observation, place: Place) -> ScoredPhoto {
+    let outcomes = contestants
         .iter()
-        .map(|c| match (&c.source, runtime) {
-            (Source::Live(weights), Some(runtime)) => Detector::open(runtime, &c.manifest, weights).map(Some),
-            _ => Ok(None),
-        })
-        .collect()
-}
-
-/// What each thread owns.
-struct Worker {
-    tags: Box<dyn TagDetector>,
-    detectors: Vec<Option<Detector>>,
-    /// Longest side of the report's pictures.
-    preview_px: u32,
-}
-
-/// Where the model is in a photo, and from where it was seen.
-struct Place {
-    located: Option<Located>,
-    /// Every tag seen.
-    tag_marks: Vec<TagMark>,
-    truth: BoxPx,
-}
-
-impl Worker {
-    /// The outer error ends the run, the inner one only leaves the photo out.
-    fn photo(&mut self, job: &Job, contestants: &[Contestant]) -> Result<Result<ScoredPhoto, NotScored>, ScoreError> {
-        let left_out = |reason: String| {
-            Ok(Err(NotScored {
-                session: job.session.name.clone(),
-                file: job.entry.file.clone(),
-                variant: job.entry.variant.clone(),
-                reason,
-            }))
-        };
-        let photo = match Photo::open(&job.session.photo_path(job.entry)) {
-            Ok(photo) => photo,
-            Err(e) => return left_out(e.to_string()),
-        };
-        match self.place(&photo, job) {
-            Ok(place) => match self.scored(job, &photo, place, contestants) {
-                Err(ScoreError::Detect(e @ DetectError::NotANumber { .. })) => left_out(e.to_string()),
-                scored => scored.map(Ok),
-            },
-            Err(reason) => left_out(reason),
-        }
-    }
-
-    /// The session's own truth and viewpoint where it has them, else from the tags.
-    fn place(&mut self, photo: &Photo, job: &Job) -> Result<Place, String> {
-        let scene = &job.session.scene;
-        let given = job
-            .entry
-            .box_xyxy_px
-            .map(|b| b.clipped(photo.width().into(), photo.height().into()));
-        if given.is_some_and(|b| !b.is_solid()) {
-            return Err("box_xyxy_px lies outside the picture: is it another photo's?".into());
-        }
-        if let (Some(truth), Some(_)) = (given, job.entry.viewpoint) {
-            return Ok(Place {
-                located: None,
-                tag_marks: Vec::new(),
-                truth,
-            });
-        }
-        let camera = job.session.known_camera().map_err(|e| e.to_string())?;
-        let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg);
-        let mut seen = Vec::new();
-        let located = fitted.map_err(Abstention::from).and_then(|fitted| {
-            seen = self.tags.find(&photo.grey());
-            let located = locate::locate(&seen, scene, &fitted.camera)?;
-            Ok((located, fitted.camera))
-        });
-        let tag_marks = marks(&seen, located.as_ref().ok().map(|(located, _)| located));
-        match (located, given) {
-            (located, Some(truth)) => Ok(Place {
-                located: located.ok().map(|(located, _)| located),
-                tag_marks,
-                truth,
-            }),
-            (Ok((located, camera)), None) => {
-                let outline = &job.session.outline;
-                let truth = outline
-                    .box_in_photo(&located.pose, &camera)
-                    .map_err(|e| e.to_string())?;
-                Ok(Place {
-                    located: Some(located),
-                    tag_marks,
-                    truth,
-                })
-            }
-            (Err(abstention), None) => Err(abstention.to_string()),
-        }
-    }
-
-    fn scored(
-        &mut self,
-        job: &Job,
-        photo: &Photo,
-        place: Place,
-        contestants: &[Contestant],
-    ) -> Result<ScoredPhoto, ScoreError> {
-        let detections = contestants
-            .iter()
-            .zip(&mut self.detectors)
-            .map(|(contestant, detector)| detections(contestant, detector.as_mut(), photo, job))
-            .collect::<Result<Vec<_>, _>>()?;
-        let outcomes = contestants
-            .iter()
-            .zip(&detections)
-            .map(|(c, found)| Outcome::of(found, &place.truth, c.class, HIT_CONFIDENCE))
-            .collect();
-        let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
-        Ok(ScoredPhoto {
-            id: job.id,
-            session: job.session_index,
-            file: job.entry.file.clone(),
-            sha256: photo.sha256.clone(),
-            variant: job.entry.variant.clone(),
-            place: job.entry.place.clone(),
-            width: photo.width(),
-            height: photo.height(),
-            viewpoint,
-            bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
-            tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
-            tag_marks: place.tag_marks,
-            rms_px: place.located.as_ref().map(|l| l.rms_px),
-            truth: place.truth,
-            truth_given: job.entry.box_xyxy_px.is_some(),
-            detections,
-            outcomes,
-            preview_jpeg: preview::jpeg(photo, self.preview_px),
-        })
+        .zip(&observation.detections)
+        .map(|(c, found)| Outcome::of(found, &place.truth, c.class, HIT_CONFIDENCE))
+        .collect();
+    let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
+    ScoredPhoto {
+        id: job.id,
+        session: job.session_index,
+        file: job.entry.file.clone(),
+        sha256: observation.sha256,
+        variant: job.entry.variant.clone(),
+        place: job.entry.place.clone(),
+        width: observation.width,
+        height: observation.height,
+        viewpoint,
+        bin: viewpoint.map(|v| job.session.scene.bins.bin_of(&v)),
+        tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
+        tag_marks: marks(&observation.tags, place.located.as_ref()),
+        rms_px: place.located.as_ref().map(|l| l.rms_px),
+        truth: place.truth,
+        truth_given: job.entry.box_xyxy_px.is_some(),
+        detections: observation.detections,
+        outcomes,
+        preview_jpeg: observation.preview_jpeg,
     }
 }
 
@@ -314,27 +254,4 @@ fn marks(seen: &[SeenTag], located: Option<&Located>) -> Vec<TagMark> {
         .collect();
     marks.sort_by_key(|mark| mark.id);
     marks
-}
-
-fn detections(
-    contestant: &Contestant,
-    detector: Option<&mut Detector>,
-    photo: &Photo,
-    job: &Job,
-) -> Result<Vec<Detection>, ScoreError> {
-    if let Some(detector) = detector {
-        return Ok(detector.detect(&photo.rgb)?);
-    }
-    let recordings = match &contestant.source {
-        Source::Recorded(recordings) => recordings.as_slice(),
-        Source::Live(_) => &[],
-    };
-    let found = recordings
-        .iter()
-        .find_map(|r| r.of_photo(&photo.sha256))
-        .ok_or_else(|| ScoreError::NotRecorded {
-            file: job.entry.file.clone(),
-            detector: contestant.manifest.name.clone(),
-        })?;
-    Ok(found.to_vec())
 }

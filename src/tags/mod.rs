@@ -15,6 +15,7 @@ mod square;
 mod tag_image;
 
 use image::GrayImage;
+use serde::{Deserialize, Serialize};
 
 use crate::scene::TagFamily;
 use square::Square;
@@ -29,7 +30,7 @@ pub use modules::Modules;
 pub use tag_image::TagImage;
 
 /// One tag found in a photo.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SeenTag {
     pub id: u32,
     pub family: TagFamily,

@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::cli::{CommandResult, Outcome, progress};
 use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders, WeightsError};
 use crate::geometry::BoxPx;
-use crate::photo::Photo;
+use crate::photo::PhotoFile;
 
 /// List, fetch, try out and add object detectors.
 #[derive(clap::Args)]
@@ -209,13 +209,15 @@ fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
     let photos = args
         .photos
         .iter()
-        .map(|p| Photo::open(p))
+        .map(|p| PhotoFile::open(p))
         .collect::<Result<Vec<_>, _>>()?;
     let runtime = Runtime::load()?;
     for manifest in &manifests {
         let mut detector = Detector::open(runtime, manifest, &folders.checked(manifest)?)?;
         for (path, photo) in args.photos.iter().zip(&photos) {
-            let mut found = detector.detect(&photo.rgb)?;
+            // Reduced as `score` reduces it, so that both say the same.
+            let picture = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
+            let mut found = detector.detect_reduced(&picture, photo.width, photo.height)?;
             found.retain(|d| d.score >= args.confidence);
             if !args.json {
                 writeln!(out, "{} on {}: {} found", manifest.title, path.display(), found.len())?;

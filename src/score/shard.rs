@@ -1,0 +1,321 @@
+//! A large run in parts: each shard looks at some of the photos, anywhere, and leaves a file; merged, they are the whole run.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::observe::Observation;
+use crate::files;
+
+/// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
+pub type Observed = Vec<(u64, Result<Observation, String>)>;
+
+/// Which photos a shard looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Part {
+    /// From 1 to `count`.
+    pub index: u64,
+    pub count: u64,
+}
+
+impl Part {
+    /// Photos are dealt like cards, so that every shard gets some of each texture and all take about as long.
+    pub fn holds(&self, id: u64) -> bool {
+        id % self.count == self.index % self.count
+    }
+
+    /// Reads `2/3`, `slurm`, or `k8s/3`. The environment is looked at only when it is named.
+    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<Part, PartError> {
+        let number = |name: &'static str| {
+            let value = environment(name).ok_or(PartError::NotSet { name })?;
+            value.parse::<u64>().map_err(|_| PartError::NoNumber { name, value })
+        };
+        let part = match text.split_once('/') {
+            None if text == "slurm" => {
+                let (first, last) = (number("SLURM_ARRAY_TASK_MIN")?, number("SLURM_ARRAY_TASK_MAX")?);
+                let (id, count) = (number("SLURM_ARRAY_TASK_ID")?, number("SLURM_ARRAY_TASK_COUNT")?);
+                if last
+                    .checked_sub(first)
+                    .is_none_or(|steps| steps.checked_add(1) != Some(count))
+                {
+                    return Err(PartError::Gaps { first, last, count });
+                }
+                let index = id.checked_sub(first).and_then(|steps| steps.checked_add(1));
+                index.map(|index| Part { index, count })
+            }
+            Some(("k8s", count)) => {
+                let index = number("JOB_COMPLETION_INDEX")?.checked_add(1);
+                index
+                    .zip(count.parse().ok())
+                    .map(|(index, count)| Part { index, count })
+            }
+            Some((index, count)) => {
+                let both = index.parse().ok().zip(count.parse().ok());
+                both.map(|(index, count)| Part { index, count })
+            }
+            None => None,
+        };
+        part.filter(|part| (1..=part.count).contains(&part.index))
+            .ok_or_else(|| PartError::NoPart { text: text.to_owned() })
+    }
+
+    /// The name of this shard's file.
+    pub fn file_name(&self) -> String {
+        format!("shard_{}_of_{}.scaleproof", self.index, self.count)
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+impl FromStr for Part {
+    type Err = PartError;
+
+    fn from_str(text: &str) -> Result<Part, PartError> {
+        Part::parse(text, |name| std::env::var(name).ok())
+    }
+}
+
+/// Why it is not clear which shard is meant.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PartError {
+    #[error(
+        "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
+    )]
+    NoPart { text: String },
+    #[error("{name} is not set: this is no such job, write the shard as 2/3")]
+    NotSet { name: &'static str },
+    #[error("{name} is {value}, which is no number")]
+    NoNumber { name: &'static str, value: String },
+    #[error(
+        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, as in --array=1-{count}"
+    )]
+    Gaps { first: u64, last: u64, count: u64 },
+}
+
+/// What all shards of a run have in common.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    pub sessions: Vec<SessionSeen>,
+    pub detectors: Vec<DetectorUsed>,
+    /// True when detections were played back.
+    pub is_recorded: bool,
+    /// Version and build of the ONNX Runtime, if one ran.
+    pub runtime: Option<String>,
+    /// Versions of the other libraries.
+    pub libraries: String,
+}
+
+/// A session, and what it was made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SessionSeen {
+    pub folder: PathBuf,
+    /// File name and SHA-256 of `session.json` and the files it names.
+    pub hashes: Vec<(String, String)>,
+}
+
+/// A detector: how it was chosen, and what it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DetectorUsed {
+    /// What `--detector` takes.
+    pub chosen_as: String,
+    /// SHA-256 of its manifest, which names the weights by theirs, and of what was played back.
+    pub fingerprint: String,
+}
+
+/// One shard's file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shard {
+    pub run: Run,
+    pub part: Part,
+    pub observed: Observed,
+}
+
+/// Why shards cannot be merged.
+#[derive(Debug, thiserror::Error)]
+pub enum ShardError {
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    #[error("{path} is not a shard: name the files that score --shard wrote", path = path.display())]
+    NotAShard { path: PathBuf },
+    #[error("{path} was written by scaleproof {found}, and this is {}: score it again, or merge with that version", VERSION, path = path.display())]
+    OtherVersion { path: PathBuf, found: String },
+    #[error("{path} is damaged: copy it again, or score that shard again", path = path.display())]
+    Damaged { path: PathBuf },
+    #[error("no shard to merge")]
+    None,
+    #[error("{a} and {b} are of different runs ({what} differ): merge the shards of one run only", a = a.display(), b = b.display())]
+    OtherRun { a: PathBuf, b: PathBuf, what: &'static str },
+    #[error("{a} and {b} are the same shard: name each once", a = a.display(), b = b.display())]
+    Twice { a: PathBuf, b: PathBuf },
+    #[error(
+        "{found} of {count} shards are here; missing: {} (score what is missing and merge all)",
+        list_of(missing)
+    )]
+    Missing {
+        found: usize,
+        count: u64,
+        missing: Vec<u64>,
+    },
+    #[error("the shard cannot be written: {0}")]
+    Write(String),
+}
+
+fn list_of(indices: &[u64]) -> String {
+    let first: Vec<String> = indices.iter().take(5).map(u64::to_string).collect();
+    let more = if indices.len() > first.len() {
+        ", and others"
+    } else {
+        ""
+    };
+    format!("{}{more}", first.join(", "))
+}
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A shard file is this with the version, a line with the SHA-256 of the rest, and the rest.
+const MAGIC: &str = "scaleproof shard, version ";
+
+impl Shard {
+    /// Writes the shard into a folder and returns the file's path.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, ShardError> {
+        let content = postcard::to_allocvec(self).map_err(|e| ShardError::Write(e.to_string()))?;
+        let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
+        let path = folder.join(self.part.file_name());
+        files::write_atomically(&path, &[head.into_bytes(), content].concat())?;
+        Ok(path)
+    }
+
+    /// Reads a shard and makes sure that it is whole and of this version.
+    pub fn open(path: &Path) -> Result<Shard, ShardError> {
+        let bytes = files::read(path)?;
+        let path = || path.to_owned();
+        let after_magic = bytes.strip_prefix(MAGIC.as_bytes());
+        let (version, rest) = after_magic
+            .and_then(line)
+            .ok_or_else(|| ShardError::NotAShard { path: path() })?;
+        if version != VERSION {
+            return Err(ShardError::OtherVersion {
+                path: path(),
+                found: version.to_owned(),
+            });
+        }
+        let whole = line(rest).filter(|(sum, content)| *sum == files::sha256_hex(content));
+        whole
+            .and_then(|(_, content)| postcard::from_bytes(content).ok())
+            .ok_or_else(|| ShardError::Damaged { path: path() })
+    }
+}
+
+/// The first line as text, and what follows it.
+fn line(bytes: &[u8]) -> Option<(&str, &[u8])> {
+    let end = bytes.iter().take(100).position(|b| *b == b'\n')?;
+    Some((std::str::from_utf8(&bytes[..end]).ok()?, &bytes[end + 1..]))
+}
+
+/// The run that some shards are all of, and what they saw, by photo id.
+pub type WholeRun = (Run, BTreeMap<u64, Result<Observation, String>>);
+
+/// Puts the shards of one run together: every one once, and none of another run.
+pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
+    let mut run: Option<Run> = None;
+    let (mut seen, mut observed) = (BTreeMap::<u64, &PathBuf>::new(), BTreeMap::new());
+    let mut count = 0;
+    for path in paths {
+        let shard = Shard::open(path)?;
+        match &run {
+            None => (run, count) = (Some(shard.run), shard.part.count),
+            Some(first) => {
+                if let Some(what) = difference(first, &shard.run, count, shard.part.count) {
+                    let (a, b) = (paths[0].clone(), path.clone());
+                    return Err(ShardError::OtherRun { a, b, what });
+                }
+            }
+        }
+        if let Some(same) = seen.insert(shard.part.index, path) {
+            let (a, b) = (same.clone(), path.clone());
+            return Err(ShardError::Twice { a, b });
+        }
+        observed.extend(shard.observed);
+    }
+    let run = run.ok_or(ShardError::None)?;
+    let missing: Vec<u64> = (1..=count).filter(|index| !seen.contains_key(index)).collect();
+    match missing.is_empty() {
+        true => Ok((run, observed)),
+        false => Err(ShardError::Missing {
+            found: seen.len(),
+            count,
+            missing,
+        }),
+    }
+}
+
+fn difference(a: &Run, b: &Run, a_count: u64, b_count: u64) -> Option<&'static str> {
+    let checks = [
+        (a_count == b_count, "their numbers of shards"),
+        (a.sessions == b.sessions, "their sessions, scenes or cameras"),
+        (
+            a.detectors == b.detectors && a.is_recorded == b.is_recorded,
+            "their detectors",
+        ),
+        (a.runtime == b.runtime, "their ONNX Runtimes"),
+        (a.libraries == b.libraries, "their libraries"),
+    ];
+    checks.into_iter().find(|(same, _)| !same).map(|(_, what)| what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<Part, PartError> {
+        let find = |name: &str| {
+            environment
+                .iter()
+                .find(|(n, _)| *n == name)
+                .map(|(_, v)| (*v).to_owned())
+        };
+        Part::parse(text, find)
+    }
+
+    #[test]
+    fn a_shard_is_named_by_the_user_or_by_the_job() {
+        let part = |index, count| Ok(Part { index, count });
+        assert_eq!(parsed("2/3", &[]), part(2, 3));
+        let slurm = [
+            ("SLURM_ARRAY_TASK_ID", "7"),
+            ("SLURM_ARRAY_TASK_MIN", "5"),
+            ("SLURM_ARRAY_TASK_MAX", "8"),
+            ("SLURM_ARRAY_TASK_COUNT", "4"),
+        ];
+        assert_eq!(parsed("slurm", &slurm), part(3, 4));
+        assert_eq!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "0")]), part(1, 4));
+        for text in ["0/3", "4/3", "3", "a/b", "-1/2", "1/0", "", "k8s", "k8s/0"] {
+            assert!(parsed(text, &[("JOB_COMPLETION_INDEX", "0")]).is_err(), "{text}");
+        }
+        assert!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "4")]).is_err());
+        assert_eq!(
+            parsed("slurm", &[]).unwrap_err().to_string(),
+            "SLURM_ARRAY_TASK_MIN is not set: this is no such job, write the shard as 2/3"
+        );
+        let mut gaps = slurm;
+        gaps[2].1 = "11";
+        assert!(parsed("slurm", &gaps).unwrap_err().to_string().contains("without gaps"));
+    }
+
+    #[test]
+    fn every_photo_is_in_one_shard() {
+        for count in 1..8 {
+            for id in 1..100 {
+                let parts = (1..=count).map(|index| Part { index, count });
+                assert_eq!(parts.filter(|part| part.holds(id)).count(), 1);
+            }
+        }
+    }
+}
