@@ -72,6 +72,14 @@ pub struct Triangle {
     pub material: usize,
 }
 
+impl Triangle {
+    /// Its edges from the first corner on, each with its corners in rising order.
+    pub fn edges(&self) -> [[usize; 2]; 3] {
+        let [a, b, c] = self.corners;
+        [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
+    }
+}
+
 impl Mesh {
     /// Reads a file and puts it into the model frame. Corners at the same place become one.
     ///

@@ -9,6 +9,7 @@ pub mod check;
 pub mod date;
 pub mod frame;
 pub mod lettering;
+mod pack;
 pub mod page;
 pub mod paint;
 pub mod paper;

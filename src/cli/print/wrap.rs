@@ -21,6 +21,18 @@ pub struct WrapArgs {
     /// Printed width of one repeat of the pattern, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: f64,
+    /// Unroll what the panels would stretch by more than --max-stretch: as strips on pages of their own
+    #[arg(long)]
+    flatten: bool,
+    /// The mm on the surface that 1 mm on a panel's paper may stand for
+    #[arg(
+        long,
+        value_name = "RATIO",
+        requires = "flatten",
+        default_value_t = 1.2,
+        allow_negative_numbers = true
+    )]
+    max_stretch: f64,
     #[command(flatten)]
     sheets: SheetArgs,
 }
@@ -124,6 +136,7 @@ impl SheetArgs {
             overlap_mm: self.overlap_mm,
             margin_mm: self.margin_mm,
             printer: printer(self.printer.as_deref())?,
+            max_stretch: None,
         })
     }
 }
@@ -133,7 +146,10 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let model = args.model.load()?;
     let sheets = &args.sheets;
-    let request = sheets.request(args.tile_mm, model.scale, &args.pattern)?;
+    let request = WrapRequest {
+        max_stretch: args.flatten.then_some(args.max_stretch),
+        ..sheets.request(args.tile_mm, model.scale, &args.pattern)?
+    };
     let made = wrap(&model.mesh, &model.materials, &pattern, &request)?;
     let title = format!(
         "Panels of {}, tile {} mm",

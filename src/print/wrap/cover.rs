@@ -2,13 +2,14 @@
 
 use super::draw::moved;
 use super::seams::Seams;
-use super::{Panel, Point, Region, Wrap, WrapRequest};
+use super::{Panel, Point, Region, Strip, Wrap, WrapRequest, strips};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
+use crate::print::PrintError;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
 use crate::print::printer;
 use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
-use crate::print::template::{cover, furniture};
+use crate::print::template::{cover, furniture, layout};
 
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.5;
@@ -17,6 +18,8 @@ const GAP_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.15;
 const LETTER_MM: f64 = 2.6;
 const GREY: Rgb = [215, 215, 215];
+const STRIP_GREY: Rgb = [170, 190, 215];
+const NUMBER_MM: f64 = 1.6;
 /// The panels are shown no larger than it takes.
 const MOST_SCALE: f64 = 0.5;
 /// Wider text than this is hard to read, whatever the roll.
@@ -32,10 +35,16 @@ const STEPS: [&str; 4] = [
      between panels: edges with the same letter meet.",
 ];
 
-pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Sheet {
-    let layout = &wrap.pieces[0].layout;
-    let frame = &layout.cover;
-    let template = request.template(Side::Front, layout.size_mm());
+const STRIPS_STEP: &str = "The numbered strips are steep parts that were unrolled. Cut them out, fold them at their dashes, and put each where the \
+     panels on this page show its number.";
+
+pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Result<Sheet, PrintError> {
+    let template = request.template(Side::Front, (100.0, 100.0));
+    let frame = match wrap.pieces.first() {
+        Some(piece) => piece.layout.cover,
+        None => layout(&template.layout)?.cover,
+    };
+    let frame = &frame;
     let captions = furniture::Captions::new(pattern, &template, wrap.cell_mm);
     let area = frame.usable;
     let title = format!("Panels of a model: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
@@ -51,7 +60,9 @@ pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapReques
         right
     };
     let body = RectMm::new(area.left_mm, bottom, text_right, title_y - GAP_MM);
-    let (steps, end) = cover::steps(&STEPS, body, body.width_mm());
+    let strips_step = (!wrap.strips.is_empty()).then_some(STRIPS_STEP);
+    let texts: Vec<&str> = STEPS.into_iter().chain(strips_step).collect();
+    let (steps, end) = cover::steps(&texts, body, body.width_mm());
     marks.extend(steps);
     let (facts, end) = lines(&wrap.facts(), body, end - GAP_MM);
     marks.extend(facts);
@@ -71,7 +82,7 @@ pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapReques
         bleed: page,
         marks,
     };
-    printer::corrected_one(sheet, frame.setup.stretch())
+    Ok(printer::corrected_one(sheet, frame.setup.stretch()))
 }
 
 /// Wrapped lines from `top_mm` down, and where they end.
@@ -120,6 +131,33 @@ fn overview(wrap: &Wrap, seams: &Seams, room: RectMm) -> Vec<Mark> {
         let letters = seams.marks.get(&side).map_or(&[][..], Vec::as_slice);
         let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
         marks.extend(small(&piece.panel, corner, scale, places));
+        let low_high = piece.panel.region.bounds().unwrap_or_default();
+        marks.extend(small_strips(&wrap.strips, side, low_high, corner, scale));
+    }
+    marks
+}
+
+/// The strips of a side where they are on the model, with their numbers.
+fn small_strips(strips: &[Strip], side: Side, (low, high): (Point, Point), corner: Point, scale: f64) -> Vec<Mark> {
+    let by = [corner[0] - scale * low[0], corner[1] - scale * high[1]];
+    let mut marks = Vec::new();
+    for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.side == side) {
+        let scaled = strip.projected().into_iter();
+        let scaled = scaled.map(|outline| outline.iter().map(|p| p.map(|mm| scale * mm)).collect());
+        let region = Region::union(scaled.collect());
+        marks.push(Mark::Area {
+            outlines: moved(region.contours(), by),
+            colour: STRIP_GREY,
+        });
+        let at = strips::middle(strip);
+        let baseline = scale * at[1] + by[1] - 0.5 * CAP_HEIGHT * NUMBER_MM;
+        let number = (i + 1).to_string();
+        marks.push(Mark::text(
+            (scale * at[0] + by[0], baseline),
+            NUMBER_MM,
+            Anchor::Centre,
+            number,
+        ));
     }
     marks
 }
