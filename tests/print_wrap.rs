@@ -395,13 +395,7 @@ fn nothing_is_mirrored() {
     // All eight seams around a box have a letter, the longest the first.
     assert_eq!(printed.wrap.unlettered_mm, 0.0);
     for (panel, page, count) in [("left", 2, 3), ("roof", 4, 4)] {
-        let page = page.to_string();
-        let run = std::process::Command::new("pdftotext")
-            .args(["-f", &page, "-l", &page])
-            .arg(&pdf)
-            .arg("-")
-            .output();
-        let text = String::from_utf8(run.expect("install poppler-utils").stdout).unwrap();
+        let text = text_of(&pdf, page);
         let letters: Vec<&str> = text
             .lines()
             .map(str::trim)
@@ -410,6 +404,17 @@ fn nothing_is_mirrored() {
         println!("{panel}: {letters:?}");
         assert_eq!(letters.len(), count, "{text}");
     }
+}
+
+/// What is written on a page, counted from 1.
+fn text_of(pdf: &Path, page: usize) -> String {
+    let page = page.to_string();
+    let run = std::process::Command::new("pdftotext")
+        .args(["-f", &page, "-l", &page])
+        .arg(pdf)
+        .arg("-")
+        .output();
+    String::from_utf8(run.expect("install poppler-utils").stdout).unwrap()
 }
 
 /// The same request with what is steeper unrolled.
@@ -455,6 +460,12 @@ fn strips_are_the_surface(made: &Wrap, paint: &Paint, limit: f64) {
         .filter(|f| f.side == Side::Bottom)
         .map(|f| f.surface_mm2)
         .sum();
+    let steep = paint
+        .faces
+        .iter()
+        .filter(|f| f.side != Side::Bottom && f.stretch > limit + 1e-9);
+    let left = steep.filter(|f| !taken.contains(&f.triangle.corners));
+    let left: f64 = left.map(|f| f.surface_mm2).sum();
     println!(
         "{} strips of {} triangles, edges within {worst:e} mm; {panels:.3} mm² on panels + {:.3} on strips + {below:.3} below = {:.3}; \
          stretch up to {:.4}",
@@ -466,7 +477,11 @@ fn strips_are_the_surface(made: &Wrap, paint: &Paint, limit: f64) {
     );
     assert!(worst < 1e-9, "{worst}");
     assert!((panels + made.strips_mm2() + below - paint.surface_mm2()).abs() < 1e-6);
-    assert!(made.largest_stretch() <= limit + 1e-9 && made.too_large == 0);
+    // Steep is on the panels only what is too small to be cut out, and as much as is said.
+    assert!(made.strips.iter().all(|strip| strip.surface_mm2() >= 25.0));
+    assert_eq!(made.kept.too_large, 0);
+    assert!((left - made.kept.small_mm2).abs() < 1e-6, "{left} and {:?}", made.kept);
+    assert_eq!(made.largest_stretch() > limit + 1e-9, made.kept.small > 0);
 }
 
 #[test]
@@ -495,23 +510,25 @@ fn slopes_of_the_bar_are_unrolled() {
     let paint = Paint::of_materials(&mesh, &materials);
     let made = wrap(&mesh, &materials, &pattern, &flattened(61.7, Paper::A4, 1.1)).unwrap();
     strips_are_the_surface(&made, &paint, 1.1);
-    // Each slope is a rectangle beside its side and the roof.
+    // Each slope is a rectangle beside its side and the roof, too long to lie upright: the front is at the right.
     let [length, _, _, down, inwards] = BAR;
-    for (strip, side) in made.strips.iter().zip([Side::Right, Side::Left]) {
+    for strip in &made.strips {
         let (low, high) = strip.region().bounds().unwrap();
         let size = [high[0] - low[0], high[1] - low[1]];
-        assert!(
-            (size[0].min(size[1]) - down.hypot(inwards)).abs() < 1e-4 && (size[0].max(size[1]) - length).abs() < 1e-4
-        );
-        assert_eq!(
-            strip
-                .panels
-                .iter()
-                .filter(|s| [Side::Left, Side::Right, Side::Roof].contains(s))
-                .count(),
-            2
-        );
-        let _ = side;
+        assert!((size[0] - length).abs() < 1e-4 && (size[1] - down.hypot(inwards)).abs() < 1e-4);
+        assert!(strip.side == Side::Roof && strip.turned && strip.strips.is_empty());
+        let corners = strip
+            .faces
+            .iter()
+            .flat_map(|f| f.face.corners.into_iter().zip(f.corners));
+        let (front, rear): (Vec<_>, Vec<_>) = corners.partition(|(point, _)| point.x > 0.0);
+        assert!(front.iter().all(|(_, f)| rear.iter().all(|(_, r)| f[0] > r[0] + 1.0)));
+    }
+    let said = text_of(&pdf, made.strip_places[0].page + 1);
+    for side in ["left", "right"] {
+        let place = "cm² of the roof side, its upper end at the right, beside";
+        let label = |number: usize| format!("{number}: 44.72 {place} the {side} panel, the roof panel");
+        assert!(said.contains(&label(1)) || said.contains(&label(2)), "{said}");
     }
     assert_eq!(share_right(&Printed::new(made, &pdf), &mesh, &materials, &pattern), 1.0);
     // A limit that nothing exceeds changes only the summary; limits below 1 are refused.
@@ -530,6 +547,12 @@ fn slopes_of_the_bar_are_unrolled() {
         );
     }
     assert_refused(&scaleproof(&format!("{usual} --max-stretch 1.1")), &["--flatten"]);
+    let idle = scaleproof(&format!("{usual} --flatten --max-stretch 1.5"));
+    assert!(
+        String::from_utf8(idle.stdout)
+            .unwrap()
+            .contains("stretched by more than 1.5, so nothing was unrolled")
+    );
 }
 
 /// A dome is curved both ways: no strip may lie over itself, whatever its shape.

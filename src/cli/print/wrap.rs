@@ -8,7 +8,7 @@ use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::mesh::{Mesh, Placement};
 use crate::pattern::Pattern;
 use crate::print::lettering;
-use crate::print::wrap::{WrapRequest, check_size, wrap};
+use crate::print::wrap::{Kept, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -175,6 +175,13 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     )?;
     for fact in made.facts() {
         writeln!(out, "{fact}")?;
+    }
+    if args.flatten && made.strips.is_empty() && made.kept == Kept::default() {
+        let limit = lettering::number(args.max_stretch);
+        writeln!(
+            out,
+            "note: no surface is stretched by more than {limit}, so nothing was unrolled"
+        )?;
     }
     if made.unlettered_mm > 0.0 {
         writeln!(

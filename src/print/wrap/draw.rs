@@ -49,7 +49,7 @@ pub fn wrap(
         cell_mm,
         strips: unrolling.strips,
         strip_places: Vec::new(),
-        too_large: unrolling.too_large,
+        kept: unrolling.kept,
         pages: Vec::new(),
     };
     let before = 1 + made.pieces.iter().map(|piece| piece.layout.sheets.len()).sum::<usize>();

@@ -18,7 +18,7 @@ pub(super) use draw::{cut_line, cutter_path, moved};
 pub use panel::{Face, PRINTED, Paint, Panel};
 pub use region::{Contour, Point, Region};
 pub use strips::StripPlace;
-pub use unroll::{Strip, Unrolled, Unrolling};
+pub use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
 
 use super::PrintError;
 use super::date::Date;
@@ -121,8 +121,8 @@ pub struct Wrap {
     pub strips: Vec<Strip>,
     /// Where each strip is printed.
     pub strip_places: Vec<StripPlace>,
-    /// Triangles steeper than the limit that no sheet can carry: they stayed on their panels.
-    pub too_large: usize,
+    /// What is steeper than the limit and stayed on its panel.
+    pub kept: Kept,
     /// The instructions, the sheets of each piece, then those of the strips, as the printer needs them.
     pub pages: Vec<Sheet>,
 }
@@ -208,7 +208,7 @@ impl Wrap {
 /// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
 ///
 /// # Errors
-/// No surface on any side, a stretch limit below 1, and whatever the layout and the cells of a template refuse.
+/// No surface on any side, a stretch limit below 1 or too many triangles beyond it, and whatever the layout and the cells of a template refuse.
 pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, PrintError> {
     let paint = Paint::of_materials(mesh, materials);
     let unrolling = strips::unrolling(&paint, request)?;

@@ -3,7 +3,7 @@
 use super::draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved, place};
 use super::region::{Point, Region};
 use super::seams::{CLEAR_MM, SeamMark};
-use super::unroll::{Strip, Unrolled, Unrolling, unroll};
+use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
 use super::{BLEED_MM, Paint, Wrap, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
@@ -23,8 +23,8 @@ const LABEL_MM: f64 = 2.2;
 const LEADING_MM: f64 = 2.9;
 /// As wide as the label of the smallest strip.
 const LEAST_WIDTH_MM: f64 = 30.0;
-/// Kept free under every strip when it grows: as many lines as the longest label takes.
-const LABEL_ROOM_MM: f64 = 8.0 * LEADING_MM;
+/// The longest label takes no more, and so many are kept free under every strip.
+const LABEL_LINES: usize = 10;
 /// Of more neighbours than this only the count is named.
 const MOST_NAMED: usize = 6;
 /// How far a cell runs on under its neighbours.
@@ -43,13 +43,13 @@ pub struct StripPlace {
 /// What the request wants unrolled.
 ///
 /// # Errors
-/// A limit below 1, paper too small for the rulers.
+/// A limit below 1, paper too small for the rulers, too many steep triangles.
 pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, PrintError> {
     let Some(limit) = request.max_stretch else {
         return Ok(Unrolling {
             strips: Vec::new(),
             rest: paint.clone(),
-            too_large: 0,
+            kept: Kept::default(),
         });
     };
     // False for NaN too.
@@ -63,9 +63,9 @@ pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, Prin
     let area = frame(request)?.usable;
     let most = [
         area.width_mm() - 2.0 * ROOM_MM,
-        area.height_mm() - 2.0 * ROOM_MM - LABEL_ROOM_MM,
+        area.height_mm() - 2.0 * ROOM_MM - LABEL_LINES as f64 * LEADING_MM,
     ];
-    Ok(unroll(paint, limit, most))
+    unroll(paint, limit, most)
 }
 
 /// The pages of strips lie across: strips of a car are long rather than high. A piece of a roll is square.
@@ -93,7 +93,7 @@ fn frame(request: &WrapRequest) -> Result<Frame, PrintError> {
 /// Numbers where strips left a panel, as far as the paper there is free.
 pub fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<SeamMark>) {
     for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.side == side) {
-        let at = middle(strip);
+        let at = Region::union(strip.projected()).innermost();
         let apart = |mark: &SeamMark| (mark.at[0] - at[0]).hypot(mark.at[1] - at[1]) > 2.0 * CLEAR_MM;
         if grown.distance_mm(at) >= CLEAR_MM && marks.iter().all(apart) {
             marks.push(SeamMark {
@@ -105,30 +105,35 @@ pub fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<Sea
     }
 }
 
-/// The middle of a strip's largest triangle in the plane of its side: (u, v).
-pub fn middle(strip: &Strip) -> Point {
-    let larger = |a: &&Unrolled, b: &&Unrolled| a.face.surface_mm2.total_cmp(&b.face.surface_mm2);
-    let corners = strip.faces.iter().max_by(larger).map(|f| f.face.corners);
-    let flat = corners.unwrap_or_default().map(|p| strip.side.project(&p));
-    [0, 1].map(|i| flat.iter().map(|p| p[i]).sum::<f64>() / 3.0)
-}
-
 /// One sentence on all strips.
 pub fn fact(wrap: &Wrap) -> Option<String> {
     let areas: Vec<f64> = wrap.strips.iter().map(Strip::surface_mm2).collect();
-    let large = match wrap.too_large {
-        0 => String::new(),
-        1 => "; 1 steep triangle is larger than a sheet and stays on its panel".to_owned(),
-        n => format!("; {n} steep triangles are larger than a sheet and stay on their panels"),
+    let Kept {
+        too_large,
+        small,
+        small_mm2,
+    } = wrap.kept;
+    let large = (too_large > 0).then(|| format!("{too_large} steep triangles are larger than a sheet"));
+    let small = (small > 0).then(|| {
+        format!(
+            "{small} steep parts are smaller than {:.2} cm² ({:.1} cm² in all)",
+            LEAST_MM2 / 100.0,
+            small_mm2 / 100.0
+        )
+    });
+    let stay: Vec<String> = large.into_iter().chain(small).collect();
+    let stay = match stay.is_empty() {
+        true => String::new(),
+        false => format!("; on the panels stay what no strip can be made of: {}", stay.join(", ")),
     };
     if areas.is_empty() {
-        return (wrap.too_large > 0).then(|| format!("unrolled: nothing{large}"));
+        return (!stay.is_empty()).then(|| format!("unrolled: nothing{stay}"));
     }
     let (least, most) = areas.iter().fold((f64::INFINITY, 0.0f64), |(least, most), area| {
         (least.min(*area), most.max(*area))
     });
     Some(format!(
-        "unrolled: {} strips, {:.1} cm² of surface, from {:.2} to {:.1} cm² each, {} pages{large}",
+        "unrolled: {} strips, {:.1} cm² of surface, from {:.2} to {:.1} cm² each, {} pages{stay}",
         areas.len(),
         wrap.strips_mm2() / 100.0,
         least / 100.0,
@@ -211,13 +216,19 @@ impl Boxed {
         let high = [0, 1].map(|i| corners().fold(f64::NEG_INFINITY, |high, p| high.max(p[i])) + ROOM_MM);
         let width = (high[0] - low[0]).max(LEAST_WIDTH_MM);
         let text = format!(
-            "{}: {:.2} cm² of the {} side, beside {}",
+            "{}: {:.2} cm² of the {} side{}, beside {}",
             index + 1,
             strip.surface_mm2() / 100.0,
             strip.side.name(),
+            if strip.turned {
+                ", its upper end at the right"
+            } else {
+                ""
+            },
             neighbours(strip)
         );
-        let lines = wrapped(&text, LABEL_MM, width);
+        let mut lines = wrapped(&text, LABEL_MM, width);
+        lines.truncate(LABEL_LINES);
         Self {
             low,
             size_mm: (width, high[1] - low[1] + lines.len() as f64 * LEADING_MM),

@@ -2,7 +2,8 @@
 //! at its true size.
 //!
 //! Greedy: a strip starts with the largest triangle left, and takes one neighbour after the other as long as none lies over
-//! the strip and the strip fits a sheet. Only triangles of one side are joined, so that the pattern runs on within a strip.
+//! the strip and the strip fits a sheet. Only triangles of one side are joined, so that the pattern runs on within a strip. What
+//! would be too small to handle stays on its panel.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -12,6 +13,7 @@ use super::panel::{Face, PRINTED, Paint, bend_deg};
 use super::region::{Contour, Point, Region};
 use crate::mesh::doubled_area;
 use crate::pattern::world_aligned::Side;
+use crate::print::PrintError;
 
 /// Triangles that lie over each other by less than this touch only, mm.
 const TOUCH_MM: f64 = 1e-6;
@@ -19,6 +21,12 @@ const TOUCH_MM: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 /// Edges bent by more than this are drawn as folds.
 const FOLD_DEG: f64 = 15.0;
+/// Nobody cuts out and glues smaller strips, mm²: 5 × 5 mm.
+pub const LEAST_MM2: f64 = 25.0;
+/// The place of a smaller triangle's colours would be rounding, mm².
+const LEAST_FACE_MM2: f64 = 1e-6;
+/// More would take minutes, and thousands of folds help nobody.
+const MOST_STEEP: usize = 20_000;
 
 /// A triangle of the surface, flat, at its true size and seen from outside.
 #[derive(Debug, Clone, Copy)]
@@ -42,11 +50,12 @@ impl Unrolled {
     }
 }
 
-/// Connected triangles of one side, unrolled. The first triangle lies as its side does, v up; or a quarter turn clockwise, v
-/// to the right, where only that fits the sheet.
+/// Connected triangles of one side, unrolled. The first triangle lies as its side does, v up.
 #[derive(Debug, Clone)]
 pub struct Strip {
     pub side: Side,
+    /// It lies a quarter turn clockwise instead, v to the right, as only that fits the sheet.
+    pub turned: bool,
     pub faces: Vec<Unrolled>,
     /// Bent edges within the strip.
     pub folds: Vec<[Point; 2]>,
@@ -78,24 +87,63 @@ pub struct Unrolling {
     /// Side by side in the order of the panels.
     pub strips: Vec<Strip>,
     pub rest: Paint,
-    /// Steep triangles that no sheet can carry: they stay on their panels.
+    pub kept: Kept,
+}
+
+/// What is steeper than the limit and stays on its panel all the same.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Kept {
+    /// Triangles that no sheet can carry.
     pub too_large: usize,
+    /// Connected parts of less than [`LEAST_MM2`], and their area on the surface.
+    pub small: usize,
+    pub small_mm2: f64,
+}
+
+impl Kept {
+    fn add_small(&mut self, mm2: f64) {
+        self.small += 1;
+        self.small_mm2 += mm2;
+    }
 }
 
 /// Unrolls all printed triangles that the box projection stretches by more than `limit`; no strip is larger than `most_mm`
 /// (width, height).
-pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Unrolling {
-    let steep = |face: &Face| PRINTED.contains(&face.side) && face.stretch > limit + ROUNDING;
-    let mut waiting: Vec<bool> = paint.faces.iter().map(steep).collect();
+///
+/// # Errors
+/// More than [`MOST_STEEP`] such triangles.
+pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Result<Unrolling, PrintError> {
+    let mut kept = Kept::default();
+    let mut wanted = |face: &Face| {
+        let steep = PRINTED.contains(&face.side) && face.stretch > limit + ROUNDING;
+        let sliver = face.surface_mm2 < LEAST_FACE_MM2;
+        if steep && sliver {
+            kept.add_small(face.surface_mm2);
+        }
+        steep && !sliver
+    };
+    let mut waiting: Vec<bool> = paint.faces.iter().map(&mut wanted).collect();
     let mut seeds: Vec<usize> = (0..waiting.len()).filter(|i| waiting[*i]).collect();
+    if seeds.len() > MOST_STEEP {
+        return Err(PrintError::TooManySteep {
+            count: seeds.len(),
+            most: MOST_STEEP,
+        });
+    }
     seeds.sort_by(|a, b| paint.faces[*b].surface_mm2.total_cmp(&paint.faces[*a].surface_mm2));
     let edges = paint.edges();
     let mut grown = Vec::new();
     for seed in seeds {
-        if waiting[seed] {
-            grown.extend(Growth::from(seed, paint, most_mm).map(|growth| growth.finished(&edges, &mut waiting)));
+        let growth = waiting[seed].then(|| Growth::from(seed, paint, most_mm)).flatten();
+        let Some((faces, strip)) = growth.map(|growth| growth.finished(&edges, &mut waiting)) else {
+            continue;
+        };
+        match strip.surface_mm2() {
+            small if small < LEAST_MM2 => kept.add_small(small),
+            _ => grown.push((faces, strip)),
         }
     }
+    kept.too_large = waiting.iter().filter(|still| **still).count();
     grown.sort_by_key(|(_, strip)| PRINTED.iter().position(|side| *side == strip.side));
     let mut of_face = vec![None; paint.faces.len()];
     for (i, (faces, _)) in grown.iter().enumerate() {
@@ -113,17 +161,18 @@ pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Unrolling {
         strip.panels = PRINTED.into_iter().filter(on_panels).collect();
         strip
     };
-    Unrolling {
+    Ok(Unrolling {
         strips: grown.into_iter().enumerate().map(border).collect(),
         rest: paint.without(&of_face.iter().map(Option::is_some).collect::<Vec<_>>()),
-        too_large: waiting.iter().filter(|still| **still).count(),
-    }
+        kept,
+    })
 }
 
 /// A strip that takes its neighbours.
 struct Growth<'a> {
     paint: &'a Paint,
     side: Side,
+    turned: bool,
     most_mm: Point,
     /// In the order they were taken, with their flat corners.
     taken: Vec<(usize, [Point; 3])>,
@@ -139,6 +188,7 @@ impl<'a> Growth<'a> {
         let mut growth = Self {
             paint,
             side: face.side,
+            turned: false,
             most_mm,
             taken: Vec::new(),
             low: [f64::INFINITY; 2],
@@ -146,8 +196,11 @@ impl<'a> Growth<'a> {
             folds: Vec::new(),
         };
         let upright = laid(face);
-        let turned = upright.map(|[x, y]| [y, -x]);
-        (growth.take(seed, upright) || growth.take(seed, turned)).then_some(growth)
+        if growth.take(seed, upright) {
+            return Some(growth);
+        }
+        growth.turned = true;
+        growth.take(seed, upright.map(|[x, y]| [y, -x])).then_some(growth)
     }
 
     /// Takes a triangle where it is free and on the sheet.
@@ -188,6 +241,7 @@ impl<'a> Growth<'a> {
         };
         let strip = Strip {
             side: self.side,
+            turned: self.turned,
             faces: self.taken.iter().map(unrolled).collect(),
             folds: self.folds,
             panels: Vec::new(),
