@@ -11,7 +11,7 @@ use image::{Rgb, RgbImage};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use render::{done, pages, scaleproof};
+use render::{done, pages, scaleproof, text_of};
 use scaleproof::mesh::{Mesh, Placement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::{Side, WorldAligned};
@@ -406,17 +406,6 @@ fn nothing_is_mirrored() {
     }
 }
 
-/// What is written on a page, counted from 1.
-fn text_of(pdf: &Path, page: usize) -> String {
-    let page = page.to_string();
-    let run = std::process::Command::new("pdftotext")
-        .args(["-f", &page, "-l", &page])
-        .arg(pdf)
-        .arg("-")
-        .output();
-    String::from_utf8(run.expect("install poppler-utils").stdout).unwrap()
-}
-
 /// The same request with what is steeper unrolled.
 fn flattened(tile_mm: f64, paper: Paper, max_stretch: f64) -> WrapRequest {
     WrapRequest {
@@ -559,7 +548,38 @@ fn slopes_of_the_bar_are_unrolled() {
 #[test]
 fn a_dome_is_unrolled_without_overlap() {
     let folder = tempfile::tempdir().unwrap();
-    let (rings, around, radius) = (12, 36, 60.0_f64);
+    let obj = dome(folder.path(), 12, 36);
+    let pattern = Pattern::random(5, 2).unwrap();
+    let (png, pdf) = (pattern_file(&pattern, folder.path()), folder.path().join("w.pdf"));
+    done(&format!(
+        "print wrap --mesh {} --pattern {} --tile-mm 40 -o {} --flatten",
+        obj.display(),
+        png.display(),
+        pdf.display()
+    ));
+    let mesh = Mesh::load(&obj, &Placement::default()).unwrap();
+    let made = wrap(&mesh, &[], &pattern, &flattened(40.0, Paper::A4, 1.2)).unwrap();
+    made.facts().iter().for_each(|fact| println!("{fact}"));
+    strips_are_the_surface(&made, &Paint::of_materials(&mesh, &[]), 1.2);
+    let share = share_right(&Printed::new(made, &pdf), &mesh, &[], &pattern);
+    assert!(share >= 0.999, "{share}");
+    // What would take minutes and be of no use is refused.
+    let fine = dome(folder.path(), 100, 300);
+    let command = format!(
+        "print wrap --mesh {} --pattern {} --tile-mm 40 -o {} --flatten",
+        fine.display(),
+        png.display(),
+        folder.path().join("fine.pdf").display()
+    );
+    assert_refused(
+        &scaleproof(&command),
+        &["triangles are steeper than --max-stretch", "simplify"],
+    );
+}
+
+/// A half sphere of 60 mm radius as OBJ.
+fn dome(folder: &Path, rings: i32, around: i32) -> PathBuf {
+    let radius = 60.0_f64;
     let mut text = format!("v 0 0 {radius}\n");
     for ring in 1..=rings {
         let down = f64::from(ring) / f64::from(rings) * std::f64::consts::FRAC_PI_2;
@@ -577,22 +597,9 @@ fn a_dome_is_unrolled_without_overlap() {
             text += &format!("f {a} {} {} {b}\n", at(ring + 1, step), at(ring + 1, step + 1));
         }
     }
-    let obj = folder.path().join("dome.obj");
+    let obj = folder.join(format!("dome{rings}.obj"));
     std::fs::write(&obj, text).unwrap();
-    let pattern = Pattern::random(5, 2).unwrap();
-    let (png, pdf) = (pattern_file(&pattern, folder.path()), folder.path().join("w.pdf"));
-    done(&format!(
-        "print wrap --mesh {} --pattern {} --tile-mm 40 -o {} --flatten",
-        obj.display(),
-        png.display(),
-        pdf.display()
-    ));
-    let mesh = Mesh::load(&obj, &Placement::default()).unwrap();
-    let made = wrap(&mesh, &[], &pattern, &flattened(40.0, Paper::A4, 1.2)).unwrap();
-    made.facts().iter().for_each(|fact| println!("{fact}"));
-    strips_are_the_surface(&made, &Paint::of_materials(&mesh, &[]), 1.2);
-    let share = share_right(&Printed::new(made, &pdf), &mesh, &[], &pattern);
-    assert!(share >= 0.999, "{share}");
+    obj
 }
 
 #[test]
@@ -645,6 +652,13 @@ fn patches_have_their_size_and_place() {
         ));
         let pages = pages(Path::new(&to), 1, DPI);
         assert_eq!(pages.len(), 2, "the panel, then the piece");
+        for (page, id) in [(1, "left A1"), (2, "patch1 A1")] {
+            let text = text_of(Path::new(&to), page);
+            assert!(
+                text.contains(id) && text.contains("on the left panel at -30, 25 mm"),
+                "{text}"
+            );
+        }
         for (i, page) in pages.iter().enumerate() {
             let red: Vec<_> = coloured(page, |c| c[0] > 150 && c[1] < 60 && c[2] < 60);
             let blue: Vec<_> = coloured(page, |c| c[2] > 150 && c[1] < 60 && c[0] < 60);
@@ -685,7 +699,7 @@ fn patches_have_their_size_and_place() {
         &scaleproof(&format!("{base} --at-mm 0,25").replace("60x30", "60x0.01")),
         &["patch height cannot be 0.01"],
     );
-    for scale in ["0", "-10", "nan", "inf"] {
+    for scale in ["0", "-10", "nan", "inf", "1e308"] {
         assert_refused(
             &scaleproof(&format!("{base} --at-mm 0,25 --scale {scale}")),
             &["scale cannot be"],
@@ -727,13 +741,15 @@ fn impossible_wraps_are_refused() {
         |side: &str| format!("v 0 0 0\nv {side} 0 0\nv 0 {side} 0\nv 0 0 {side}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     std::fs::write(path("metres.obj"), solid("0.455")).unwrap();
     std::fs::write(path("giant.obj"), solid("1e8")).unwrap();
+    // A car as large as life.
+    std::fs::write(path("car.obj"), solid("4550")).unwrap();
     let scene = path("s.toml");
     done(&format!(
         "scene new --preset ring --radius-mm 300 --tags 4 --tag-mm 50 --model-size-mm 220x90x60 -o {scene}"
     ));
     let out = path("w.pdf");
     let usual = format!("print wrap --mesh {obj} --pattern {png} --tile-mm 40 -o {out}");
-    let cases: [(String, &[&str]); 16] = [
+    let cases: [(String, &[&str]); 20] = [
         (usual.replace("bar.obj", "empty.obj"), &["has no faces"]),
         (usual.replace("bar.obj", "absent.obj"), &["cannot read", "no such file"]),
         (usual.replace("bar.obj", "torn.glb"), &["cannot be read as a mesh"]),
@@ -747,6 +763,22 @@ fn impossible_wraps_are_refused() {
             &["0.455 × 0.455 × 0.455 mm", "--length-mm"],
         ),
         (usual.replace("bar.obj", "giant.obj"), &["100000000 ×", "10 to 5000 mm"]),
+        (
+            usual.replace("bar.obj", "car.obj"),
+            &["4550 × 4550 × 4550 mm", "--length-mm", "455 (1:10)"],
+        ),
+        (
+            usual.replace("bar.obj", "car.obj") + " --scale 25",
+            &["as in 182 (1:25)"],
+        ),
+        (
+            usual.replace("bar.obj", "car.obj") + " --length-mm 20000",
+            &["would be 20000 ×", "10 to 5000 mm"],
+        ),
+        (
+            format!("{usual} --length-mm 1e6"),
+            &["cannot be set to 1000000", "as in 455"],
+        ),
         (
             format!("{usual} --material body"),
             &["no material 'body'", "'paint', 'glass'"],
@@ -777,6 +809,14 @@ fn impossible_wraps_are_refused() {
         &scaleproof(&usual.replace("w.pdf", "bar.obj")),
         &["would be overwritten"],
     );
+    // Life-size all the same, if somebody says so.
+    std::fs::write(path("bus.obj"), solid("1600")).unwrap();
+    let bus = usual
+        .replace("bar.obj", "bus.obj")
+        .replace("--tile-mm 40", "--tile-mm 400")
+        + " --paper roll1600";
+    assert_refused(&scaleproof(&bus), &["as in 160 (1:10) or, if the file is right, 1600"]);
+    done(&format!("{bus} --length-mm 1600"));
     // The same input gives the same bytes, and SVG has a file a page.
     done(&usual);
     let first = std::fs::read(&out).unwrap();

@@ -8,6 +8,7 @@ use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::mesh::{Mesh, Placement};
 use crate::pattern::Pattern;
 use crate::print::lettering;
+use crate::print::template::check_scale;
 use crate::print::wrap::{Kept, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
@@ -114,10 +115,15 @@ impl ModelArgs {
             check_size(&mesh, scene.model.size_mm)?;
         }
         mesh.check_is_model()?;
+        let scale = self.scale.or(scene.as_ref().map(|s| s.model.scale)).unwrap_or(10.0);
+        if self.length_mm.is_none() && scene.is_none() {
+            check_scale(scale)?;
+            mesh.check_is_scale_model(scale)?;
+        }
         Ok(Model {
             materials: mesh.materials_named(&self.material)?,
             mesh,
-            scale: self.scale.or(scene.map(|s| s.model.scale)).unwrap_or(10.0),
+            scale,
         })
     }
 }

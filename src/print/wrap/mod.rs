@@ -22,7 +22,7 @@ pub use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
 
 use super::PrintError;
 use super::date::Date;
-use super::lettering::number;
+use super::lettering::{counted, number};
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::sheet::Sheet;
@@ -176,10 +176,7 @@ impl Wrap {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();
         for Piece { panel, layout, .. } in &self.pieces {
-            let sheets = match layout.sheets.len() {
-                1 => "1 sheet".to_owned(),
-                n => format!("{n} sheets"),
-            };
+            let sheets = counted(layout.sheets.len(), "sheet");
             let hidden = match panel.hidden_mm2() {
                 mm2 if mm2 < 1.0 => String::new(),
                 mm2 => format!(", {mm2:.0} mm² lie behind it and are printed with it"),

@@ -9,7 +9,7 @@ use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 use crate::print::PrintError;
 use crate::print::frame::{Frame, Setup};
-use crate::print::lettering::wrapped;
+use crate::print::lettering::{counted, wrapped};
 use crate::print::pack;
 use crate::print::paper::{Paper, Stock};
 use crate::print::printer;
@@ -113,10 +113,11 @@ pub fn fact(wrap: &Wrap) -> Option<String> {
         small,
         small_mm2,
     } = wrap.kept;
-    let large = (too_large > 0).then(|| format!("{too_large} steep triangles are larger than a sheet"));
+    let large = (too_large > 0).then(|| format!("{} larger than a sheet", counted(too_large, "triangle")));
     let small = (small > 0).then(|| {
         format!(
-            "{small} steep parts are smaller than {:.2} cm² ({:.1} cm² in all)",
+            "{} smaller than {:.2} cm² ({:.1} cm² in all)",
+            counted(small, "part"),
             LEAST_MM2 / 100.0,
             small_mm2 / 100.0
         )
@@ -124,7 +125,7 @@ pub fn fact(wrap: &Wrap) -> Option<String> {
     let stay: Vec<String> = large.into_iter().chain(small).collect();
     let stay = match stay.is_empty() {
         true => String::new(),
-        false => format!("; on the panels stay what no strip can be made of: {}", stay.join(", ")),
+        false => format!("; as steep but left on the panels: {}", stay.join(", ")),
     };
     if areas.is_empty() {
         return (!stay.is_empty()).then(|| format!("unrolled: nothing{stay}"));
@@ -133,12 +134,12 @@ pub fn fact(wrap: &Wrap) -> Option<String> {
         (least.min(*area), most.max(*area))
     });
     Some(format!(
-        "unrolled: {} strips, {:.1} cm² of surface, from {:.2} to {:.1} cm² each, {} pages{stay}",
-        areas.len(),
+        "unrolled: {}, {:.1} cm² of surface, from {:.2} to {:.1} cm² each, {}{stay}",
+        counted(areas.len(), "strip"),
         wrap.strips_mm2() / 100.0,
         least / 100.0,
         most / 100.0,
-        wrap.strip_pages(),
+        counted(wrap.strip_pages(), "page"),
     ))
 }
 
