@@ -269,7 +269,7 @@ fn as_picture(sheet: &Sheet, mm_per_px: f64) -> Stencil {
 fn the_numbers_and_the_legend_name_the_paints() {
     let pattern = Pattern::random(9, 6).unwrap();
     let painted = Painted::by_count(&pattern, 4).unwrap();
-    let made = paint_sheets(&pattern, &painted, &request((221.0, 130.0), 99.0)).unwrap();
+    let made = paint_sheets(&pattern, &painted, &request((331.0, 203.0), 99.0)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("t.pdf");
     std::fs::write(&file, pdf::write("t", &made.pages).unwrap()).unwrap();
@@ -622,12 +622,12 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
         (
             "p.png",
             format!("{usual} --palette {}", path("one.toml")),
-            ["1 paints", "2 to 256"],
+            ["this one 1", "2 to 256"],
         ),
         (
             "p.png",
             format!("{usual} --palette {}", path("none.toml")),
-            ["0 paints", "2 to 256"],
+            ["this one 0", "2 to 256"],
         ),
         (
             "p.png",

@@ -100,7 +100,10 @@ impl Palette {
 
     fn checked(entries: Vec<PaintEntry>) -> Result<Self, String> {
         if !(2..=MAX_PALETTE).contains(&entries.len()) {
-            return Err(format!("it has {} paints, not 2 to {MAX_PALETTE}", entries.len()));
+            return Err(format!(
+                "a palette has 2 to {MAX_PALETTE} paints, this one {}",
+                entries.len()
+            ));
         }
         let mut paints: Vec<Paint> = Vec::new();
         for entry in entries {

@@ -178,11 +178,7 @@ fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     let (dx, dy) = (at.x_mm - seam.x_mm, at.y_mm - seam.y_mm);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
     let along = |mm: f64| PointMm::new(seam.x_mm + mm / length * dx, seam.y_mm + mm / length * dy);
-    // A long one may come from the next sheet.
-    let leader = Mark::Clipped {
-        to: vec![plan.printed.outline()],
-        marks: vec![line(along(BLEED_MM + 0.2), along(length - 2.0), LEADER_MM, None, BLACK)],
-    };
+    let leader = line(along(BLEED_MM + 0.2), along(length - 2.0), LEADER_MM, None, BLACK);
     let text = Mark::text(
         (at.x_mm, at.y_mm - 0.5 * CAP_HEIGHT * LETTER_MM),
         LETTER_MM,

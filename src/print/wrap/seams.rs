@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
 
-use super::BLEED_MM;
 use super::panel::{Paint, Panel, corner_of};
 use super::region::{Point, Region};
 use crate::pattern::world_aligned::Side;
@@ -13,9 +12,8 @@ use crate::pattern::world_aligned::Side;
 const SHORTEST_MM: f64 = 15.0;
 /// From a letter's middle to the nearest ink.
 pub const CLEAR_MM: f64 = 2.4;
-/// How far from the seam a letter may stand, at the end of a line.
-const FARTHEST_MM: f64 = 25.0;
-const STEP_MM: f64 = 0.5;
+/// How much farther from the seam a letter may stand.
+const FARTHEST_MM: f64 = 4.0;
 
 /// A letter beside a panel, in the panel's plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,7 +135,6 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
         });
         side.project(&Point3::from(sum / seam.length_mm))
     };
-    let around = region.bounds().unwrap_or_default();
     let mut best: Option<(f64, Point, Point)> = None;
     for ends in &seam.edges {
         let [a, b] = ends.map(|p| side.project(&p));
@@ -156,7 +153,7 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
             }
             if let Some(at) = [1.0, -1.0]
                 .iter()
-                .find_map(|sign| free(p, outward.map(|c| sign * c), around, grown, taken))
+                .find_map(|sign| free(p, outward.map(|c| sign * c), grown, taken))
             {
                 best = Some((off_middle, p, at));
             }
@@ -165,24 +162,14 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
     best.map(|(_, p, at)| (p, at))
 }
 
-/// The nearest place for a letter on the way from the border outwards, as far as the way crosses neither the panel nor another
-/// letter and stays on the panel's sheets. `around` is the box around the panel.
-fn free(p: Point, direction: Point, around: (Point, Point), grown: &Region, taken: &[Point]) -> Option<Point> {
-    let on_sheets = |at: Point| {
-        let room = BLEED_MM + CLEAR_MM;
-        (0..2).all(|i| at[i] >= around.0[i] - room && at[i] <= around.1[i] + room)
-    };
-    for step in 0..=(FARTHEST_MM / STEP_MM) as usize {
-        let mm = step as f64 * STEP_MM;
-        let at = [p[0] + mm * direction[0], p[1] + mm * direction[1]];
-        let clear_mm = grown.distance_mm(at);
-        let from = |other: &Point| (other[0] - at[0]).hypot(other[1] - at[1]);
-        if clear_mm >= CLEAR_MM && taken.iter().all(|t| from(t) > 2.0 * CLEAR_MM) && on_sheets(at) {
-            return Some(at);
-        }
-        if mm > BLEED_MM + STEP_MM && (clear_mm <= 0.0 || taken.iter().any(|t| from(t) < CLEAR_MM)) {
-            return None;
-        }
-    }
-    None
+fn free(p: Point, direction: Point, grown: &Region, taken: &[Point]) -> Option<Point> {
+    let outwards = (0..=12).map(|step| f64::from(step) / 12.0 * (CLEAR_MM + FARTHEST_MM));
+    let places = outwards.map(|mm| [p[0] + mm * direction[0], p[1] + mm * direction[1]]);
+    let mut clear = places.filter(|at| {
+        let alone = taken
+            .iter()
+            .all(|t| (t[0] - at[0]).hypot(t[1] - at[1]) > 2.0 * CLEAR_MM);
+        alone && grown.distance_mm(*at) >= CLEAR_MM
+    });
+    clear.next()
 }
