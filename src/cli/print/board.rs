@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::{SheetArgs, write_files};
+use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::board::{BoardKind, BoardRequest, board};
 
@@ -27,7 +27,7 @@ pub struct BoardArgs {
     #[arg(long, value_name = "NAME")]
     dictionary: Option<String>,
     #[command(flatten)]
-    sheets: SheetArgs,
+    sheets: CutSheetArgs,
     /// The definition to write [default: beside the PDF, ending in .toml]
     #[arg(long, value_name = "TOML")]
     definition: Option<PathBuf>,

@@ -2,14 +2,14 @@
 
 use std::io::Write;
 
-use super::{SheetArgs, write_files};
+use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::chart::chart;
 
 #[derive(clap::Args)]
 pub struct ChartArgs {
     #[command(flatten)]
-    sheets: SheetArgs,
+    sheets: CutSheetArgs,
 }
 
 /// Runs `scaleproof print chart`.

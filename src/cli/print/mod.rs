@@ -148,9 +148,9 @@ fn svg_path(output: &Path, name: &str) -> PathBuf {
     output.with_file_name(format!("{}-{name}.svg", stem.unwrap_or_default()))
 }
 
-/// What sheets that are not tiled are printed on.
+/// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
-struct SheetArgs {
+struct CutSheetArgs {
     /// a4, a3, letter, tabloid, or WxH in mm
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
@@ -165,7 +165,7 @@ struct SheetArgs {
     format: Option<Format>,
 }
 
-impl SheetArgs {
+impl CutSheetArgs {
     fn media(&self) -> Result<Media, Box<dyn Error>> {
         if self.paper.starts_with("roll") {
             return Err(
@@ -179,7 +179,7 @@ impl SheetArgs {
         })
     }
 
-    /// The sheets as files to write, numbered where they are several.
+    /// The sheets as files to write: one PDF, or numbered SVGs.
     fn files(&self, title: &str, sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
         let names: Vec<String> = (1..=sheets.len()).map(|n| n.to_string()).collect();
         let format = Format::of(self.format, &self.output);

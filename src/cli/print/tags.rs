@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{SheetArgs, write_files};
+use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::lettering;
 use crate::print::tags::{TagRequest, tag_sheets};
@@ -18,7 +18,7 @@ pub struct TagsArgs {
     #[arg(long)]
     plain: bool,
     #[command(flatten)]
-    sheets: SheetArgs,
+    sheets: CutSheetArgs,
 }
 
 /// Runs `scaleproof print tags`.
