@@ -295,6 +295,16 @@ fn only_photos_of_one_print_are_averaged() {
     let answer: serde_json::Value = serde_json::from_str(&stdout(&run)).unwrap();
     assert_eq!(answer["photos"].as_array().unwrap().len(), 2);
     assert!(answer["photos"][1]["delta_e_from_mean"].as_f64().unwrap() < 0.5);
+    // A greyscale photo tells nothing of colours.
+    let grey = folder.path().join("grey.png");
+    image::open(&a).unwrap().to_luma8().save(&grey).unwrap();
+    let grey = format!(
+        "colour read {} -o {}",
+        grey.display(),
+        folder.path().join("grey.toml").display()
+    );
+    assert_refused(&scaleproof(&grey), &["greyscale", "in colour"]);
+    assert!(!folder.path().join("grey.toml").exists());
     let small = scaleproof(&format!("colour read {d}"));
     assert!(stdout(&small).contains("chart rgb4"), "{}", stdout(&small));
 }
@@ -479,6 +489,11 @@ fn printer_files_with_colours(name: &dyn Fn(&str) -> String, check: &str) {
     assert_eq!(again.printer, Correction::measured(99.3993, 99.8).unwrap());
     assert!(again.colours.is_some());
     let only_colours = text[text.find("[colour]").unwrap()..].to_owned();
+    std::fs::write(&path, &only_colours).unwrap();
+    // Lengths join colours without a word, as no page was printed with a correction.
+    done(&format!("print verify --x-mm 99.3 --y-mm 99.8 -o {path}"));
+    let joined = PrinterFile::load(Path::new(&path)).unwrap();
+    assert!(joined.printer == Correction::measured(99.3, 99.8).unwrap() && joined.colours == again.colours);
     std::fs::write(&path, &only_colours).unwrap();
     done(&format!("print check --printer {path} -o {}", name("c.pdf")));
     done(check);

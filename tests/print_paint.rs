@@ -14,7 +14,7 @@ use common::assert_refused;
 use image::{Rgb, RgbImage};
 use proptest::prelude::*;
 use raster::{Stencil, filled};
-use render::{done, pages, scaleproof, usual_request};
+use render::{done, pages, scaleproof, usual_request, words};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::palette::{Painted, Palette};
 use scaleproof::print::paint::{PaintRequest, PaintSheets, paint_sheets};
@@ -263,6 +263,146 @@ fn as_picture(sheet: &Sheet, mm_per_px: f64) -> Stencil {
     )
 }
 
+/// Every patch of one paint has one number, its paint's, and lines where paints meet and nowhere else; the legend shows each
+/// number beside its colour.
+#[test]
+fn the_numbers_and_the_legend_name_the_paints() {
+    let pattern = Pattern::random(9, 6).unwrap();
+    let painted = Painted::by_count(&pattern, 4).unwrap();
+    let made = paint_sheets(&pattern, &painted, &request((331.0, 203.0), 99.0)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("t.pdf");
+    std::fs::write(&file, pdf::write("t", &made.pages).unwrap()).unwrap();
+    let rendered = pages(&file, 1, 200.0);
+    let (mut sheets, mut patches) = (0, 0);
+    for (i, (name, sheet)) in made.names.iter().zip(&made.pages).enumerate() {
+        let words = words(&file, i + 1);
+        if name.starts_with("legend") {
+            for (number, used) in painted.paints.iter().enumerate() {
+                legend_shows(number + 1, used.paint.rgb, &used.paint.hex(), &words, &rendered[i]);
+            }
+        } else if let Some(id) = name.strip_prefix("numbers-") {
+            let plan = made.layout.sheets.iter().find(|plan| plan.id() == id).unwrap();
+            let numbers = NumberSheet {
+                plan,
+                sheet,
+                painted: &painted,
+                cell_mm: made.cell_mm,
+            };
+            patches += numbers.patches_are_numbered(&words);
+            numbers.lines_are_where_paints_meet(&rendered[i]);
+            sheets += 1;
+        }
+    }
+    println!("{patches} patches on {sheets} sheets, each with its number");
+    assert!(sheets == made.layout.sheets.len() && sheets > 1 && patches > 40);
+}
+
+/// A paint's row of the legend: its number, a swatch of its colour, its sRGB.
+fn legend_shows(number: usize, rgb: [u8; 3], hex: &str, words: &[(String, [f64; 4])], page: &RgbImage) {
+    let (_, at) = words.iter().find(|(word, _)| word == hex).expect(hex);
+    let middle = 0.5 * (at[1] + at[3]);
+    let (_, before) = words
+        .iter()
+        .find(|(word, area)| *word == number.to_string() && area[1] < middle && middle < area[3])
+        .unwrap_or_else(|| panic!("no {number} beside {hex}"));
+    let px = |mm: f64| (mm / 25.4 * 200.0) as u32;
+    let swatch = (px(before[2])..px(at[0])).filter(|x| page.get_pixel(*x, px(middle)).0 == rgb);
+    assert!(swatch.count() > 20, "no swatch of {hex}");
+}
+
+/// A sheet to paint by number.
+struct NumberSheet<'a> {
+    plan: &'a SheetPlan,
+    sheet: &'a Sheet,
+    painted: &'a Painted,
+    cell_mm: f64,
+}
+
+impl NumberSheet<'_> {
+    /// The columns and rows of cells on it.
+    fn cells(&self) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
+        let own = self.plan.own;
+        let cell = |mm: f64| (mm / self.cell_mm + 1e-6).floor() as usize;
+        let end = |mm: f64| (mm / self.cell_mm - 1e-6).ceil() as usize;
+        (
+            cell(own.left_mm)..end(own.right_mm),
+            cell(own.top_mm)..end(own.bottom_mm),
+        )
+    }
+
+    /// Where a place of the panel is on the page, from its top-left corner.
+    fn on_page(&self, x_mm: f64, y_mm: f64) -> (f64, f64) {
+        let (own, trim) = (self.plan.own, self.sheet.trim);
+        let top = self.sheet.height_mm - trim.top_mm;
+        (trim.left_mm + x_mm - own.left_mm, top + y_mm - own.top_mm)
+    }
+
+    /// Gives how many there are.
+    fn patches_are_numbered(&self, words: &[(String, [f64; 4])]) -> usize {
+        let (columns, rows) = self.cells();
+        let paint = |(column, row): (usize, usize)| self.painted.paint_at(column, row);
+        let mut patch = std::collections::BTreeMap::new();
+        let mut count = 0;
+        for start in rows
+            .clone()
+            .flat_map(|row| columns.clone().map(move |column| (column, row)))
+        {
+            let mut open = vec![start];
+            while let Some((column, row)) = open.pop() {
+                let inside = columns.contains(&column) && rows.contains(&row) && paint((column, row)) == paint(start);
+                if !inside || patch.contains_key(&(column, row)) {
+                    continue;
+                }
+                patch.insert((column, row), count);
+                open.extend([(column + 1, row), (column, row + 1)]);
+                open.extend(column.checked_sub(1).map(|column| (column, row)));
+                open.extend(row.checked_sub(1).map(|row| (column, row)));
+            }
+            count += usize::from(patch[&start] == count);
+        }
+        let mut seen = vec![0; count];
+        let (left, top) = self.on_page(self.plan.own.left_mm, self.plan.own.top_mm);
+        for (word, [x0, y0, x1, y1]) in words {
+            let cell = |mm: f64| (mm / self.cell_mm).floor() as usize;
+            let (x, y) = (0.5 * (x0 + x1) - left, 0.5 * (y0 + y1) - top);
+            let (width, height) = (self.sheet.trim.width_mm(), self.sheet.trim.height_mm());
+            if (0.0..width).contains(&x) && (0.0..height).contains(&y) {
+                let at = (cell(x + self.plan.own.left_mm), cell(y + self.plan.own.top_mm));
+                assert_eq!(*word, (paint(at) + 1).to_string(), "{at:?} on {}", self.plan.id());
+                seen[patch[&at]] += 1;
+            }
+        }
+        assert!(seen.iter().all(|n| *n == 1), "{}: {seen:?}", self.plan.id());
+        count
+    }
+
+    fn lines_are_where_paints_meet(&self, page: &RgbImage) {
+        let (columns, rows) = self.cells();
+        let dark = |x_mm: f64, y_mm: f64| {
+            let (x, y) = self.on_page(x_mm, y_mm);
+            let px = |mm: f64| (mm / 25.4 * 200.0) as u32;
+            let near = (0..9).map(|i| page.get_pixel(px(x) + i % 3 - 1, px(y) + i / 3 - 1).0[0]);
+            near.min().unwrap() < 100
+        };
+        // Three places of every border: a number may lie on one of them.
+        let along = [0.12, 0.5, 0.88];
+        for row in rows.start + 1..rows.end - 1 {
+            for column in columns.start + 1..columns.end - 1 {
+                let (x, y) = (column as f64 * self.cell_mm, row as f64 * self.cell_mm);
+                let beside = along.map(|share| dark(x, y + share * self.cell_mm));
+                let above = along.map(|share| dark(x + share * self.cell_mm, y));
+                let paint = |column, row| self.painted.paint_at(column, row);
+                let here = paint(column, row);
+                for (lines, other) in [(beside, paint(column - 1, row)), (above, paint(column, row - 1))] {
+                    let all = lines.iter().all(|line| *line);
+                    assert!((here != other) == all, "({column}, {row}): {lines:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_mirrored_stencil_is_the_stencil_from_behind() {
     let pattern = Pattern::random(8, 2).unwrap();
@@ -448,14 +588,22 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
     let before = std::fs::read_dir(folder.path()).unwrap().count();
     let usual = "--tile-mm 118 --size-mm 180x120";
     for (pattern, options, words) in [
-        ("p.png", format!("{usual} --paints 1"), ["1 paints", "ask for 2 to 24"]),
+        (
+            "p.png",
+            format!("{usual} --paints 1"),
+            ["1 paint cannot", "ask for 2 to 24"],
+        ),
         ("p.png", format!("{usual} --paints 0"), ["0 paints", "ask for 2 to 24"]),
         (
             "p.png",
             format!("{usual} --paints 25"),
             ["25 paints", "ask for 2 to 24"],
         ),
-        ("p.png", format!("{usual} --paints -3"), ["paints", "ask for 2 to 24"]),
+        (
+            "p.png",
+            format!("{usual} --paints -3"),
+            ["-3 paints", "ask for 2 to 24"],
+        ),
         (
             "two.png",
             format!("{usual} --paints 3"),
@@ -474,12 +622,12 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
         (
             "p.png",
             format!("{usual} --palette {}", path("one.toml")),
-            ["1 paints", "2 to 256"],
+            ["this one 1", "2 to 256"],
         ),
         (
             "p.png",
             format!("{usual} --palette {}", path("none.toml")),
-            ["0 paints", "2 to 256"],
+            ["this one 0", "2 to 256"],
         ),
         (
             "p.png",

@@ -13,7 +13,7 @@ use image::{Rgb, RgbImage};
 use lopdf::{Document, Object};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the_whole, assert_rulers};
 use proptest::prelude::*;
-use render::{done, oblong_pattern, pages, pattern_file, scaleproof, usual_request};
+use render::{done, oblong_pattern, pages, pattern_file, scaleproof, text_of, usual_request};
 use scaleproof::pattern::Pattern;
 use scaleproof::print::paper::{Orientation, Paper, Stock};
 use scaleproof::print::printer::Printer;
@@ -205,15 +205,7 @@ fn the_text_says_how_to_assemble() {
     let png = pattern_file(&Pattern::random(16, 1).unwrap(), folder.path());
     let (from, to) = (png.display(), pdf.display());
     let usual = format!("print template --pattern {from} --tile-mm 118 --size-mm 600x300 -o {to}");
-    let text = |page: usize| {
-        let number = page.to_string();
-        let run = Command::new("pdftotext")
-            .args(["-f", &number, "-l", &number])
-            .arg(&pdf)
-            .arg("-")
-            .output();
-        String::from_utf8(run.expect("install poppler-utils").stdout).unwrap()
-    };
+    let text = |page: usize| text_of(&pdf, page);
     done(&usual);
     for words in [
         "How to assemble",
@@ -341,6 +333,7 @@ const REFUSALS: &[(&str, &str, &str)] = &[
     ("--printer", "absent.toml", "cannot be used"),
     ("--printer", "good.png", "cannot be used"),
     ("--scale", "0", "scale cannot be 0"),
+    ("--scale", "1e308", "from 0.01 to 10000"),
     ("--pattern", "absent.png", "no such file"),
     ("--pattern", "text.png", "is not a PNG"),
     ("--pattern", "glass.png", "see-through"),

@@ -55,6 +55,10 @@ pub enum ChartError {
         "{patches} patches, as {place}, are not of one colour: the photo is blurred or shaken, the paper is wavy, or there are spots on it"
     )]
     Patchy { patches: usize, place: String },
+    #[error(
+        "no colours are in the photos (L* only): they are greyscale, or the print is; photograph a colour print in colour"
+    )]
+    Colourless,
     #[error("the photos show different charts ({first} and {other}); average photos of one print")]
     MixedCharts { first: &'static str, other: &'static str },
     #[error("the photos disagree by a mean ΔE2000 of {delta_e:.1}; average only photos of one print in the same light")]

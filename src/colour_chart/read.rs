@@ -30,6 +30,8 @@ const MOST_BLACK_SPREAD: f64 = 6.0;
 const MOST_PATCHY: f64 = 5.0;
 /// Mean ΔE2000 of a photo's patches from the mean of all photos.
 const MOST_DISAGREEMENT: f64 = 3.0;
+/// A printer with coloured inks makes more than this share of the colours of sRGB; noise on grey makes less.
+const LEAST_GAMUT: f64 = 0.01;
 
 /// What one photo says.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +115,7 @@ pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Reading, Chart
 /// The mean over photos of one print, and each photo's mean ΔE2000 from it.
 ///
 /// # Errors
-/// Photos of different charts, or that disagree.
+/// Photos of different charts, that disagree, or without colours.
 pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, Vec<f64>), ChartError> {
     let Some(first) = readings.first() else {
         return Err(ChartError::NoChart);
@@ -148,7 +150,11 @@ pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, V
         photos_sha256: readings.iter().map(|r| r.sha256.clone()).collect(),
         levels: first.kind.levels().to_vec(),
     };
-    Ok((PrintedColours::of_light(source, asked.zip(means)), disagreements))
+    let colours = PrintedColours::of_light(source, asked.zip(means));
+    if colours.gamut_share_of_srgb < LEAST_GAMUT {
+        return Err(ChartError::Colourless);
+    }
+    Ok((colours, disagreements))
 }
 
 fn refuse_clipped(cells: &[(Cell, Sample)]) -> Result<(), ChartError> {

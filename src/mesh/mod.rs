@@ -24,6 +24,8 @@ pub const MAX_BYTES: usize = 200_000_000;
 pub const MAX_TRIANGLES: usize = 1_000_000;
 /// The longest side of a model that is printed, mm. A file in metres is below, one in micrometres or damaged is above.
 const LONGEST_SIDE_MM: std::ops::RangeInclusive<f64> = 10.0..=5000.0;
+/// A scale model that is longer than this was measured: a bus at 1:10 is 1.2 m.
+const LONGEST_UNMEASURED_MM: f64 = 1500.0;
 /// A coordinate beyond this is damage: a thousand kilometres in mm.
 const MAX_COORDINATE: f64 = 1e9;
 
@@ -46,13 +48,26 @@ pub enum MeshError {
     UnknownAxis { text: String },
     #[error("front and up of the mesh lie along the same axis; give two different ones")]
     FrontIsUp,
-    #[error("the mesh's length cannot be set to {value} mm; give the model's length, above 0 and up to 100000 mm")]
+    #[error(
+        "the mesh's length cannot be set to {value} mm; give the model's length from front to rear in mm, as in 455"
+    )]
     BadLength { value: f64 },
     #[error(
         "the model would be {length} × {width} × {height} mm (length × width × height), and its longest side must be 10 to 5000 mm; give \
-         --length-mm, or correct size_mm of the scene"
+         the model's --length-mm, or correct size_mm of the scene"
     )]
     NoModel { length: f64, width: f64, height: f64 },
+    #[error(
+        "the mesh is {length} × {width} × {height} mm by its file, rather a thing itself than its scale model; give the model's \
+         --length-mm, as in {at_scale} (1:{scale}) or, if the file is right, {length}"
+    )]
+    LifeSize {
+        length: f64,
+        width: f64,
+        height: f64,
+        at_scale: f64,
+        scale: f64,
+    },
     #[error("the mesh has no length along its front, so it cannot be scaled; check which way its front is")]
     NoLength,
 }
@@ -70,6 +85,14 @@ pub struct Mesh {
 pub struct Triangle {
     pub corners: [usize; 3],
     pub material: usize,
+}
+
+impl Triangle {
+    /// Its edges from the first corner on, each with its corners in rising order.
+    pub fn edges(&self) -> [[usize; 2]; 3] {
+        let [a, b, c] = self.corners;
+        [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
+    }
 }
 
 impl Mesh {
@@ -183,8 +206,27 @@ impl Mesh {
         if LONGEST_SIDE_MM.contains(&size.into_iter().fold(0.0, f64::max)) {
             return Ok(());
         }
-        let [length, width, height] = size.map(|mm| (mm * 1000.0).round() / 1000.0);
+        let [length, width, height] = size.map(rounded);
         Err(MeshError::NoModel { length, width, height })
+    }
+
+    /// Refuses the car itself, as a glTF in metres usually is, where a model of 1:`scale` is wanted and nobody said how long it is.
+    ///
+    /// # Errors
+    /// A longest side above 1500 mm.
+    pub fn check_is_scale_model(&self, scale: f64) -> Result<(), MeshError> {
+        let size = self.size_mm();
+        if size.into_iter().all(|mm| mm <= LONGEST_UNMEASURED_MM) {
+            return Ok(());
+        }
+        let [length, width, height] = size.map(rounded);
+        Err(MeshError::LifeSize {
+            length,
+            width,
+            height,
+            at_scale: rounded(length / scale),
+            scale,
+        })
     }
 
     /// Length, width and height of the box around the whole mesh, mm.
@@ -197,6 +239,11 @@ impl Mesh {
 /// The outward normal of a triangle, not normalised: as long as twice its area.
 pub fn doubled_area(corners: &[Point3<f64>; 3]) -> Vector3<f64> {
     (corners[1] - corners[0]).cross(&(corners[2] - corners[0]))
+}
+
+/// To a micrometre, for sentences.
+fn rounded(mm: f64) -> f64 {
+    (mm * 1000.0).round() / 1000.0
 }
 
 /// Why a reader of one format gave up.

@@ -28,8 +28,8 @@ const MOST_STEPS: usize = 100;
 pub enum PaletteError {
     #[error("{path} cannot be used ({reason}); a palette is a TOML file of [[paint]] tables with name = \"…\" and rgb = [r, g, b]", path = path.display())]
     BadFile { path: PathBuf, reason: String },
-    #[error("{asked} paints cannot be made; ask for 2 to {MAX_PAINTS}")]
-    BadCount { asked: usize },
+    #[error("{asked} paint{} cannot be made; ask for 2 to {MAX_PAINTS}", if *asked == 1 { "" } else { "s" })]
+    BadCount { asked: i64 },
     #[error("the pattern has {distinct} colour{}, fewer than the {asked} paints asked for; ask for {}", if *distinct == 1 { "" } else { "s" },
         if *distinct < 2 { "no paints: one colour needs no stencil".to_owned() } else if *distinct == 2 { "2".to_owned() } else { format!("2 to {distinct}") })]
     FewerColours { asked: usize, distinct: usize },
@@ -100,7 +100,10 @@ impl Palette {
 
     fn checked(entries: Vec<PaintEntry>) -> Result<Self, String> {
         if !(2..=MAX_PALETTE).contains(&entries.len()) {
-            return Err(format!("it has {} paints, not 2 to {MAX_PALETTE}", entries.len()));
+            return Err(format!(
+                "a palette has 2 to {MAX_PALETTE} paints, this one {}",
+                entries.len()
+            ));
         }
         let mut paints: Vec<Paint> = Vec::new();
         for entry in entries {
@@ -163,7 +166,9 @@ impl Painted {
     /// Fewer than two paints, more than [`MAX_PAINTS`] or than the pattern has colours, or clusters that round to one colour.
     pub fn by_count(pattern: &Pattern, count: usize) -> Result<Self, PaletteError> {
         if !(2..=MAX_PAINTS).contains(&count) {
-            return Err(PaletteError::BadCount { asked: count });
+            return Err(PaletteError::BadCount {
+                asked: i64::try_from(count).unwrap_or(i64::MAX),
+            });
         }
         let colours = Colours::of(pattern);
         let distinct = colours.rgb.len();
@@ -175,7 +180,9 @@ impl Painted {
             .map(|seed| k_means(&colours, count, seed))
             .min_by(|a, b| a.spread.total_cmp(&b.spread));
         let Some(Clusters { means, of, .. }) = best else {
-            return Err(PaletteError::BadCount { asked: count });
+            return Err(PaletteError::BadCount {
+                asked: i64::try_from(count).unwrap_or(i64::MAX),
+            });
         };
         let paints: Vec<[u8; 3]> = means.iter().map(|mean| mean.rgb()).collect();
         for (i, rgb) in paints.iter().enumerate() {

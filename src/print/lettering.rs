@@ -95,6 +95,11 @@ pub fn fitting_size_mm(text: &str, size_mm: f64, most_mm: f64) -> f64 {
     size_mm.min(size_mm * most_mm / width_mm(text, size_mm).max(f64::MIN_POSITIVE))
 }
 
+/// `1 sheet`, `2 sheets`.
+pub fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 /// A number with up to three decimals and no trailing zeros.
 pub fn number(value: f64) -> String {
     let text = format!("{value:.3}");

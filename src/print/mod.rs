@@ -9,6 +9,7 @@ pub mod check;
 pub mod date;
 pub mod frame;
 pub mod lettering;
+mod pack;
 pub mod page;
 pub mod paint;
 pub mod paper;
@@ -86,6 +87,11 @@ pub enum PrintError {
         "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
     )]
     NothingToPrint,
+    #[error(
+        "{count} triangles are steeper than --max-stretch, and no more than {most} can be unrolled; simplify the mesh, or give a \
+         larger --max-stretch"
+    )]
+    TooManySteep { count: usize, most: usize },
     #[error("the patch {path} cannot be used ({reason})", path = path.display())]
     BadPatch { path: PathBuf, reason: String },
     #[error("the paint has no {side} panel; choose another panel or other materials")]

@@ -218,7 +218,7 @@ impl Patches {
         let template = named.template(side, (size[0], size[1]));
         let layout = layout(&template.layout)?;
         let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
-        let captions = furniture::Captions::of_picture(&template, &facts);
+        let captions = furniture::Captions::of_picture(&template, &facts).of_piece(name);
         let stamps: Vec<_> = on_it.iter().map(|p| p.picture.stamp(p.size_mm)).collect();
         let corner = [low[0] - ROOM_MM, high[1] + ROOM_MM];
         let mut sheets = Vec::new();

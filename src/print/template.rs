@@ -145,15 +145,19 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Prin
     Ok(cell_mm)
 }
 
-/// Refuses a model of 1:0 or 1:NaN, which the captions would name.
-pub(super) fn check_scale(scale: f64) -> Result<(), PrintError> {
-    if scale > 0.0 && scale.is_finite() {
+/// From a fly at a hundred times its size to a city.
+const SCALES: std::ops::RangeInclusive<f64> = 0.01..=10_000.0;
+
+/// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
+pub fn check_scale(scale: f64) -> Result<(), PrintError> {
+    // False for NaN too.
+    if SCALES.contains(&scale) {
         return Ok(());
     }
     Err(PrintError::BadNumber {
         what: "scale",
         value: scale,
-        wanted: "10 for a 1:10 model",
+        wanted: "10 for a 1:10 model, from 0.01 to 10000",
     })
 }
 

@@ -58,6 +58,37 @@ pub fn pages(pdf: &Path, first: usize, dpi: f64) -> Vec<RgbImage> {
     pictured(pdf, &["-r", &dpi.to_string(), "-f", &first.to_string()], ppm)
 }
 
+/// What is written on a page, counted from 1.
+pub fn text_of(pdf: &Path, page: usize) -> String {
+    pdftotext(pdf, page, &[])
+}
+
+/// The words of a page, counted from 1, and their boxes: left, top, right, bottom in mm from the page's top-left corner.
+pub fn words(pdf: &Path, page: usize) -> Vec<(String, [f64; 4])> {
+    let text = pdftotext(pdf, page, &["-bbox"]);
+    let word = |tag: &str| {
+        let (attributes, rest) = tag.split_once('>')?;
+        let mm = |name: &str| {
+            let value = attributes.split_once(&format!("{name}=\""))?.1.split_once('"')?.0;
+            Some(value.parse::<f64>().ok()? / 72.0 * 25.4)
+        };
+        let area = [mm("xMin")?, mm("yMin")?, mm("xMax")?, mm("yMax")?];
+        Some((rest.split_once("</word>")?.0.to_owned(), area))
+    };
+    text.split("<word ").skip(1).filter_map(word).collect()
+}
+
+fn pdftotext(pdf: &Path, page: usize, options: &[&str]) -> String {
+    let page = page.to_string();
+    let run = Command::new("pdftotext")
+        .args(["-f", &page, "-l", &page])
+        .args(options)
+        .arg(pdf)
+        .arg("-")
+        .output();
+    String::from_utf8(run.expect("install poppler-utils").stdout).unwrap()
+}
+
 /// A binary PPM: "P6", width, height, 255, and the pixels. A PNG of an A3 page at 600 dpi takes ten times as long.
 fn ppm(bytes: &[u8]) -> RgbImage {
     let mut fields = bytes.splitn(4, |b| b.is_ascii_whitespace());

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::{Format, as_files, cut_paper, numbered, printer, write_files};
+use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::board::{BoardKind, BoardRequest, board};
-use crate::print::page::Media;
 
 #[derive(clap::Args)]
 pub struct BoardArgs {
@@ -27,18 +26,8 @@ pub struct BoardArgs {
     /// OpenCV's dictionary of the ChArUco markers [default: DICT_5X5_100]
     #[arg(long, value_name = "NAME")]
     dictionary: Option<String>,
-    /// a4, a3, letter, tabloid, or WxH in mm
-    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
-    /// Correct the sizes by this file of `print verify`
-    #[arg(long, value_name = "TOML")]
-    printer: Option<PathBuf>,
-    /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
-    /// pdf, or svg; without it, what the file's name ends in, else pdf
-    #[arg(long, value_enum)]
-    format: Option<Format>,
+    #[command(flatten)]
+    sheets: CutSheetArgs,
     /// The definition to write [default: beside the PDF, ending in .toml]
     #[arg(long, value_name = "TOML")]
     definition: Option<PathBuf>,
@@ -76,28 +65,19 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let definition_path = args
         .definition
         .clone()
-        .unwrap_or_else(|| args.output.with_extension("toml"));
+        .unwrap_or_else(|| args.sheets.output.with_extension("toml"));
     let made = board(&BoardRequest {
         kind: args.kind.into(),
         squares: args.squares,
         square_mm: args.square_mm,
         marker_mm: args.marker_mm,
         dictionary: args.dictionary.clone(),
-        media: Media {
-            paper: cut_paper(&args.paper)?,
-            printer: printer(args.printer.as_deref())?,
-        },
+        media: args.sheets.media()?,
     })?;
     let line = made.definition.line();
-    let format = Format::of(args.format, &args.output);
-    let mut files = as_files(
-        format,
-        &args.output,
-        &line,
-        (&numbered(1), std::slice::from_ref(&made.sheet)),
-    )?;
+    let mut files = args.sheets.files(&line, std::slice::from_ref(&made.sheet))?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
-    write_files(&files, &[args.printer.as_deref()])?;
+    write_files(&files, &[args.sheets.printer.as_deref()])?;
     let (pdf, definition) = (files[0].0.display(), definition_path.display());
     writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
     Ok(Outcome::Done)

@@ -18,7 +18,7 @@ use clap::Subcommand;
 
 use super::{CommandResult, Outcome};
 use crate::files;
-use crate::print::paper::Paper;
+use crate::print::page::Media;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
 use crate::print::{pdf, svg};
@@ -44,7 +44,7 @@ enum What {
     Tags(tags::TagsArgs),
     /// Print a calibration board, and write the file that describes it
     Board(board::BoardArgs),
-    /// A chart of colours, to be photographed for `colour read`
+    /// A chart of colours, fewer on smaller paper, to be photographed for `colour read`
     Chart(chart::ChartArgs),
     /// One page that shows whether the printer keeps lengths
     Check(check::CheckArgs),
@@ -142,25 +142,49 @@ fn same_place(a: &Path, b: &Path) -> bool {
     a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }
 
-/// `1`, `2`, … for pages without names of their own.
-fn numbered(count: usize) -> Vec<String> {
-    (1..=count).map(|n| n.to_string()).collect()
-}
-
 /// `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
 fn svg_path(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     output.with_file_name(format!("{}-{name}.svg", stem.unwrap_or_default()))
 }
 
-/// A sheet of paper; what is not tiled does not fit a roll.
-fn cut_paper(text: &str) -> Result<Paper, Box<dyn Error>> {
-    if text.starts_with("roll") {
-        return Err(
-            "tags, boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into(),
-        );
+/// What is printed on cut paper, not tiled, and where it is written.
+#[derive(clap::Args)]
+struct CutSheetArgs {
+    /// a4, a3, letter, tabloid, or WxH in mm
+    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
+    paper: String,
+    /// Correct the sizes by this file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+}
+
+impl CutSheetArgs {
+    fn media(&self) -> Result<Media, Box<dyn Error>> {
+        if self.paper.starts_with("roll") {
+            return Err(
+                "tags, boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm"
+                    .into(),
+            );
+        }
+        Ok(Media {
+            paper: self.paper.parse()?,
+            printer: printer(self.printer.as_deref())?,
+        })
     }
-    Ok(text.parse()?)
+
+    /// The sheets as files to write: one PDF, or numbered SVGs.
+    fn files(&self, title: &str, sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
+        let names: Vec<String> = (1..=sheets.len()).map(|n| n.to_string()).collect();
+        let format = Format::of(self.format, &self.output);
+        as_files(format, &self.output, title, (&names, sheets))
+    }
 }
 
 fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Format, Outcome, as_files, write_files};
 use crate::pattern::Pattern;
-use crate::pattern::palette::{Paint, Painted, Palette};
-use crate::print::lettering::number;
+use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
+use crate::print::lettering::{counted, number};
 use crate::print::paint::{PaintArea, PaintRequest, PaintSheets, paint_sheets};
 use crate::print::template::TemplateRequest;
 
@@ -49,8 +49,7 @@ impl PaintArgs {
     /// `None`: paper.
     pub fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
         let source = match (self.paints, &self.palette) {
-            // A negative number is as impossible as none.
-            (Some(count), _) => Source::Count(usize::try_from(count).unwrap_or(0)),
+            (Some(asked), _) => Source::Count(usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?),
             (None, Some(file)) => Source::Palette(Palette::load(file)?),
             (None, None) => return Ok(None),
         };
@@ -138,8 +137,4 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
     });
     let (mean, max) = painted.delta_e();
     writeln!(out, "{}", row("panel", all, mean, max))
-}
-
-fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

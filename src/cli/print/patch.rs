@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::wrap::{ModelArgs, SheetArgs};
 use super::{CommandResult, Format, Outcome, as_files, write_files};
 use crate::pattern::world_aligned::Side;
+use crate::print::lettering::counted;
 use crate::print::patch::{Patch, Picture, patches};
 use crate::print::{paper, wrap};
 
@@ -74,10 +75,7 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
         out,
         "{}: {} of panels and patches; print at 100 %",
         files[0].0.display(),
-        match made.pages.len() {
-            1 => "1 page".to_owned(),
-            n => format!("{n} pages"),
-        }
+        counted(made.pages.len(), "page")
     )?;
     for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
         writeln!(

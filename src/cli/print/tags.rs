@@ -3,10 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{Format, as_files, cut_paper, numbered, printer, write_files};
+use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::lettering;
-use crate::print::page::Media;
 use crate::print::tags::{TagRequest, tag_sheets};
 use crate::scene::Scene;
 
@@ -15,29 +14,16 @@ pub struct TagsArgs {
     /// The scene whose tags to print
     #[arg(long, value_name = "TOML")]
     scene: PathBuf,
-    /// a4, a3, letter, tabloid, or WxH in mm
-    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
     /// Every tag as a plain card: no tent cards, no ground mat
     #[arg(long)]
     plain: bool,
-    /// Correct the sizes by this file of `print verify`
-    #[arg(long, value_name = "TOML")]
-    printer: Option<PathBuf>,
-    /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
-    #[arg(long, value_enum)]
-    format: Option<Format>,
+    #[command(flatten)]
+    sheets: CutSheetArgs,
 }
 
 /// Runs `scaleproof print tags`.
 pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
-    let media = Media {
-        paper: cut_paper(&args.paper)?,
-        printer: printer(args.printer.as_deref())?,
-    };
+    let media = args.sheets.media()?;
     let scene = Scene::open(&args.scene)?;
     let made = tag_sheets(
         &scene,
@@ -47,14 +33,8 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
         },
     )?;
     let title = format!("Tags of {}", scene.model.name);
-    let names = numbered(made.sheets.len());
-    let files = as_files(
-        Format::of(args.format, &args.output),
-        &args.output,
-        &title,
-        (&names, &made.sheets),
-    )?;
-    write_files(&files, &[Some(&args.scene), args.printer.as_deref()])?;
+    let files = args.sheets.files(&title, &made.sheets)?;
+    write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
     let contents = made.contents.join(", ");
     writeln!(out, "{}: {contents}; print at 100 %", files[0].0.display())?;
     if let Some(lifted_mm) = made.lifted_mm {

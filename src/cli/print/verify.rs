@@ -25,7 +25,9 @@ pub struct VerifyArgs {
 
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
     // A page printed with a correction measures true; without naming it here, the correction would be taken for none.
-    if args.printer.is_none() && args.output.exists() {
+    let there = args.output.exists().then(|| PrinterFile::load(&args.output));
+    let only_colours = matches!(&there, Some(Ok(file)) if file.printer == Printer::EXACT);
+    if args.printer.is_none() && there.is_some() && !only_colours {
         let output = args.output.display();
         return Err(format!(
             "{output} is there already: add --printer {output} if the measured page was printed with it, else remove it or give another -o"
@@ -33,7 +35,11 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
         .into());
     }
     let measured = Printer::measured(args.x_mm, args.y_mm)?;
-    let known = args.printer.as_deref().map(PrinterFile::load).transpose()?;
+    let known = match args.printer.as_deref() {
+        Some(file) => Some(PrinterFile::load(file)?),
+        // A file of `colour read` has corrected no page, and its colours are kept.
+        None => there.transpose()?,
+    };
     let printer = known
         .as_ref()
         .map_or(Printer::EXACT, |file| file.printer)

@@ -8,7 +8,8 @@ use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::mesh::{Mesh, Placement};
 use crate::pattern::Pattern;
 use crate::print::lettering;
-use crate::print::wrap::{WrapRequest, check_size, wrap};
+use crate::print::template::check_scale;
+use crate::print::wrap::{Kept, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -21,6 +22,18 @@ pub struct WrapArgs {
     /// Printed width of one repeat of the pattern, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: f64,
+    /// Unroll what the panels would stretch by more than --max-stretch: as strips on pages of their own
+    #[arg(long)]
+    flatten: bool,
+    /// The mm on the surface that 1 mm on a panel's paper may stand for
+    #[arg(
+        long,
+        value_name = "RATIO",
+        requires = "flatten",
+        default_value_t = 1.2,
+        allow_negative_numbers = true
+    )]
+    max_stretch: f64,
     #[command(flatten)]
     sheets: SheetArgs,
 }
@@ -102,10 +115,15 @@ impl ModelArgs {
             check_size(&mesh, scene.model.size_mm)?;
         }
         mesh.check_is_model()?;
+        let scale = self.scale.or(scene.as_ref().map(|s| s.model.scale)).unwrap_or(10.0);
+        if self.length_mm.is_none() && scene.is_none() {
+            check_scale(scale)?;
+            mesh.check_is_scale_model(scale)?;
+        }
         Ok(Model {
             materials: mesh.materials_named(&self.material)?,
             mesh,
-            scale: self.scale.or(scene.map(|s| s.model.scale)).unwrap_or(10.0),
+            scale,
         })
     }
 }
@@ -124,6 +142,7 @@ impl SheetArgs {
             overlap_mm: self.overlap_mm,
             margin_mm: self.margin_mm,
             printer: printer(self.printer.as_deref())?,
+            max_stretch: None,
         })
     }
 }
@@ -133,7 +152,10 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let model = args.model.load()?;
     let sheets = &args.sheets;
-    let request = sheets.request(args.tile_mm, model.scale, &args.pattern)?;
+    let request = WrapRequest {
+        max_stretch: args.flatten.then_some(args.max_stretch),
+        ..sheets.request(args.tile_mm, model.scale, &args.pattern)?
+    };
     let made = wrap(&model.mesh, &model.materials, &pattern, &request)?;
     let title = format!(
         "Panels of {}, tile {} mm",
@@ -159,6 +181,13 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     )?;
     for fact in made.facts() {
         writeln!(out, "{fact}")?;
+    }
+    if args.flatten && made.strips.is_empty() && made.kept == Kept::default() {
+        let limit = lettering::number(args.max_stretch);
+        writeln!(
+            out,
+            "note: no surface is stretched by more than {limit}, so nothing was unrolled"
+        )?;
     }
     if made.unlettered_mm > 0.0 {
         writeln!(

@@ -6,7 +6,6 @@ mod arrange;
 mod card;
 mod mat;
 mod mat_sheet;
-mod pack;
 mod tent;
 mod tent_sheet;
 
@@ -15,6 +14,7 @@ pub use tent::{FlatTag, Fold, Net, Panel, TILT_DEG, Tent};
 
 use super::PrintError;
 use super::lettering::number;
+use super::pack;
 use super::page::{Media, Page};
 use super::sheet::{Mark, RectMm, Sheet};
 use crate::scene::{Scene, Tag, TagFamily};

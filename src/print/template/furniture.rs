@@ -169,7 +169,7 @@ fn sides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
 
 /// The captions at the foot, the same on every sheet.
 pub struct Captions {
-    piece: Option<&'static str>,
+    piece: Option<String>,
     name: String,
     facts: String,
     making: String,
@@ -209,10 +209,15 @@ impl Captions {
         }
     }
 
-    /// The captions of one piece of several, whose name stands in them and before the ids of its sheets.
-    pub fn of_piece(mut self, piece: &'static str) -> Self {
-        self.facts = format!("{piece} panel · {}", self.facts);
-        self.piece = Some(piece);
+    /// The captions of one panel of several, whose name stands in them and before the ids of its sheets.
+    pub fn of_panel(mut self, panel: &str) -> Self {
+        self.facts = format!("{panel} panel · {}", self.facts);
+        self.of_piece(panel)
+    }
+
+    /// The captions of one piece of several, whose name stands before the ids of its sheets.
+    pub fn of_piece(mut self, piece: &str) -> Self {
+        self.piece = Some(piece.to_owned());
         self
     }
 
@@ -290,6 +295,7 @@ fn key(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     marks.extend(map_grid(layout, map));
     let id = captions
         .piece
+        .as_ref()
         .map_or(plan.id(), |piece| format!("{piece} {}", plan.id()));
     let size_mm = fitting_size_mm(&id, ID_MM, KEY_WIDTH_MM);
     let place = (map.right_mm, map.top_mm + ID_GAP_MM);

@@ -2,13 +2,14 @@
 
 use super::draw::moved;
 use super::seams::Seams;
-use super::{Panel, Point, Region, Wrap, WrapRequest};
+use super::{Panel, Point, Region, Strip, Wrap, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
+use crate::print::PrintError;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
 use crate::print::printer;
 use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
-use crate::print::template::{cover, furniture};
+use crate::print::template::{cover, furniture, layout};
 
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.5;
@@ -17,6 +18,8 @@ const GAP_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.15;
 const LETTER_MM: f64 = 2.6;
 const GREY: Rgb = [215, 215, 215];
+const STRIP_GREY: Rgb = [170, 190, 215];
+const NUMBER_MM: f64 = 1.6;
 /// The panels are shown no larger than it takes.
 const MOST_SCALE: f64 = 0.5;
 /// Wider text than this is hard to read, whatever the roll.
@@ -32,10 +35,16 @@ const STEPS: [&str; 4] = [
      between panels: edges with the same letter meet.",
 ];
 
-pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Sheet {
-    let layout = &wrap.pieces[0].layout;
-    let frame = &layout.cover;
-    let template = request.template(Side::Front, layout.size_mm());
+const STRIPS_STEP: &str = "The numbered strips are steep parts that were unrolled, seen from outside, with their upper end (on the roof: the front) up \
+     unless they say otherwise. Cut them out, fold them at their dashes, and put each where this page shows its number.";
+
+pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Result<Sheet, PrintError> {
+    let template = request.template(Side::Front, (100.0, 100.0));
+    let frame = match wrap.pieces.first() {
+        Some(piece) => piece.layout.cover,
+        None => layout(&template.layout)?.cover,
+    };
+    let frame = &frame;
     let captions = furniture::Captions::new(pattern, &template, wrap.cell_mm);
     let area = frame.usable;
     let title = format!("Panels of a model: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
@@ -51,7 +60,9 @@ pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapReques
         right
     };
     let body = RectMm::new(area.left_mm, bottom, text_right, title_y - GAP_MM);
-    let (steps, end) = cover::steps(&STEPS, body, body.width_mm());
+    let strips_step = (!wrap.strips.is_empty()).then_some(STRIPS_STEP);
+    let texts: Vec<&str> = STEPS.into_iter().chain(strips_step).collect();
+    let (steps, end) = cover::steps(&texts, body, body.width_mm());
     marks.extend(steps);
     let (facts, end) = lines(&wrap.facts(), body, end - GAP_MM);
     marks.extend(facts);
@@ -71,7 +82,7 @@ pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapReques
         bleed: page,
         marks,
     };
-    printer::corrected_one(sheet, frame.setup.stretch())
+    Ok(printer::corrected_one(sheet, frame.setup.stretch()))
 }
 
 /// Wrapped lines from `top_mm` down, and where they end.
@@ -87,11 +98,7 @@ fn lines(texts: &[String], body: RectMm, top_mm: f64) -> (Vec<Mark>, f64) {
 
 /// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
 fn overview(wrap: &Wrap, seams: &Seams, room: RectMm) -> Vec<Mark> {
-    let size = |side: Side| {
-        let piece = wrap.pieces.iter().find(|piece| piece.panel.side == side);
-        let bounds = piece.and_then(|piece| piece.panel.region.bounds());
-        bounds.map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]])
-    };
+    let size = |side: Side| bounds(wrap, side).map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]]);
     let [left, right, roof, front, rear] = super::PRINTED.map(size);
     let wide = left[0].max(right[0]).max(front[0] + rear[0]);
     let high = (left[1] + right[1] + front[1].max(rear[1])).max(roof[1]);
@@ -114,29 +121,57 @@ fn overview(wrap: &Wrap, seams: &Seams, room: RectMm) -> Vec<Mark> {
     ];
     let mut marks = Vec::new();
     for (side, corner) in super::PRINTED.into_iter().zip(corners) {
-        let Some(piece) = wrap.pieces.iter().find(|piece| piece.panel.side == side) else {
-            continue;
-        };
-        let letters = seams.marks.get(&side).map_or(&[][..], Vec::as_slice);
-        let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
-        marks.extend(small(&piece.panel, corner, scale, places));
+        let (low, high) = bounds(wrap, side).unwrap_or_default();
+        let by = [corner[0] - scale * low[0], corner[1] - scale * high[1]];
+        if let Some(piece) = wrap.pieces.iter().find(|piece| piece.panel.side == side) {
+            let letters = seams.marks.get(&side).map_or(&[][..], Vec::as_slice);
+            let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
+            marks.extend(small(&piece.panel, by, scale, places));
+        }
+        marks.extend(small_strips(&wrap.strips, side, by, scale));
+    }
+    marks
+}
+
+/// The box around everything that looks to a side: its panel and its strips.
+fn bounds(wrap: &Wrap, side: Side) -> Option<(Point, Point)> {
+    let pieces = wrap.pieces.iter().filter(|piece| piece.panel.side == side);
+    let panel = pieces.flat_map(|piece| piece.panel.region.contours().cloned());
+    let strips = wrap.strips.iter().filter(|strip| strip.side == side);
+    let corners: Vec<Point> = panel.chain(strips.flat_map(Strip::projected)).flatten().collect();
+    let end = |axis: usize, pick: fn(f64, f64) -> f64| corners.iter().map(|p| p[axis]).reduce(pick);
+    Some((
+        [end(0, f64::min)?, end(1, f64::min)?],
+        [end(0, f64::max)?, end(1, f64::max)?],
+    ))
+}
+
+/// The strips of a side where they are on the model, with their numbers.
+fn small_strips(strips: &[Strip], side: Side, by: Point, scale: f64) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.side == side) {
+        let scaled = strip.projected().into_iter();
+        let scaled = scaled.map(|outline| outline.iter().map(|p| p.map(|mm| scale * mm)).collect());
+        let region = Region::union(scaled.collect());
+        marks.push(Mark::Area {
+            outlines: moved(region.contours(), by),
+            colour: STRIP_GREY,
+        });
+        let [x, y] = region.innermost();
+        let place = (x + by[0], y + by[1] - 0.5 * CAP_HEIGHT * NUMBER_MM);
+        marks.push(Mark::text(place, NUMBER_MM, Anchor::Centre, (i + 1).to_string()));
     }
     marks
 }
 
 fn small<'a>(
     panel: &Panel,
-    corner: Point,
+    by: Point,
     scale: f64,
     letters: impl Iterator<Item = (&'a str, Point, Point)>,
 ) -> Vec<Mark> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
-    let to_page = |p: Point| {
-        [
-            corner[0] + scale * (p[0] - low[0]),
-            corner[1] + scale * (p[1] - high[1]),
-        ]
-    };
+    let to_page = |p: Point| [scale * p[0] + by[0], scale * p[1] + by[1]];
     let scaled: Vec<Vec<Point>> = panel
         .region
         .contours()
@@ -168,8 +203,7 @@ fn small<'a>(
         let baseline = y + away * dy - 0.5 * CAP_HEIGHT * LETTER_MM;
         marks.push(Mark::text((x + away * dx, baseline), LETTER_MM, Anchor::Centre, letter));
     }
-    let middle = name_place(&panel.region, low, high);
-    let [x, y] = to_page(middle);
+    let [x, y] = to_page(panel.region.innermost());
     let name = panel.side.name();
     let size_mm = fitting_size_mm(name, 4.0, 0.8 * scale * (high[0] - low[0]));
     marks.push(Mark::text(
@@ -179,13 +213,4 @@ fn small<'a>(
         name,
     ));
     marks
-}
-
-/// The innermost of some places.
-fn name_place(region: &Region, low: Point, high: Point) -> Point {
-    const STEPS: usize = 12;
-    let at = |axis: usize, step: usize| low[axis] + (step as f64 + 0.5) / STEPS as f64 * (high[axis] - low[axis]);
-    let places = (0..STEPS * STEPS).map(|i| [at(0, i % STEPS), at(1, i / STEPS)]);
-    let inside = |p: &Point| region.distance_mm(*p);
-    places.min_by(|a, b| inside(a).total_cmp(&inside(b))).unwrap_or(low)
 }

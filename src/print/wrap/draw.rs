@@ -2,7 +2,7 @@
 
 use super::region::{Contour, Region};
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{BLEED_MM, Paint, Panel, Piece, Point, Wrap, WrapRequest, cover};
+use super::{BLEED_MM, Paint, Panel, Piece, Point, Unrolling, Wrap, WrapRequest, cover, strips};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::print::PrintError;
@@ -14,17 +14,26 @@ use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout
 /// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
 const CUT_GAP_MM: f64 = 0.1;
 const CUT_LINE_MM: f64 = 0.15;
+/// Free paper that the line takes around a region, and a little more.
+pub const CUT_ROOM_MM: f64 = 1.0;
 /// Edges within a panel are marked lightly: they lie on the pattern.
-const EDGE_LINE_MM: f64 = 0.06;
-const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
+pub const EDGE_LINE_MM: f64 = 0.06;
+pub const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
-pub fn wrap(paint: &Paint, panels: Vec<Panel>, pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, PrintError> {
+/// `unrolling` is what became of `paint`, and `panels` those of its rest.
+pub fn wrap(
+    paint: &Paint,
+    unrolling: Unrolling,
+    panels: Vec<Panel>,
+    pattern: &Pattern,
+    request: &WrapRequest,
+) -> Result<Wrap, PrintError> {
     let grown: Vec<Region> = panels.iter().map(|panel| panel.region.grown(BLEED_MM)).collect();
-    let seams = seams(paint, &panels, &grown);
+    let mut seams = seams(&unrolling.rest, &panels, &grown);
     let pieces: Result<Vec<_>, _> = panels.into_iter().map(|panel| piece(panel, request)).collect();
     let pieces = pieces?;
     let largest = pieces.iter().fold((0.0f64, 0.0f64), |most, piece| {
@@ -38,22 +47,30 @@ pub fn wrap(paint: &Paint, panels: Vec<Panel>, pattern: &Pattern, request: &Wrap
         surface_mm2: paint.surface_mm2(),
         unlettered_mm: seams.unlettered_mm,
         cell_mm,
+        strips: unrolling.strips,
+        strip_places: Vec::new(),
+        kept: unrolling.kept,
         pages: Vec::new(),
     };
-    let mut pages = vec![cover::cover(&made, &seams, pattern, request)];
+    let before = 1 + made.pieces.iter().map(|piece| piece.layout.sheets.len()).sum::<usize>();
+    let (places, strip_sheets) = strips::sheets(&made, before, pattern, request)?;
+    made.strip_places = places;
+    let mut pages = vec![cover::cover(&made, &seams, pattern, request)?];
     for (piece, grown) in made.pieces.iter().zip(&grown) {
         let side = piece.panel.side;
+        strips::numbers(&made.strips, side, grown, seams.marks.entry(side).or_default());
         let drawing = Drawing {
             piece,
             grown,
             letters: seams.marks.get(&side).map_or(&[], Vec::as_slice),
             stamp: &stamp,
             captions: furniture::Captions::new(pattern, &request.template(side, piece.layout.size_mm()), cell_mm)
-                .of_piece(side.name()),
+                .of_panel(side.name()),
         };
         let sheets = piece.layout.sheets.iter().map(|plan| drawing.sheet(plan)).collect();
         pages.extend(printer::corrected(sheets, piece.layout.frame.setup.stretch()));
     }
+    pages.extend(strip_sheets);
     made.pages = pages;
     Ok(made)
 }
@@ -139,7 +156,7 @@ pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     marks
 }
 
-fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) -> Mark {
+pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) -> Mark {
     Mark::Line {
         from,
         to,
@@ -175,7 +192,7 @@ fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     }
 }
 
-fn place(p: Point, by: Point) -> PointMm {
+pub(super) fn place(p: Point, by: Point) -> PointMm {
     PointMm::new(p[0] + by[0], p[1] + by[1])
 }
 

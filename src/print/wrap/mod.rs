@@ -4,20 +4,25 @@
 //! along that axis. So each point carries the colour that [`WorldAligned`](crate::pattern::world_aligned::WorldAligned) gives it, and
 //! [`crate::pattern::world_aligned`] says how the pattern lies on each side. What the projection costs is stated: surfaces that slope are
 //! longer than their paper ([`Panel::largest_stretch`]), and layers behind each other share one print ([`Panel::hidden_mm2`]).
+//! What slopes more than a limit can be unrolled instead ([`Strip`]), and leaves its panel.
 
 mod cover;
 mod draw;
 mod panel;
 mod region;
 mod seams;
+mod strips;
+mod unroll;
 
 pub(super) use draw::{cut_line, cutter_path, moved};
 pub use panel::{Face, PRINTED, Paint, Panel};
 pub use region::{Contour, Point, Region};
+pub use strips::StripPlace;
+pub use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
 
 use super::PrintError;
 use super::date::Date;
-use super::lettering::number;
+use super::lettering::{counted, number};
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::sheet::Sheet;
@@ -46,6 +51,8 @@ pub struct WrapRequest {
     pub overlap_mm: f64,
     pub margin_mm: f64,
     pub printer: Printer,
+    /// Surfaces that their panel would stretch by more than this are unrolled; `None`: none are.
+    pub max_stretch: Option<f64>,
 }
 
 impl WrapRequest {
@@ -110,7 +117,13 @@ pub struct Wrap {
     /// Length of the seams between panels that found no room for a letter.
     pub unlettered_mm: f64,
     pub cell_mm: f64,
-    /// The instructions, then the sheets of each piece, as the printer needs them.
+    /// What was unrolled; empty without [`WrapRequest::max_stretch`].
+    pub strips: Vec<Strip>,
+    /// Where each strip is printed.
+    pub strip_places: Vec<StripPlace>,
+    /// What is steeper than the limit and stayed on its panel.
+    pub kept: Kept,
+    /// The instructions, the sheets of each piece, then those of the strips, as the printer needs them.
     pub pages: Vec<Sheet>,
 }
 
@@ -122,23 +135,39 @@ impl Wrap {
             .pieces
             .iter()
             .flat_map(|piece| piece.layout.sheets.iter().map(move |plan| name(piece, plan)));
-        ["assembly".to_owned()].into_iter().chain(sheets).collect()
+        let strips = (1..=self.strip_pages()).map(|page| format!("strips-{page}"));
+        ["assembly".to_owned()]
+            .into_iter()
+            .chain(sheets)
+            .chain(strips)
+            .collect()
     }
 
-    /// Largest length on the surface for 1 mm on paper.
+    /// How many pages carry strips.
+    fn strip_pages(&self) -> usize {
+        let sheets: usize = self.pieces.iter().map(|piece| piece.layout.sheets.len()).sum();
+        self.strip_places.last().map_or(0, |last| last.page - sheets)
+    }
+
+    /// Largest length on the surface for 1 mm on the paper of the panels; strips have none.
     pub fn largest_stretch(&self) -> f64 {
         self.pieces.iter().map(|p| p.panel.largest_stretch).fold(1.0, f64::max)
     }
 
-    /// Area of the surface over the area of its projections.
+    /// Area of the surface over its area on paper, every layer counted.
     pub fn mean_stretch(&self) -> f64 {
-        let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>();
+        let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>() + self.strips_mm2();
         sum(|p| p.surface_mm2) / sum(|p| p.projected_mm2)
+    }
+
+    /// Area of what was unrolled.
+    pub fn strips_mm2(&self) -> f64 {
+        self.strips.iter().map(Strip::surface_mm2).sum()
     }
 
     /// Area of the paint that looks down and is on no panel.
     pub fn unprinted_mm2(&self) -> f64 {
-        let printed: f64 = self.pieces.iter().map(|p| p.panel.surface_mm2).sum();
+        let printed = self.pieces.iter().map(|p| p.panel.surface_mm2).sum::<f64>() + self.strips_mm2();
         (self.surface_mm2 - printed).max(0.0)
     }
 
@@ -147,10 +176,7 @@ impl Wrap {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();
         for Piece { panel, layout, .. } in &self.pieces {
-            let sheets = match layout.sheets.len() {
-                1 => "1 sheet".to_owned(),
-                n => format!("{n} sheets"),
-            };
+            let sheets = counted(layout.sheets.len(), "sheet");
             let hidden = match panel.hidden_mm2() {
                 mm2 if mm2 < 1.0 => String::new(),
                 mm2 => format!(", {mm2:.0} mm² lie behind it and are printed with it"),
@@ -163,6 +189,7 @@ impl Wrap {
                 panel.largest_stretch,
             ));
         }
+        facts.extend(strips::fact(self));
         facts.push(format!(
             "largest stretch {:.2}, mean {:.3} (mm on the surface for 1 mm on paper); {:.1} % of the paint ({}) looks down and is on no \
              panel",
@@ -178,14 +205,15 @@ impl Wrap {
 /// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
 ///
 /// # Errors
-/// No surface on any side, and whatever the layout and the cells of a template refuse.
+/// No surface on any side, a stretch limit below 1 or too many triangles beyond it, and whatever the layout and the cells of a template refuse.
 pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, PrintError> {
     let paint = Paint::of_materials(mesh, materials);
-    let panels = paint.panels();
-    if panels.is_empty() {
+    let unrolling = strips::unrolling(&paint, request)?;
+    let panels = unrolling.rest.panels();
+    if panels.is_empty() && unrolling.strips.is_empty() {
         return Err(PrintError::NothingToPrint);
     }
-    draw::wrap(&paint, panels, pattern, request)
+    draw::wrap(&paint, unrolling, panels, pattern, request)
 }
 
 /// Refuses a mesh that is not as large as the scene says.

@@ -59,7 +59,7 @@ pub struct Face {
 #[derive(Debug, Clone)]
 pub struct Paint {
     pub faces: Vec<Face>,
-    /// Triangles of the mesh that are of other materials.
+    /// Triangles of the mesh that are of other materials, or were taken out.
     others: Vec<Triangle>,
 }
 
@@ -93,6 +93,21 @@ impl Paint {
         Self::of(mesh, if materials.is_empty() { &all } else { materials })
     }
 
+    /// The surface without some of its faces.
+    pub fn without(&self, taken: &[bool]) -> Self {
+        let mut rest = Self {
+            faces: Vec::new(),
+            others: self.others.clone(),
+        };
+        for (face, taken) in self.faces.iter().zip(taken) {
+            match taken {
+                true => rest.others.push(face.triangle),
+                false => rest.faces.push(*face),
+            }
+        }
+        rest
+    }
+
     pub fn surface_mm2(&self) -> f64 {
         self.faces.iter().map(|face| face.surface_mm2).sum()
     }
@@ -101,7 +116,7 @@ impl Paint {
     pub fn edges(&self) -> BTreeMap<[usize; 2], Vec<usize>> {
         let mut edges = BTreeMap::<_, Vec<usize>>::new();
         for (i, face) in self.faces.iter().enumerate() {
-            for edge in edges_of(&face.triangle) {
+            for edge in face.triangle.edges() {
                 edges.entry(edge).or_default().push(i);
             }
         }
@@ -111,7 +126,7 @@ impl Paint {
     /// The printed panels that have a surface, in the order of [`PRINTED`].
     pub fn panels(&self) -> Vec<Panel> {
         let edges = self.edges();
-        let mut other_edges: Vec<_> = self.others.iter().flat_map(edges_of).collect();
+        let mut other_edges: Vec<_> = self.others.iter().flat_map(Triangle::edges).collect();
         other_edges.sort_unstable();
         let panel = |side| self.panel(side, &edges, &other_edges);
         PRINTED.into_iter().filter_map(panel).collect()
@@ -151,19 +166,14 @@ impl Paint {
     }
 }
 
-/// The edges of a triangle, each with its corners in rising order.
-fn edges_of(triangle: &Triangle) -> [[usize; 2]; 3] {
-    let [a, b, c] = triangle.corners;
-    [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
-}
-
 /// The place of a mesh corner that the face has.
 pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
     let place = face.triangle.corners.iter().position(|c| *c == corner);
     face.corners[place.unwrap_or_default()]
 }
 
-fn bend_deg(a: &Face, b: &Face) -> f64 {
+/// By how much two faces are bent against each other.
+pub fn bend_deg(a: &Face, b: &Face) -> f64 {
     doubled_area(&a.corners).angle(&doubled_area(&b.corners)).to_degrees()
 }
 

@@ -91,6 +91,16 @@ impl Region {
         if self.contains(p) { -nearest } else { nearest }
     }
 
+    /// About the place inside that is farthest from the border, for a name: the best of a grid over the box around it.
+    pub fn innermost(&self) -> Point {
+        const STEPS: usize = 12;
+        let (low, high) = self.bounds().unwrap_or_default();
+        let at = |axis: usize, step: usize| low[axis] + (step as f64 + 0.5) / STEPS as f64 * (high[axis] - low[axis]);
+        let places = (0..STEPS * STEPS).map(|i| [at(0, i % STEPS), at(1, i / STEPS)]);
+        let inside = |p: &Point| self.distance_mm(*p);
+        places.min_by(|a, b| inside(a).total_cmp(&inside(b))).unwrap_or(low)
+    }
+
     fn edges(&self) -> impl Iterator<Item = (&Point, &Point)> {
         self.contours().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)))
     }
