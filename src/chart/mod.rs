@@ -6,4 +6,5 @@ mod spoil;
 pub mod stability;
 mod truth;
 
+pub use spoil::Spoil;
 pub use truth::{TruthError, true_views};
