@@ -12,7 +12,7 @@ use scaleproof::geometry::angle::turn;
 use scaleproof::locate::locate;
 use scaleproof::photo::Photo;
 use scaleproof::scene::Scene;
-use scaleproof::tags::{TagDetector, TagDetectorChoice};
+use scaleproof::tags::{CornersBy, TagDetector, TagDetectorChoice};
 
 const ENLARGED: u32 = 3;
 const RUNS: usize = 2;
@@ -40,7 +40,10 @@ fn main() {
         "detector", "ms", "answered", "azimuth", "pitch", "distance"
     );
     let mut measured = Vec::new();
-    for choice in [TagDetectorChoice::AprilTagC, TagDetectorChoice::default()] {
+    for choice in [
+        TagDetectorChoice::AprilTagC(CornersBy::Library),
+        TagDetectorChoice::default(),
+    ] {
         let mut tags = choice.open(&scene.families()).expect("both read every family");
         let m = measure(tags.as_mut(), &views, &scene, &camera);
         let [azimuth, pitch, distance] = m.worst;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{assert_refused, program, skyline};
-use scaleproof::chart::locate::{CameraModel, Sample, measure};
+use scaleproof::chart::locate::{CameraModel, Sample, detectors, measure};
 use scaleproof::chart::{stability, true_views};
 use scaleproof::locate::Solver;
 use scaleproof::photo::Photo;
@@ -29,7 +29,7 @@ fn the_default_is_on_the_chart_s_accurate_end() {
     let rows = measure(&samples, &session.scene, session.known_camera().unwrap(), || {}).unwrap();
     assert_eq!(
         rows.len(),
-        TagDetectorChoice::ALL.len() * Solver::all().len() * CameraModel::ALL.len()
+        detectors(&session.scene).len() * Solver::all().len() * CameraModel::ALL.len()
     );
     let default: Vec<_> = rows.iter().filter(|row| row.is_default).collect();
     let [default] = default[..] else {
@@ -58,8 +58,9 @@ fn swept_views_are_right_or_refused() {
     let default = || steps.iter().filter(|step| step.method == Solver::default().name());
     let (views, _, wrong) = stability::total(default());
     assert!(views >= 20_000, "{views} views");
+    // Half of what is allowed, since another seed has a few more.
     assert!(
-        wrong <= 0.001,
+        wrong <= 0.0005,
         "{:.3} % of the answered are silently wrong",
         100.0 * wrong
     );

@@ -5,15 +5,20 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use image::GrayImage;
 use nalgebra::{Matrix3, Point3, Vector3};
 use opencv::core::{Mat, Point2d, Point3d, Vector};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 use scaleproof::camera::Camera;
+use scaleproof::chart::Spoil;
 use scaleproof::geometry::{Rigid, angle::turn, rigid};
 use scaleproof::locate::{Abstention, Located, Solver, Warning, locate, locate_by};
 use scaleproof::photo::Photo;
 use scaleproof::scene::{Scene, Viewpoint};
 use scaleproof::simulate::{Fault, Noise, Simulator, View};
-use scaleproof::tags::{AprilTagC, SeenTag, TagDetector};
+use scaleproof::tags::{SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof::workers;
 
 fn skyline() -> (Scene, Camera) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
@@ -226,7 +231,7 @@ fn a_single_tag_is_answered_only_when_its_rival_is_out() {
         for _ in 0..20 {
             let view = any_view(&mut simulator, None);
             if !view.seen.is_empty() {
-                tally.count(&view, &locate(&view.seen, &scene, &camera));
+                tally.count(&view, &locate(&view.seen, &lone, &camera));
             }
         }
         if tally.views >= 3000 {
@@ -442,27 +447,56 @@ fn strange_tags_never_make_a_pose() {
     assert!(locate(&[nan], &scene, &camera).is_err());
 }
 
-/// Every tag of the stored photos alone: real corner errors, among them tags that a card half covers.
-#[test]
-fn each_tag_alone_on_the_photos_is_right_or_refused() {
-    let (scene, camera) = skyline();
+/// A stored photo and its exact pose.
+struct Taken {
+    file: String,
+    grey: GrayImage,
+    pose: Rigid,
+    azimuth_deg: f64,
+}
+
+fn taken() -> Vec<Taken> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
     let truth: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).unwrap()).unwrap();
-    let mut detector = AprilTagC::new(&scene.families()).unwrap();
+    let of = |photo: &serde_json::Value| {
+        let file = photo["file"].as_str().unwrap().to_owned();
+        let of = |row: usize, column: usize| photo["T_camera_model_mm"][row][column].as_f64().unwrap();
+        Taken {
+            grey: Photo::open(&folder.join(&file)).unwrap().grey(),
+            file,
+            pose: rigid::from_matrix(Matrix3::from_fn(of), Vector3::from_fn(|row, _| of(row, 3))),
+            azimuth_deg: photo["azimuth_deg"].as_f64().unwrap(),
+        }
+    };
+    truth["photos"].as_array().unwrap().iter().map(of).collect()
+}
+
+fn default_detector(scene: &Scene) -> Box<dyn TagDetector> {
+    TagDetectorChoice::default().open(&scene.families()).unwrap()
+}
+
+/// Every tag of the stored photos alone, in a scene without the other tags seen: real corner errors, among them tags that a card
+/// half covers. The tags that the photo does not show stay in the scene, and do not contradict a right pose.
+#[test]
+fn each_tag_alone_on_the_photos_is_right_or_refused() {
+    let (scene, camera) = skyline();
+    let mut detector = default_detector(&scene);
     let (mut seen, mut answered, mut covered, mut worst) = (0, 0, 0, 0.0_f64);
-    for photo in truth["photos"].as_array().unwrap() {
-        let picture = Photo::open(&folder.join(photo["file"].as_str().unwrap())).unwrap();
-        for tag in detector.find(&picture.grey()) {
+    for photo in taken() {
+        let all = detector.find(&photo.grey);
+        for tag in &all {
             seen += 1;
-            match locate(std::slice::from_ref(&tag), &scene, &camera) {
+            let mut lone = scene.clone();
+            lone.tags
+                .retain(|t| t.id == tag.id || all.iter().all(|other| other.id != t.id));
+            match locate(std::slice::from_ref(tag), &lone, &camera) {
                 Ok(located) => {
                     answered += 1;
-                    worst =
-                        worst.max(turn(located.viewpoint.azimuth_deg, photo["azimuth_deg"].as_f64().unwrap()).abs());
+                    worst = worst.max(turn(located.viewpoint.azimuth_deg, photo.azimuth_deg).abs());
                 }
                 Err(Abstention::OneTagCovered { .. }) => covered += 1,
-                Err(_) => {}
+                Err(refused) => assert_ne!(refused.code(), "one_tag_contradicted", "{}: {refused}", photo.file),
             }
         }
     }
@@ -471,35 +505,112 @@ fn each_tag_alone_on_the_photos_is_right_or_refused() {
     assert!(covered >= 4, "the covered and cut tags of these photos are noticed");
 }
 
-/// The stated uncertainty against the exact truth, with the detector's own corner errors.
+/// A lone card that was turned fits perfectly in a wrong place; what its pose would show besides gives it away.
+#[test]
+fn a_lone_tag_that_the_picture_contradicts_is_refused() {
+    let (scene, camera) = skyline();
+    for (seed, fault) in [
+        Fault::TwistedTag { deg: 45.0 },
+        Fault::TwistedTag { deg: 90.0 },
+        Fault::WrongId,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut simulator = Simulator::new(&scene, &camera, USUAL, 120 + seed as u64);
+        let (mut struck, mut honest) = (Tally::default(), Tally::default());
+        while struck.views < 300 {
+            let viewpoint = simulator.viewpoint(5.0..40.0, 550.0..700.0);
+            let view = simulator.view(&viewpoint, Some(fault));
+            if view.seen.len() == 1 && view.struck.is_some() {
+                struck.count(&view, &locate(&view.seen, &scene, &camera));
+            }
+            let view = simulator.view(&viewpoint, None);
+            if view.seen.len() == 1 {
+                honest.count(&view, &locate(&view.seen, &scene, &camera));
+            }
+        }
+        struck.print(&format!("lone tag, {fault:?}"));
+        honest.print("  the same views without it");
+        let contradicted = |tally: &Tally| tally.refusals.get("one_tag_contradicted").copied().unwrap_or(0);
+        assert!(
+            2 * contradicted(&struck) > struck.answered + contradicted(&struck),
+            "{fault:?}"
+        );
+        assert!(contradicted(&honest) == 0 && honest.answered > 0);
+    }
+}
+
+/// The stated uncertainty against the exact truth, with the default detector's own corner errors, on the photos as they are and
+/// spoiled.
 #[test]
 fn the_photos_are_as_far_from_the_truth_as_they_say() {
     let (scene, camera) = skyline();
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline");
-    let truth: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).unwrap()).unwrap();
-    let mut detector = AprilTagC::new(&scene.families()).unwrap();
-    let mut squares = Vec::new();
-    for photo in truth["photos"].as_array().unwrap() {
-        let picture = Photo::open(&folder.join(photo["file"].as_str().unwrap())).unwrap();
-        let located = locate(&detector.find(&picture.grey()), &scene, &camera).unwrap();
-        let of = |row: usize, column: usize| photo["T_camera_model_mm"][row][column].as_f64().unwrap();
-        let pose = rigid::from_matrix(Matrix3::from_fn(of), Vector3::from_fn(|row, _| of(row, 3)));
-        let square = located.uncertainty.squared_mahalanobis(&located.pose, &pose);
+    let photos = taken();
+    let spoils: [(Spoil, &[f64]); 6] = [
+        (Spoil::Jpeg, &[100.0, 80.0, 50.0, 20.0]),
+        (Spoil::Blur, &[1.0, 2.0]),
+        (Spoil::Motion, &[4.0]),
+        (Spoil::Noise, &[5.0, 10.0, 20.0]),
+        (Spoil::Exposure, &[-4.0, 1.0, 2.0]),
+        (Spoil::Cover, &[0.03]),
+    ];
+    let as_taken = (Spoil::Blur, 0.0);
+    let amounts = spoils
+        .iter()
+        .flat_map(|(spoil, amounts)| amounts.iter().map(|a| (*spoil, *a)));
+    let jobs: Vec<(Spoil, f64)> = std::iter::once(as_taken).chain(amounts).collect();
+    let measure = |detector: &mut Box<dyn TagDetector>, (spoil, amount): &(Spoil, f64)| {
+        let mut squares = Vec::new();
+        for (i, photo) in photos.iter().enumerate() {
+            let places: Vec<_> = detector.find(&photo.grey).iter().map(|tag| tag.corners_px).collect();
+            let mut rng = Pcg64Mcg::seed_from_u64(3 + i as u64);
+            let spoiled = spoil.apply(&photo.grey, *amount, &places, &mut rng);
+            let Ok(located) = locate(&detector.find(&spoiled), &scene, &camera) else {
+                continue;
+            };
+            squares.push(located.uncertainty.squared_mahalanobis(&located.pose, &photo.pose));
+            if (*spoil, *amount) == as_taken {
+                println!(
+                    "{}: {} tags, Mahalanobis² {:.2}, noise {:.2} px, σ azimuth {:.4}°, off {:.4}°, ignored {:?}",
+                    photo.file,
+                    located.tags.len(),
+                    squares[squares.len() - 1],
+                    located.uncertainty.noise_px,
+                    located.sigma.azimuth_deg,
+                    turn(photo.azimuth_deg, located.viewpoint.azimuth_deg),
+                    located.ignored_tags
+                );
+                // One tag of these photos has a corner 0.3 px off, and is named for it.
+                assert!(located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()).count() <= 1);
+            }
+        }
+        Ok::<_, String>(squares)
+    };
+    let open = || Ok(default_detector(&scene));
+    let found = workers::map(&jobs, open, measure, || {}).unwrap();
+    let mean = |squares: &[f64]| squares.iter().sum::<f64>() / squares.len() as f64;
+    for ((spoil, amount), squares) in jobs.iter().zip(&found) {
         println!(
-            "{}: {} tags, Mahalanobis² {square:.2}, noise {:.2} px, σ azimuth {:.4}°, off {:.4}°, ignored {:?}",
-            photo["file"],
-            located.tags.len(),
-            located.uncertainty.noise_px,
-            located.sigma.azimuth_deg,
-            turn(photo["azimuth_deg"].as_f64().unwrap(), located.viewpoint.azimuth_deg),
-            located.ignored_tags
+            "{:<14} {amount:>6}: {:>2} answered, mean squared Mahalanobis error {:.2}",
+            spoil.name(),
+            squares.len(),
+            mean(squares)
         );
-        squares.push(square);
-        assert!(!located.ignored_tags.iter().any(|tag| tag.why.is_outvoted()));
     }
-    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-    println!("mean squared Mahalanobis error of {} photos: {mean:.2}", squares.len());
-    // Never overconfident. It is far below 6: these residuals are not independent noise and hardly move the pose.
-    assert!(mean < 9.0, "{mean:.2}");
+    let stored = mean(&found[0]);
+    let random: Vec<f64> = jobs
+        .iter()
+        .zip(&found)
+        .filter(|((spoil, _), _)| *spoil != Spoil::Cover)
+        .flat_map(|(_, squares)| squares.iter().copied())
+        .collect();
+    println!(
+        "as taken {stored:.2}; all {} but the covered ones {:.2}",
+        random.len(),
+        mean(&random)
+    );
+    assert!((4.0..=9.0).contains(&stored), "{stored:.2}");
+    // Spoiled, σ is rather too wide: motion blur and fits that fail shift all edges alike, which hardly moves the pose.
+    assert!((2.0..=9.0).contains(&mean(&random)), "{:.2}", mean(&random));
 }

@@ -9,7 +9,7 @@ use crate::geometry::angle;
 use crate::locate::{self, Solver};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::scene::{Scene, Viewpoint};
-use crate::tags::{SeenTag, StartError, TagDetectorChoice};
+use crate::tags::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetectorChoice};
 
 /// How much of the camera file's lens model is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -84,6 +84,17 @@ impl Row {
     }
 }
 
+/// The tag detectors that are compared: those that read the scene's families. Of OpenCV's refiners followed by the common fit only the
+/// fastest is: the fit replaces what they differ in.
+pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
+    let is_compared = |choice: &TagDetectorChoice| {
+        let is_refined_twice =
+            matches!(choice, TagDetectorChoice::Aruco(refiner, CornersBy::Fit) if *refiner != ArucoRefiner::None);
+        !is_refined_twice && scene.families().iter().all(|family| choice.reads(*family))
+    };
+    TagDetectorChoice::ALL.into_iter().filter(is_compared).collect()
+}
+
 /// Measures every combination, one photo after the other on one thread. `on_done` is called after each photo of each
 /// tag detector.
 ///
@@ -93,9 +104,8 @@ pub fn measure(samples: &[Sample], scene: &Scene, camera: &Camera, on_done: impl
     // Times are of one core, whatever OpenCV would like.
     let _ = opencv::core::set_num_threads(1);
     let families = scene.families();
-    let reads_all = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
     let mut rows = Vec::new();
-    for choice in TagDetectorChoice::ALL.into_iter().filter(reads_all) {
+    for choice in detectors(scene) {
         let mut detector = choice.open(&families)?;
         let mut found = Vec::new();
         for sample in samples {
@@ -255,7 +265,7 @@ pub fn table(rows: &[Row]) -> String {
             .then(a.ms().total_cmp(&b.ms()))
     });
     let mut text = format!(
-        "{:<15} {:<16} {:<9} {:>9} {:>9} {:>9} {:>18} {:>18} {:>16}\n",
+        "{:<18} {:<16} {:<9} {:>9} {:>9} {:>9} {:>18} {:>18} {:>16}\n",
         "tags",
         "solver",
         "camera",
@@ -282,7 +292,7 @@ pub fn table(rows: &[Row]) -> String {
             _ => "",
         };
         text += &format!(
-            "{:<15} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>18} {:>18} {:>16}{mark}\n",
+            "{:<18} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>18} {:>18} {:>16}{mark}\n",
             row.tag_detector,
             row.solver,
             row.find_ms,

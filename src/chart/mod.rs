@@ -8,4 +8,5 @@ pub mod stability;
 mod timing;
 mod truth;
 
+pub use spoil::Spoil;
 pub use truth::{TruthError, true_boxes, true_views};

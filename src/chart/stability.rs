@@ -12,7 +12,7 @@ use crate::locate::{self, Located, Solver};
 use crate::plot::{Axis, Line, Panel, Scale, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
 use crate::simulate::{Fault, Noise, Simulator, View};
-use crate::tags::{StartError, TagDetectorChoice};
+use crate::tags::{CornersBy, StartError, TagDetectorChoice};
 use crate::workers;
 
 /// Corner noise of the simulated detector: what the photos show, with tails.
@@ -304,7 +304,8 @@ impl<'a> Maker<'a> {
         simulator.view(&viewpoint, fault)
     }
 
-    /// A view of one of the scene's tags alone, from a direction that makes the wanted angle with the tag's normal.
+    /// A view of one of the scene's tags alone, from a direction that makes the wanted angle with the tag's normal; the model is in
+    /// the picture too.
     fn lone_tag(&self, noise: Noise, seed: u64) -> Option<View> {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let tag = &self.scene.tags[rng.random_range(0..self.scene.tags.len())];
@@ -312,23 +313,37 @@ impl<'a> Maker<'a> {
             tags: vec![tag.clone()],
             ..self.scene.clone()
         };
-        let away = rng.random_range(600.0..1200.0);
-        let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
-        let centre = tag.centre_mm + away * tilted(tag, self.amount, around);
-        let viewpoint = Viewpoint::of_camera(centre, tag.centre_mm);
-        // The camera looks at the tag, so the viewpoint is taken from there; the view's own is from the model's target.
-        let mut simulator = Simulator::new(&alone, &self.camera, noise, seed);
-        let pose = crate::simulate::looking_at(&viewpoint, tag.centre_mm);
-        let seen = simulator.seen(&pose);
+        let target = self.scene.model.target_mm();
+        let mut attempts = (0..LONE_TAG_ATTEMPTS).map(|_| {
+            let away = rng.random_range(600.0..1200.0);
+            let around: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+            let centre = tag.centre_mm + away * tilted(tag, self.amount, around);
+            // The camera looks at the tag; the view's own viewpoint is from the model's target.
+            let pose = crate::simulate::looking_at(&Viewpoint::of_camera(centre, tag.centre_mm), tag.centre_mm);
+            (pose, Viewpoint::of_camera(centre, target))
+        });
+        let (pose, viewpoint) = attempts.find(|(pose, _)| shows(&self.camera, &(pose * target)))?;
+        let seen = Simulator::new(&alone, &self.camera, noise, seed).seen(&pose);
         (!seen.is_empty()).then(|| View {
-            viewpoint: Viewpoint::of_camera(centre, self.scene.model.target_mm()),
+            viewpoint,
             pose,
             seen,
-            scene: self.scene.clone(),
+            scene: alone.clone(),
             camera: self.camera.clone(),
             struck: None,
         })
     }
+}
+
+/// From so many places a view is tried that shows a tag and the model.
+const LONE_TAG_ATTEMPTS: usize = 50;
+
+/// Whether a point of the camera frame is in the picture.
+fn shows(camera: &Camera, point: &nalgebra::Point3<f64>) -> bool {
+    let within = |v: f64, size: u32| (0.0..f64::from(size)).contains(&v);
+    camera
+        .project(point)
+        .is_some_and(|[x, y]| within(x, camera.width) && within(y, camera.height))
 }
 
 /// The unit direction `tilt_deg` off a tag's normal, towards `around` (radians) in its plane.
@@ -508,14 +523,14 @@ fn amounts(steps: &[&Step], methods: &[&str]) -> Vec<String> {
     of_method(steps, first).map(|step| format!("{}", step.amount)).collect()
 }
 
-/// The detectors that photos are spoiled for: the default, the library it rests on, and the fastest rival; those of them that
+/// The detectors that photos are spoiled for: the default, the library it rests on as it comes, and the fastest rival; those of them that
 /// read the scene's tags.
 pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
     let compared = [
         TagDetectorChoice::default(),
-        TagDetectorChoice::AprilTagC,
-        TagDetectorChoice::Locus,
+        TagDetectorChoice::AprilTagC(CornersBy::Library),
+        TagDetectorChoice::Locus(CornersBy::Fit),
     ];
     compared.into_iter().filter(reads_all).collect()
 }

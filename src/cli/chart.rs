@@ -108,7 +108,7 @@ fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
             .scaled_to(first.grey.width(), first.grey.height())?,
         None => session.known_camera()?.clone(),
     };
-    let bar = progress::photos("measuring", samples.len() * TagDetectorChoice::ALL.len());
+    let bar = progress::photos("measuring", samples.len() * locate::detectors(&session.scene).len());
     let rows = locate::measure(&samples, &session.scene, &camera, || bar.inc(1))?;
     bar.finish_and_clear();
     writeln!(out, "{}", locate::table(&rows))?;

@@ -11,8 +11,8 @@ use crate::camera::Camera;
 use crate::photo::Photo;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
-use crate::survey::{Given, PhotoTags, Sizes, Survey, survey};
-use crate::tags::{AprilTagC, TagDetector};
+use crate::survey::{Given, PhotoTags, Sizes, Survey, TagReport, survey};
+use crate::tags::TagDetectorChoice;
 use crate::workers;
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
@@ -111,7 +111,7 @@ fn tags_of(args: &Args, scene: &Scene, camera: &Camera) -> Result<Vec<PhotoTags>
     let bar = progress::photos("finding tags", args.photos.len());
     let found = workers::map(
         &args.photos,
-        || AprilTagC::new(&families).map_err(|e| e.to_string()),
+        || TagDetectorChoice::default().open(&families).map_err(|e| e.to_string()),
         |detector, path| {
             let photo = Photo::open(path).map_err(|e| e.to_string())?;
             let (width, height) = (photo.width(), photo.height());
@@ -162,7 +162,12 @@ struct TagJson {
     sigma_deg: Option<f64>,
     shift_mm: Option<f64>,
     shift_deg: Option<f64>,
+    /// What weakens it.
+    cautions: Vec<&'static str>,
 }
+
+/// That a tag rests on one photo.
+const ONE_PHOTO: &str = "one_photo";
 
 #[derive(Serialize)]
 struct LeftOutJson {
@@ -181,7 +186,7 @@ struct PhotoJson {
 }
 
 fn json(found: &Survey) -> Json {
-    let tag = |(report, tag): (&crate::survey::TagReport, &crate::scene::Tag)| TagJson {
+    let tag = |(report, tag): (&TagReport, &crate::scene::Tag)| TagJson {
         id: tag.id,
         family: tag.family,
         size_mm: tag.size_mm,
@@ -194,6 +199,7 @@ fn json(found: &Survey) -> Json {
         sigma_deg: tag.sigma.map(|s| s.deg),
         shift_mm: report.shift.map(|(mm, _)| mm),
         shift_deg: report.shift.map(|(_, deg)| deg),
+        cautions: rests_on_one_photo(report).then_some(ONE_PHOTO).into_iter().collect(),
     };
     Json {
         noise_px: found.noise_px,
@@ -222,6 +228,10 @@ fn json(found: &Survey) -> Json {
     }
 }
 
+fn rests_on_one_photo(report: &TagReport) -> bool {
+    !report.is_fixed && report.photos == 1
+}
+
 fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
@@ -241,6 +251,15 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
             out,
             "{:>5} {:>7} {place:>12} {turn:>10} {shift:>24}",
             tag.id, report.photos
+        )?;
+    }
+    let once = found.tags.iter().filter(|report| rests_on_one_photo(report));
+    let once: Vec<String> = once.map(|report| report.id.to_string()).collect();
+    if !once.is_empty() {
+        writeln!(
+            out,
+            "caution: only one photo each shows tags {}, so that nothing checks their size, or that they did not move",
+            once.join(", ")
         )?;
     }
     for left in &found.left_out {

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use super::consensus::MAX_NOISE_DEG;
 use super::matches::Match;
 use super::solver::Candidate;
 use super::uncertainty::{Sigma, upper_tail};
@@ -45,6 +46,15 @@ pub enum Abstention {
     )]
     OneTagCovered { id: u32 },
     #[error(
+        "only tag {id} is visible, and its pose puts the model outside the picture: was its card turned or exchanged? Let a second tag be seen"
+    )]
+    OneTagNoModel { id: u32 },
+    #[error(
+        "only tag {id} is visible, but its pose puts other tags in plain view too ({}), which are not seen: was its card turned or exchanged, or are they covered? Let a second tag be seen",
+        list(missing)
+    )]
+    OneTagMissesOthers { id: u32, missing: Vec<u32> },
+    #[error(
         "the corners of tag {id}, the only one visible, do not fit a square of its size ({rms_px:.1} px off, limit {limit_px:.1} px): is this another camera, or is the card bent?"
     )]
     OneTagBent { id: u32, rms_px: f64, limit_px: f64 },
@@ -75,6 +85,7 @@ impl Abstention {
             Abstention::OneTagAmbiguous { .. } => "one_tag_ambiguous",
             Abstention::OneTagFrontal { .. } => "one_tag_frontal",
             Abstention::OneTagCovered { .. } => "one_tag_covered",
+            Abstention::OneTagNoModel { .. } | Abstention::OneTagMissesOthers { .. } => "one_tag_contradicted",
             Abstention::OneTagBent { .. } => "high_residual",
             Abstention::RivalPose { .. } => "rival_pose",
             Abstention::WrongCameraSize { .. } => "wrong_camera_size",
@@ -118,22 +129,25 @@ pub(super) fn limit_px(camera: &Camera) -> f64 {
     MAX_RMS_DEG / camera.deg_per_px()
 }
 
-/// The best pose and the best different one, if the best fits and the other does not fit almost as well.
+/// The best pose and the best different one, if the best fits and the other does not fit almost as well. `is_outvoted`: some seen
+/// tags were left out because the others do not agree with them.
 pub(super) fn undoubted(
     mut found: Vec<Candidate>,
     matches: &[Match],
+    is_outvoted: bool,
     camera: &Camera,
 ) -> Result<(Candidate, Option<Candidate>), Abstention> {
     found.sort_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
     let Some(best) = found.first() else {
         return Err(Abstention::BehindCamera);
     };
-    let share = if matches.len() == 2 || matches.len() == 3 {
-        FEW_TAGS
-    } else {
-        1.0
+    let limit_deg = match matches.len() {
+        2 | 3 => FEW_TAGS * MAX_RMS_DEG,
+        // One bad card leaves the others in agreement. Where the rest is at odds as well, the camera file or the scene is wrong.
+        _ if is_outvoted => MAX_NOISE_DEG,
+        _ => MAX_RMS_DEG,
     };
-    let limit_px = share * limit_px(camera);
+    let limit_px = limit_deg / camera.deg_per_px();
     if best.rms_px > limit_px {
         let rms_px = best.rms_px;
         return Err(match matches {

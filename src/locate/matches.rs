@@ -70,14 +70,18 @@ pub(super) struct Match<'a> {
 }
 
 impl Match<'_> {
-    /// Area in the picture, px² (shoelace formula).
+    /// Area in the picture, px².
     pub fn area_px(&self) -> f64 {
-        let c = &self.corners_px;
-        let twice: f64 = (0..4)
-            .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
-            .sum();
-        twice.abs() / 2.0
+        area_px(&self.corners_px)
     }
+}
+
+/// Area of a quadrilateral, px² (shoelace formula).
+pub(super) fn area_px(c: &[[f64; 2]; 4]) -> f64 {
+    let twice: f64 = (0..4)
+        .map(|i| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1])
+        .sum();
+    twice.abs() / 2.0
 }
 
 /// Corresponding corners: model frame in mm, picture in px; four of each tag, tag after tag.

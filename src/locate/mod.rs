@@ -3,6 +3,7 @@
 mod consensus;
 mod doubt;
 mod matches;
+mod plain_view;
 mod refine;
 pub mod reprojection;
 mod solver;
@@ -22,7 +23,7 @@ use solver::Candidate;
 
 pub use doubt::Abstention;
 pub use matches::{Ignored, IgnoredTag};
-pub use solver::Solver;
+pub use solver::{Solver, planar_branches};
 pub use uncertainty::{Sigma, Uncertainty};
 
 /// A photo with a pose.
@@ -76,9 +77,12 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         candidates,
         left_out,
     } = found(solver, matches, scene, camera)?;
+    let (best, rival) = doubt::undoubted(candidates, &matches, !left_out.is_empty(), camera)?;
+    if let [only] = &matches[..] {
+        plain_view::uncontradicted(only, &best.pose, seen, scene, camera)?;
+    }
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
-    let (best, rival) = doubt::undoubted(candidates, &matches, camera)?;
     let corners = Corners::of(&matches);
     let finished = finished(solver, &best, &corners, camera).and_then(|(pose, uncertainty)| {
         let rms_px = refine::rms_px(&pose, &corners, camera)?;

@@ -107,12 +107,17 @@ fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
     let mut largest = matches.to_vec();
     largest_first(&mut largest);
     let of = |m: &Match| {
-        let in_tag = m.tag.corners_in_tag_mm();
         let to_model = m.tag.pose().inverse();
-        let branches = solve(&in_tag, &m.corners_px, camera, SolvePnPMethod::SOLVEPNP_IPPE_SQUARE);
+        let branches = planar_branches(&m.tag.corners_in_tag_mm(), &m.corners_px, camera);
         branches.into_iter().map(move |t_camera_tag| t_camera_tag * to_model)
     };
     largest.iter().take(BRANCHED_TAGS).flat_map(of).collect()
+}
+
+/// `T_camera_tag` of a square's two planar branches (IPPE: Collins & Bartoli 2014); none when OpenCV gives up. `in_tag_mm`: its corners in its
+/// own frame, top-left first.
+pub fn planar_branches(in_tag_mm: &[Point3<f64>; 4], corners_px: &[[f64; 2]; 4], camera: &Camera) -> Vec<Rigid> {
+    solve(in_tag_mm, corners_px, camera, SolvePnPMethod::SOLVEPNP_IPPE_SQUARE)
 }
 
 pub(super) fn largest_first(matches: &mut [Match]) {

@@ -10,9 +10,9 @@ pub use axis::{Axis, Scale, tick_label};
 pub use panels::{Line, Panel, panels};
 pub use scatter::{Cloud, Dot, scatter};
 
-/// Colours of the series, in their order; a ninth series starts over.
-const COLOURS: [&str; 8] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c6d00",
+/// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.
+const COLOURS: [&str; 10] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c6d00", "#882255", "#9a9a9a",
 ];
 const INK: &str = "#1d232b";
 const FAINT: &str = "#d7dce2";

@@ -74,4 +74,51 @@ impl Model {
             )
         })
     }
+
+    /// Whether the model's box, grown by some mm on each side, cuts the line from a camera to a point; both in the model frame, mm
+    /// (slabs: Kay & Kajiya 1986).
+    pub fn hides(&self, point: Point3<f64>, camera: Point3<f64>, grown_mm: f64) -> bool {
+        let [length, width, height] = self.size_mm;
+        let slabs = [
+            (-length / 2.0, length / 2.0),
+            (-width / 2.0, width / 2.0),
+            (0.0, height),
+        ];
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for (axis, (low, high)) in slabs.into_iter().enumerate() {
+            let (from, by) = (camera[axis], point[axis] - camera[axis]);
+            let (low, high) = (low - grown_mm, high + grown_mm);
+            if by.abs() < 1e-9 {
+                if from < low || from > high {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((low - from) / by, (high - from) / by);
+            (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+        }
+        enter < leave
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_model_hides_what_is_behind_it_and_nothing_beside_or_on_it() {
+        let model = Model {
+            name: "m".to_owned(),
+            scale: 10.0,
+            class: "car".to_owned(),
+            size_mm: [455.0, 186.0, 128.0],
+            envelope: Envelope::Box,
+        };
+        let hides = |point, grown_mm| model.hides(point, Point3::new(900.0, 0.0, 200.0), grown_mm);
+        assert!(hides(Point3::new(-300.0, 0.0, 0.0), -1.0));
+        assert!(!hides(Point3::new(300.0, 0.0, 0.0), -1.0));
+        assert!(!hides(Point3::new(-300.0, 400.0, 0.0), -1.0));
+        assert!(!hides(Point3::new(0.0, 0.0, 128.0), -1.0));
+        assert!(hides(Point3::new(0.0, 0.0, 128.0), 20.0));
+    }
 }

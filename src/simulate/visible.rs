@@ -27,7 +27,7 @@ pub(super) fn pixels(tag: &Tag, scene: &Scene, camera: &Camera, pose: &Rigid) ->
     let corners = tag.corners_mm();
     if corners
         .iter()
-        .any(|corner| is_hidden(scene.model.size_mm, centre, *corner))
+        .any(|corner| scene.model.hides(*corner, centre, -SKIN_MM))
     {
         return None;
     }
@@ -38,42 +38,4 @@ pub(super) fn pixels(tag: &Tag, scene: &Scene, camera: &Camera, pose: &Rigid) ->
     let inside =
         |[x, y]: &[f64; 2]| (0.0..f64::from(camera.width)).contains(x) && (0.0..f64::from(camera.height)).contains(y);
     pixels.iter().all(inside).then_some(pixels)
-}
-
-/// Whether the model's box cuts the line from the camera to a point (slabs: Kay & Kajiya 1986).
-fn is_hidden(size_mm: [f64; 3], camera: Point3<f64>, point: Point3<f64>) -> bool {
-    let [length, width, height] = size_mm;
-    let slabs = [
-        (-length / 2.0, length / 2.0),
-        (-width / 2.0, width / 2.0),
-        (0.0, height),
-    ];
-    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    for (axis, (low, high)) in slabs.into_iter().enumerate() {
-        let (from, by) = (camera[axis], point[axis] - camera[axis]);
-        let (low, high) = (low + SKIN_MM, high - SKIN_MM);
-        if by.abs() < 1e-9 {
-            if from < low || from > high {
-                return false;
-            }
-            continue;
-        }
-        let (a, b) = ((low - from) / by, (high - from) / by);
-        (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
-    }
-    enter < leave
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_model_hides_what_is_behind_it_and_nothing_beside_or_on_it() {
-        let (size, camera) = ([455.0, 186.0, 128.0], Point3::new(900.0, 0.0, 200.0));
-        assert!(is_hidden(size, camera, Point3::new(-300.0, 0.0, 0.0)));
-        assert!(!is_hidden(size, camera, Point3::new(300.0, 0.0, 0.0)));
-        assert!(!is_hidden(size, camera, Point3::new(-300.0, 400.0, 0.0)));
-        assert!(!is_hidden(size, camera, Point3::new(0.0, 0.0, 128.0)));
-    }
 }

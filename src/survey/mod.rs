@@ -30,6 +30,11 @@ const MAX_NOISE_DEG: f64 = 0.1;
 /// A tag or photo may be in another pose when that leaves less than this many times the residual.
 const MIN_RIVAL_RATIO: f64 = 3.0;
 
+/// A tag that one photo shows rests on eight numbers for its six: its rival must leave more, and a view straight on, where the two
+/// planar branches melt into one pose, does not do. The same as for a lone tag in `locate`.
+const MIN_LONE_RIVAL_RATIO: f64 = 5.0;
+const MIN_LONE_TILT_DEG: f64 = 15.0;
+
 /// Residuals below this are luck when two poses are compared, px.
 const NOISE_FLOOR_PX: f64 = 0.1;
 
@@ -74,7 +79,7 @@ pub struct TagReport {
     pub family: TagFamily,
     pub id: u32,
     pub is_fixed: bool,
-    /// Photos its pose rests on.
+    /// Photos its pose rests on. With one, nothing checks that it has not moved and has its stated size.
     pub photos: usize,
     /// From the pose in the given scene, when it has one: mm and degrees.
     pub shift: Option<(f64, f64)>,
@@ -297,7 +302,8 @@ fn forget_unseen(net: &Network, poses: &mut Poses) {
     }
 }
 
-/// Leaves out photos and tags that could be in another pose, and tags that a single photo shows.
+/// Leaves out photos and tags that could be in another pose. A tag that a single photo shows stays when that photo excludes its rival;
+/// that it has not moved, and has its stated size, nothing checks.
 fn without_doubtful(
     mut net: Network,
     poses: &mut Poses,
@@ -317,10 +323,14 @@ fn without_doubtful(
             let reason = |t: usize| {
                 let mut seen = net.of_tag(t);
                 match (seen.next(), seen.next()) {
-                    (Some(only), None) => Some(Reason::SeenOnce {
-                        photo: photos[only.photo].name.clone(),
-                    }),
-                    _ => tag_has_rival(&net, poses, t, camera).then_some(Reason::Ambiguous),
+                    (Some(only), None) => {
+                        let is_frontal = tilt_deg(only, poses).is_none_or(|tilt| tilt < MIN_LONE_TILT_DEG);
+                        let is_doubtful = is_frontal || tag_has_rival(&net, poses, t, MIN_LONE_RIVAL_RATIO, camera);
+                        is_doubtful.then(|| Reason::SeenOnce {
+                            photo: photos[only.photo].name.clone(),
+                        })
+                    }
+                    _ => tag_has_rival(&net, poses, t, MIN_RIVAL_RATIO, camera).then_some(Reason::Ambiguous),
                 }
             };
             let doubtful = (0..net.tags.len()).filter(free).find_map(|t| Some((t, reason(t)?)));
@@ -354,14 +364,31 @@ fn photo_has_rival(vouched: &Network, poses: &Poses, photo: usize, camera: &Came
         |p| &mut p.photos[photo],
         Free::Photo(photo),
         candidates,
+        MIN_RIVAL_RATIO,
         camera,
     )
 }
 
-fn tag_has_rival(net: &Network, poses: &Poses, tag: usize, camera: &Camera) -> bool {
+/// True when a different pose of a tag leaves less than so many times as much.
+fn tag_has_rival(net: &Network, poses: &Poses, tag: usize, ratio: f64, camera: &Camera) -> bool {
     let own = net.with(|s| s.tag == tag);
     let candidates = grow::tag_candidates(&own, poses, tag);
-    has_rival(&own, poses, |p| &mut p.tags[tag], Free::Tag(tag), candidates, camera)
+    has_rival(
+        &own,
+        poses,
+        |p| &mut p.tags[tag],
+        Free::Tag(tag),
+        candidates,
+        ratio,
+        camera,
+    )
+}
+
+/// The angle between a tag's normal and the line of sight to its centre.
+fn tilt_deg(s: &Sighting, poses: &Poses) -> Option<f64> {
+    let camera_tag = poses.camera_tag(s)?;
+    let normal = camera_tag.rotation * nalgebra::Vector3::z();
+    Some(normal.angle(&-camera_tag.translation.vector).to_degrees())
 }
 
 fn has_rival(
@@ -370,6 +397,7 @@ fn has_rival(
     place: impl Fn(&mut Poses) -> &mut Option<Rigid>,
     free: Free,
     candidates: Vec<Rigid>,
+    ratio: f64,
     camera: &Camera,
 ) -> bool {
     let mut best = poses.clone();
@@ -381,7 +409,7 @@ fn has_rival(
         *place(&mut other) = Some(start);
         let rival = adjust(own, &mut other, free, Loss::Squared, camera, 30);
         let different = place(&mut other).is_some_and(|other| grow::is_different(&other, &pose));
-        different && rival < MIN_RIVAL_RATIO.powi(2) * left.max(floor)
+        different && rival < ratio.powi(2) * left.max(floor)
     })
 }
 

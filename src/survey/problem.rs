@@ -48,7 +48,7 @@ pub enum Reason {
     NoSize,
     /// It was never seen whole and once in a photo.
     NeverWhole,
-    /// Seen in one photo only, which leaves its pose unchecked.
+    /// Seen in one photo only, which does not exclude its other planar pose.
     SeenOnce {
         photo: String,
     },
@@ -87,7 +87,7 @@ impl std::fmt::Display for Reason {
             Reason::SeenOnce { photo } => {
                 write!(
                     f,
-                    "only {photo} shows it, and nothing checks that: take another photo of it"
+                    "only {photo} shows it, where two poses explain it or it is seen straight on: take another photo of it, from aside"
                 )
             }
             Reason::Moved { mm, here, there } => write!(

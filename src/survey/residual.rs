@@ -4,6 +4,7 @@ use nalgebra::{Matrix2x3, Matrix2x6, Matrix3, Point3, Vector2, Vector3};
 
 use crate::camera::Camera;
 use crate::geometry::Rigid;
+use crate::locate::reprojection::pixel_by_point;
 
 /// Squared distance that stands for a corner without a pixel: behind the camera, or beyond the lens model. px².
 const NO_PIXEL: f64 = 1e8;
@@ -42,8 +43,7 @@ pub(super) struct Linear {
 /// Chain rule over `P = T_camera_tag · x`: dP is `t + ω × P` for the photo and `R (t + ω × x)` for the tag.
 pub(super) fn linear(camera_tag: &Rigid, corner: &Point3<f64>, seen_px: &[f64; 2], camera: &Camera) -> Option<Linear> {
     let p = camera_tag * corner;
-    let [x, y] = camera.project(&p)?;
-    let by_point = by_point(&p, camera)?;
+    let ([x, y], by_point) = pixel_by_point(camera, &p)?;
     let side_by_side = |m: Matrix2x3<f64>, at: &Point3<f64>| {
         let turned = m * -skew(&at.coords);
         Matrix2x6::from_fn(|r, c| if c < 3 { m[(r, c)] } else { turned[(r, c - 3)] })
@@ -54,19 +54,6 @@ pub(super) fn linear(camera_tag: &Rigid, corner: &Point3<f64>, seen_px: &[f64; 2
         by_photo: side_by_side(by_point, &p),
         by_tag: side_by_side(by_point * rotation.matrix(), corner),
     })
-}
-
-/// Derivative of the pixel by the point in the camera frame: central differences, so that any lens model serves.
-fn by_point(p: &Point3<f64>, camera: &Camera) -> Option<Matrix2x3<f64>> {
-    let step = 1e-5 * p.coords.norm();
-    let mut derivative = Matrix2x3::zeros();
-    for axis in 0..3 {
-        let mut by = Vector3::zeros();
-        by[axis] = step;
-        let ([ax, ay], [bx, by]) = (camera.project(&(p - by))?, camera.project(&(p + by))?);
-        derivative.set_column(axis, &(Vector2::new(bx - ax, by - ay) / (2.0 * step)));
-    }
-    Some(derivative)
 }
 
 fn skew(v: &Vector3<f64>) -> Matrix3<f64> {

@@ -3,7 +3,8 @@
 use apriltag::{Detection, Detector, DetectorBuilder, Family, Image};
 use image::GrayImage;
 
-use super::{SeenTag, StartError, TagDetector, TagDetectorChoice};
+use super::search::{Found, Search};
+use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
 /// More corrected bits than this and noise starts to look like tags.
@@ -18,13 +19,6 @@ pub struct AprilTagC {
     detectors: Vec<(TagFamily, Detector)>,
 }
 
-/// A tag as it was found, before its border was looked at.
-pub(super) struct Found {
-    pub family: TagFamily,
-    pub id: u32,
-    pub corners_px: [[f64; 2]; 4],
-}
-
 impl AprilTagC {
     /// A detector for some families.
     pub fn new(families: &[TagFamily]) -> Result<AprilTagC, StartError> {
@@ -34,9 +28,11 @@ impl AprilTagC {
             .collect::<Result<_, _>>()?;
         Ok(AprilTagC { detectors })
     }
+}
 
-    /// The tags with the library's own corners; ghosts are left out.
-    pub(super) fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
+impl Search for AprilTagC {
+    /// Ghosts are left out.
+    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
         let Some(image) = c_image(grey) else { return Vec::new() };
         let mut found = Vec::new();
         for (family, detector) in &mut self.detectors {
@@ -54,20 +50,17 @@ fn detector(family: TagFamily) -> Result<Detector, StartError> {
     let mut detector = DetectorBuilder::new()
         .add_family_bits(c_family(family), MAX_HAMMING)
         .build()
-        .map_err(|e| TagDetectorChoice::AprilTagC.failed(e))?;
+        .map_err(|e| TagDetectorChoice::AprilTagC(CornersBy::Fit).failed(e))?;
     detector.set_thread_number(1); // photos are spread over threads instead
     detector.set_decimation(1.0);
     detector.set_refine_edges(true);
     Ok(detector)
 }
 
+/// With the library's own corners.
 impl TagDetector for AprilTagC {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
-        let found = self.search(grey);
-        let seen = found
-            .into_iter()
-            .map(|f| SeenTag::new(f.family, f.id, f.corners_px, grey));
-        seen.collect()
+        self.search(grey).iter().map(|found| found.seen(grey)).collect()
     }
 }
 

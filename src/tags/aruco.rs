@@ -6,7 +6,8 @@ use opencv::core::{Mat, Point2f, Ptr, Vector, no_array};
 #[allow(unused_imports)]
 use opencv::{aruco::*, objdetect::*, prelude::*};
 
-use super::{SeenTag, StartError, TagDetector, TagDetectorChoice};
+use super::search::{Found, Search};
+use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
 /// How OpenCV moves the corners of the polygon it found.
@@ -33,7 +34,7 @@ pub struct ArucoOpenCv {
 impl ArucoOpenCv {
     /// A detector for some families.
     pub fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
-        let choice = TagDetectorChoice::Aruco(refiner);
+        let choice = TagDetectorChoice::Aruco(refiner, CornersBy::Fit);
         choice.check_families(families)?;
         let known = families
             .iter()
@@ -55,17 +56,25 @@ impl ArucoOpenCv {
     }
 }
 
+/// With OpenCV's own corners.
 impl TagDetector for ArucoOpenCv {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        self.search(grey).iter().map(|found| found.seen(grey)).collect()
+    }
+}
+
+impl Search for ArucoOpenCv {
+    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
         for (family, dictionary) in &self.dictionaries {
             // An exception of OpenCV is a picture it finds nothing in.
             let tags = detect(grey, dictionary, &self.parameters).unwrap_or_default();
             let centred = |corners: Corners| corners.map(|corner| corner.map(|v| v - self.pixel_centre));
-            let seen = tags
-                .into_iter()
-                .map(|(id, corners)| SeenTag::new(*family, id, centred(corners), grey));
-            found.extend(seen);
+            found.extend(tags.into_iter().map(|(id, corners)| Found {
+                family: *family,
+                id,
+                corners_px: centred(corners),
+            }));
         }
         found
     }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::fit::Fitted;
+use super::search::Search;
 use super::{AprilTagC, ArucoOpenCv, ArucoRefiner, CoarseToFine, Locus, TagDetector};
 use crate::scene::TagFamily;
 
@@ -12,12 +14,21 @@ pub enum TagDetectorChoice {
     /// C AprilTag on a reduced picture, corners fitted at full size. The default: the knee of the table in `docs/lessons.md`.
     #[default]
     CoarseToFine,
-    /// C AprilTag at full size, with its own corners.
-    AprilTagC,
+    /// C AprilTag at full size.
+    AprilTagC(CornersBy),
     /// OpenCV's ArUco detector at full size.
-    Aruco(ArucoRefiner),
+    Aruco(ArucoRefiner, CornersBy),
     /// locus-core at full size.
-    Locus,
+    Locus(CornersBy),
+}
+
+/// Who says where the corners of a found tag are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum CornersBy {
+    /// The fit that all choices share, so that they differ in what they find only.
+    Fit,
+    /// The library that found the tag. For comparison: the yaw of one tag then differs by up to 1.5° between libraries.
+    Library,
 }
 
 /// Why a tag detector could not start.
@@ -42,36 +53,58 @@ pub enum StartError {
 }
 
 impl TagDetectorChoice {
-    /// Every detector; the default first.
-    pub const ALL: [TagDetectorChoice; 7] = [
+    /// Every detector; the default first, those with a library's own corners last.
+    pub const ALL: [TagDetectorChoice; 13] = [
         TagDetectorChoice::CoarseToFine,
-        TagDetectorChoice::AprilTagC,
-        TagDetectorChoice::Aruco(ArucoRefiner::None),
-        TagDetectorChoice::Aruco(ArucoRefiner::Subpix),
-        TagDetectorChoice::Aruco(ArucoRefiner::Contour),
-        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag),
-        TagDetectorChoice::Locus,
+        TagDetectorChoice::AprilTagC(CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::Subpix, CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::Contour, CornersBy::Fit),
+        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, CornersBy::Fit),
+        TagDetectorChoice::Locus(CornersBy::Fit),
+        TagDetectorChoice::AprilTagC(CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::Subpix, CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::Contour, CornersBy::Library),
+        TagDetectorChoice::Aruco(ArucoRefiner::AprilTag, CornersBy::Library),
+        TagDetectorChoice::Locus(CornersBy::Library),
     ];
 
     /// The name it is chosen by.
     pub fn name(self) -> &'static str {
+        use ArucoRefiner::{AprilTag, Contour, None, Subpix};
+        use CornersBy::{Fit, Library};
         match self {
             TagDetectorChoice::CoarseToFine => "coarse-to-fine",
-            TagDetectorChoice::AprilTagC => "apriltag",
-            TagDetectorChoice::Aruco(ArucoRefiner::None) => "aruco",
-            TagDetectorChoice::Aruco(ArucoRefiner::Subpix) => "aruco-subpix",
-            TagDetectorChoice::Aruco(ArucoRefiner::Contour) => "aruco-contour",
-            TagDetectorChoice::Aruco(ArucoRefiner::AprilTag) => "aruco-apriltag",
-            TagDetectorChoice::Locus => "locus",
+            TagDetectorChoice::AprilTagC(Fit) => "apriltag",
+            TagDetectorChoice::AprilTagC(Library) => "apriltag-raw",
+            TagDetectorChoice::Aruco(None, Fit) => "aruco",
+            TagDetectorChoice::Aruco(None, Library) => "aruco-raw",
+            TagDetectorChoice::Aruco(Subpix, Fit) => "aruco-subpix",
+            TagDetectorChoice::Aruco(Subpix, Library) => "aruco-subpix-raw",
+            TagDetectorChoice::Aruco(Contour, Fit) => "aruco-contour",
+            TagDetectorChoice::Aruco(Contour, Library) => "aruco-contour-raw",
+            TagDetectorChoice::Aruco(AprilTag, Fit) => "aruco-apriltag",
+            TagDetectorChoice::Aruco(AprilTag, Library) => "aruco-apriltag-raw",
+            TagDetectorChoice::Locus(Fit) => "locus",
+            TagDetectorChoice::Locus(Library) => "locus-raw",
+        }
+    }
+
+    /// Who says where its corners are.
+    pub fn corners_by(self) -> CornersBy {
+        match self {
+            TagDetectorChoice::CoarseToFine => CornersBy::Fit,
+            TagDetectorChoice::AprilTagC(by) | TagDetectorChoice::Aruco(_, by) | TagDetectorChoice::Locus(by) => by,
         }
     }
 
     /// Whether it knows a family's codes.
     pub fn reads(self, family: TagFamily) -> bool {
         match self {
-            TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC => true,
-            TagDetectorChoice::Aruco(_) => ArucoOpenCv::reads(family),
-            TagDetectorChoice::Locus => Locus::reads(family),
+            TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
+            TagDetectorChoice::Aruco(..) => ArucoOpenCv::reads(family),
+            TagDetectorChoice::Locus(_) => Locus::reads(family),
         }
     }
 
@@ -80,24 +113,26 @@ impl TagDetectorChoice {
     /// # Errors
     /// A family the detector does not read; a library that does not start.
     pub fn open(self, families: &[TagFamily]) -> Result<Box<dyn TagDetector>, StartError> {
+        self.check_families(families)?;
         Ok(match self {
             TagDetectorChoice::CoarseToFine => Box::new(CoarseToFine::new(families)?),
-            TagDetectorChoice::AprilTagC => Box::new(AprilTagC::new(families)?),
-            TagDetectorChoice::Aruco(refiner) => Box::new(ArucoOpenCv::new(families, refiner)?),
-            TagDetectorChoice::Locus => Box::new(Locus::new(families)?),
+            TagDetectorChoice::AprilTagC(by) => by.open(AprilTagC::new(families)?),
+            TagDetectorChoice::Aruco(refiner, by) => by.open(ArucoOpenCv::new(families, refiner)?),
+            TagDetectorChoice::Locus(by) => by.open(Locus::new(families)?),
         })
     }
 
     /// Name and version, for a result's provenance.
     pub fn provenance(self) -> String {
         match self {
-            TagDetectorChoice::CoarseToFine => format!("{self} on {}", AprilTagC::PROVENANCE),
-            TagDetectorChoice::AprilTagC => AprilTagC::PROVENANCE.to_owned(),
-            TagDetectorChoice::Aruco(_) => format!(
+            TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => {
+                format!("{self} on {}", AprilTagC::PROVENANCE)
+            }
+            TagDetectorChoice::Aruco(..) => format!(
                 "{self} of OpenCV {}",
                 opencv::core::get_version_string().unwrap_or_default()
             ),
-            TagDetectorChoice::Locus => "locus-core 0.10".to_owned(),
+            TagDetectorChoice::Locus(_) => format!("{self} on locus-core 0.10"),
         }
     }
 
@@ -117,6 +152,15 @@ impl TagDetectorChoice {
         StartError::Library {
             detector: self,
             reason: reason.to_string(),
+        }
+    }
+}
+
+impl CornersBy {
+    fn open<S: Search + TagDetector + 'static>(self, search: S) -> Box<dyn TagDetector> {
+        match self {
+            CornersBy::Fit => Box::new(Fitted(search)),
+            CornersBy::Library => Box::new(search),
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use image::GrayImage;
 
-use super::apriltag_c::{AprilTagC, Found};
-use super::refine::{self, Outline};
-use super::{SeenTag, StartError, TagDetector, TagImage, cells_across, inset};
+use super::apriltag_c::AprilTagC;
+use super::fit::fitted;
+use super::search::Search;
+use super::{SeenTag, StartError, TagDetector};
 use crate::scene::TagFamily;
 
 /// The long side of the picture that is searched. Below it nothing is reduced.
@@ -27,11 +28,16 @@ impl CoarseToFine {
     }
 
     fn find_reduced(&mut self, grey: &GrayImage, factor: u32) -> Vec<SeenTag> {
-        let found = match factor {
-            1 => self.search.search(grey),
-            _ => self.search.search(&reduced(grey, factor)),
-        };
-        refined(found, factor, grey)
+        if factor == 1 {
+            return fitted(self.search.search(grey), grey);
+        }
+        let mut found = self.search.search(&reduced(grey, factor));
+        // Pixel 0 of the reduced picture covers pixels 0 to factor − 1.
+        let enlarged = |v: f64| (v + 0.5) * f64::from(factor) - 0.5;
+        for tag in &mut found {
+            tag.corners_px = tag.corners_px.map(|corner| corner.map(enlarged));
+        }
+        fitted(found, grey)
     }
 }
 
@@ -44,58 +50,6 @@ impl TagDetector for CoarseToFine {
         }
         tags
     }
-}
-
-/// The tags of the reduced picture with their corners fitted at full size.
-fn refined(found: Vec<Found>, factor: u32, grey: &GrayImage) -> Vec<SeenTag> {
-    let fits: Vec<Fit> = found.into_iter().map(|found| Fit::new(found, factor, grey)).collect();
-    // Blur is much the same all over a photo, so small tags are told what the larger ones show.
-    let usual = median(fits.iter().filter_map(|fit| fit.inset_px).collect()).unwrap_or(0.0);
-    fits.into_iter().map(|fit| fit.seen(usual, grey)).collect()
-}
-
-/// A tag and the lines along its sides.
-struct Fit {
-    found: Found,
-    /// `None` where some side cannot be seen well enough.
-    outline: Option<Outline>,
-    /// How far the lines lie inside the true outline; `None` where the tag is too small to tell.
-    inset_px: Option<f64>,
-}
-
-impl Fit {
-    fn new(mut found: Found, factor: u32, grey: &GrayImage) -> Fit {
-        let f = f64::from(factor);
-        // Pixel 0 of the reduced picture covers pixels 0 to factor − 1.
-        found.corners_px = found.corners_px.map(|corner| corner.map(|v| (v + 0.5) * f - 0.5));
-        let outline = refine::outline(grey, &found.corners_px, cells_across(found.family));
-        let inset = |outline: &Outline| {
-            let tag = TagImage::new(found.family, found.id)?;
-            inset::inset_px(grey, &outline.corners(0.0)?, &tag)
-        };
-        Fit {
-            inset_px: outline.as_ref().and_then(inset),
-            outline,
-            found,
-        }
-    }
-
-    /// The search's own corners stay where the sides could not be fitted.
-    fn seen(&self, usual_inset_px: f64, grey: &GrayImage) -> SeenTag {
-        let inset = self.inset_px.unwrap_or(usual_inset_px);
-        let corners = self.outline.as_ref().and_then(|outline| outline.corners(inset));
-        SeenTag::new(
-            self.found.family,
-            self.found.id,
-            corners.unwrap_or(self.found.corners_px),
-            grey,
-        )
-    }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Means over squares of `factor` × `factor` pixels; a rest at the right and at the bottom is left out.

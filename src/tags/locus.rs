@@ -3,7 +3,8 @@
 use image::GrayImage;
 use locus_core::{DetectorBuilder, DetectorConfig, ImageView, TagFamily as LocusFamily};
 
-use super::{SeenTag, StartError, TagDetector, TagDetectorChoice};
+use super::search::{Found, Search};
+use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
 /// locus-core with its standard settings, at full size.
@@ -15,14 +16,14 @@ pub struct Locus {
 impl Locus {
     /// A detector for some families.
     pub fn new(families: &[TagFamily]) -> Result<Locus, StartError> {
-        TagDetectorChoice::Locus.check_families(families)?;
+        TagDetectorChoice::Locus(CornersBy::Fit).check_families(families)?;
         let start = |family: LocusFamily| {
             // Photos are spread over threads instead.
             let builder = DetectorBuilder::new()
                 .with_config(DetectorConfig::default())
                 .with_threads(1);
             let detector = builder.with_family(family).validated_build();
-            detector.map_err(|e| TagDetectorChoice::Locus.failed(e))
+            detector.map_err(|e| TagDetectorChoice::Locus(CornersBy::Fit).failed(e))
         };
         let known = families
             .iter()
@@ -39,8 +40,15 @@ impl Locus {
     }
 }
 
+/// With the library's own corners.
 impl TagDetector for Locus {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        self.search(grey).iter().map(|found| found.seen(grey)).collect()
+    }
+}
+
+impl Search for Locus {
+    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
         let (width, height) = (grey.width() as usize, grey.height() as usize);
         let Ok(view) = ImageView::new(grey.as_raw(), width, height, width) else {
             return Vec::new();
@@ -51,7 +59,11 @@ impl TagDetector for Locus {
                 continue;
             };
             let tags = batch.reassemble_owned();
-            found.extend(tags.iter().map(|d| SeenTag::new(*family, d.id, corners(d), grey)));
+            found.extend(tags.iter().map(|d| Found {
+                family: *family,
+                id: d.id,
+                corners_px: corners(d),
+            }));
         }
         found
     }

@@ -1,0 +1,62 @@
+//! The corners of found tags, whoever found them: sides fitted at full size, moved by what blur and ink do to every edge.
+
+use image::GrayImage;
+
+use super::refine::{self, Outline};
+use super::search::{Found, Search};
+use super::{SeenTag, TagDetector, TagImage, cells_across, inset};
+
+/// A library's search, followed by the fit: detectors then differ in what they find, not in where its corners are.
+pub(super) struct Fitted<S>(pub S);
+
+impl<S: Search> TagDetector for Fitted<S> {
+    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        fitted(self.0.search(grey), grey)
+    }
+}
+
+/// The found tags with their corners fitted to the picture.
+pub(super) fn fitted(found: Vec<Found>, grey: &GrayImage) -> Vec<SeenTag> {
+    let fits: Vec<Fit> = found.into_iter().map(|found| Fit::new(found, grey)).collect();
+    // Blur is much the same all over a photo, so small tags are told what the larger ones show.
+    let usual = median(fits.iter().filter_map(|fit| fit.inset_px).collect()).unwrap_or(0.0);
+    fits.into_iter().map(|fit| fit.seen(usual, grey)).collect()
+}
+
+/// A tag and the lines along its sides.
+struct Fit {
+    found: Found,
+    /// `None` where some side cannot be seen well enough.
+    outline: Option<Outline>,
+    /// How far the lines lie inside the true outline; `None` where the tag is too small to tell.
+    inset_px: Option<f64>,
+}
+
+impl Fit {
+    fn new(found: Found, grey: &GrayImage) -> Fit {
+        let outline = refine::outline(grey, &found.corners_px, cells_across(found.family));
+        let inset = |outline: &Outline| {
+            let tag = TagImage::new(found.family, found.id)?;
+            inset::inset_px(grey, &outline.corners(0.0)?, &tag)
+        };
+        Fit {
+            inset_px: outline.as_ref().and_then(inset),
+            outline,
+            found,
+        }
+    }
+
+    /// The search's own corners stay where the sides could not be fitted.
+    fn seen(mut self, usual_inset_px: f64, grey: &GrayImage) -> SeenTag {
+        let inset = self.inset_px.unwrap_or(usual_inset_px);
+        if let Some(corners) = self.outline.as_ref().and_then(|outline| outline.corners(inset)) {
+            self.found.corners_px = corners;
+        }
+        self.found.seen(grey)
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
