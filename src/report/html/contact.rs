@@ -40,7 +40,8 @@ pub(super) fn photo_library(scores: &Scores) -> Markup {
                         href=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&p.preview_jpeg))) {}
                     g id=(format!("tags{}", p.id)) {
                         @for tag in &p.tag_marks {
-                            @let corners = tag.corners_px.map(|[x, y]| format!("{x:.1},{y:.1}")).join(" ");
+                            // Pixel (0, 0) is centred on 0, 0 for tags, and on 0.5, 0.5 in a drawing.
+                            @let corners = tag.corners_px.map(|[x, y]| format!("{:.1},{:.1}", x + 0.5, y + 0.5)).join(" ");
                             polygon.line points=(corners) fill="none" stroke=(if tag.is_used { "#39e600" } else { "#c0c0c0" }) {}
                             (text(p, tag.corners_px[0], "#39e600", &tag.id.to_string()))
                         }

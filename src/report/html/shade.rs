@@ -9,9 +9,9 @@ pub(super) fn shade(share: f64) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The colour of text on it.
+/// The colour of text on it: whichever contrasts more.
 pub(super) fn ink(share: f64) -> &'static str {
-    if share > 0.45 { "#fff" } else { "#1b1f24" }
+    if share > 0.645 { "#ffffff" } else { "#000000" }
 }
 
 #[cfg(test)]
@@ -37,7 +37,7 @@ mod tests {
             let share = f64::from(step) / 100.0;
             let ground = luminance(&shade(share));
             assert!(step == 0 || ground < luminance(&shade(share - 0.01)));
-            let text = luminance(if ink(share) == "#fff" { "#ffffff" } else { ink(share) });
+            let text = luminance(ink(share));
             let contrast = (ground.max(text) + 0.05) / (ground.min(text) + 0.05);
             assert!(contrast >= 4.5, "contrast {contrast:.1} at {share}");
         }
