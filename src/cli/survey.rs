@@ -12,7 +12,7 @@ use crate::photo::Photo;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
 use crate::survey::{Given, PhotoTags, Sizes, Survey, TagReport, survey};
-use crate::tags::TagDetectorChoice;
+use crate::tags::{AprilTagC, TagDetector};
 use crate::workers;
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
@@ -111,7 +111,7 @@ fn tags_of(args: &Args, scene: &Scene, camera: &Camera) -> Result<Vec<PhotoTags>
     let bar = progress::photos("finding tags", args.photos.len());
     let found = workers::map(
         &args.photos,
-        || TagDetectorChoice::default().open(&families).map_err(|e| e.to_string()),
+        || AprilTagC::new(&families).map_err(|e| e.to_string()),
         |detector, path| {
             let photo = Photo::open(path).map_err(|e| e.to_string())?;
             let (width, height) = (photo.width(), photo.height());

@@ -77,10 +77,11 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         candidates,
         left_out,
     } = found(solver, matches, scene, camera)?;
-    let (best, rival) = doubt::undoubted(candidates, &matches, !left_out.is_empty(), camera)?;
+    let (best, rival) = doubt::undoubted(candidates, &matches, camera)?;
     if let [only] = &matches[..] {
         plain_view::uncontradicted(only, &best.pose, seen, scene, camera)?;
     }
+    let is_outvoted = !left_out.is_empty();
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
     let corners = Corners::of(&matches);
@@ -90,7 +91,11 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     });
     let (best, uncertainty) = finished.ok_or(Abstention::OPEN)?;
     let viewpoint = viewpoint(&best.pose, scene);
-    let sigma = uncertainty.of_viewpoint(&best.pose, scene.model.target_mm());
+    let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
+    let mut sigma = uncertainty.of_viewpoint(&best.pose, scene.model.target_mm());
+    if is_outvoted && is_poor_fit {
+        sigma = doubt::bent(sigma);
+    }
     doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
     let bin = scene.bins.bin_of(&viewpoint);
     let of_best = uncertainty::bin_probability(&bin, &scene.bins, &viewpoint, &sigma);
@@ -111,7 +116,7 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         bin_probability,
         warnings: [
             (bin_probability < SURE_BIN).then_some(Warning::NearBinEdge),
-            (best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG).then_some(Warning::PoorFit),
+            is_poor_fit.then_some(Warning::PoorFit),
         ]
         .into_iter()
         .flatten()
