@@ -5,6 +5,18 @@ use std::str::FromStr;
 
 use super::RenderError;
 
+/// The panoramas that come with Blender 4.5.
+const OWN: [&str; 8] = [
+    "city",
+    "courtyard",
+    "forest",
+    "interior",
+    "night",
+    "studio",
+    "sunrise",
+    "sunset",
+];
+
 /// A panorama at infinity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
@@ -32,10 +44,9 @@ impl FromStr for Light {
             Some(source.to_owned())
         };
         let name = name.ok_or_else(bad)?;
-        let is_plain = !name.is_empty()
-            && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c))
-            && !name.starts_with('.');
-        if !is_plain || !(0.0..360.0).contains(&turn_deg) {
+        let is_known = file || OWN.contains(&source);
+        let is_plain = name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c)) && !name.starts_with('.');
+        if !is_known || !is_plain || !(0.0..360.0).contains(&turn_deg) {
             return Err(bad());
         }
         Ok(Self {

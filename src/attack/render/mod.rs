@@ -35,8 +35,8 @@ pub enum RenderError {
         wanted: &'static str,
     },
     #[error(
-        "light '{text}' is not understood; write a light of Blender's, as in forest, or an .exr or .hdr file, and a turn in degrees if you \
-             like, as in forest@90"
+        "light '{text}' is not understood; write one of Blender's (city, courtyard, forest, interior, night, studio, sunrise, sunset) or an .exr \
+         or .hdr file, and a turn from 0 up to 360 degrees if you like, as in forest@90"
     )]
     BadLight { text: String },
     #[error("nothing to render: give at least one {what}")]
@@ -131,7 +131,9 @@ pub fn render(
 fn claim(plan: &Plan, folder: &Path) -> Result<(), RenderError> {
     let note = folder.join("render.json");
     let own = plan.identity();
-    if note.is_file() {
+    // What was refused before its first picture leaves the folder free.
+    let is_begun = folder.join("views").is_dir() || folder.join("rgb").is_dir();
+    if note.is_file() && is_begun {
         return if files::read_text(&note)? == own {
             Ok(())
         } else {

@@ -102,6 +102,8 @@ impl Colour {
 pub struct Plan {
     request: RenderRequest,
     mesh_sha256: String,
+    /// Of each light's file.
+    lights_sha256: Vec<Option<String>>,
     target_mm: Point3<f64>,
     surface: Value,
 }
@@ -120,6 +122,18 @@ impl Plan {
     pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
         check(&request)?;
         let mesh_sha256 = files::sha256_hex(&files::read(&request.mesh_file)?);
+        let hash = |light: &Light| {
+            light
+                .file
+                .as_deref()
+                .map(|f| Ok(files::sha256_hex(&files::read(f)?)))
+                .transpose()
+        };
+        let lights_sha256 = request
+            .lights
+            .iter()
+            .map(hash)
+            .collect::<Result<_, files::FileError>>()?;
         let (low, high) = request.mesh.bounds_mm();
         let target_mm = Point3::new(0.0, 0.0, 0.5 * high.z);
         for view in &request.viewpoints {
@@ -137,6 +151,7 @@ impl Plan {
         let plan = Self {
             request,
             mesh_sha256,
+            lights_sha256,
             target_mm,
             surface,
         };
@@ -220,13 +235,13 @@ impl Plan {
                 json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})
             }
         };
-        let light = |light: &Light| json!({"place": light.place(), "file": light.file});
         let text = json!({
             "scaleproof": env!("CARGO_PKG_VERSION"),
             "script_sha256": files::sha256_hex(super::blender::SCRIPT.as_bytes()),
             "mesh_sha256": self.mesh_sha256,
             "surface_sha256": files::sha256_hex(self.surface.to_string().as_bytes()),
-            "lights": r.lights.iter().map(light).collect::<Vec<_>>(),
+            "lights": r.lights.iter().map(Light::place).collect::<Vec<_>>(),
+            "lights_sha256": self.lights_sha256,
             "viewpoints": r.viewpoints,
             "paints": r.colours.iter().map(pattern).collect::<Vec<_>>(),
             "size_px": r.size_px,

@@ -28,8 +28,7 @@ pub struct PerPixel {
 }
 
 impl PerPixel {
-    /// Fits by least squares. A clipped value is left out where two colours are left, and the degree is lowered to what they give: how bright
-    /// it was is not known.
+    /// Fits by least squares. Clipped values are left out where the others suffice: how bright they were is not known.
     ///
     /// The tone curve is the exponent with which an affine model explains the shots best; it takes three colours to tell, and with two the
     /// curve is sRGB's.
@@ -162,7 +161,7 @@ fn polynomial(degree: usize, tone: Option<Tone>, shots: &[Shot], every: usize) -
     let fit = |pixel: usize| {
         std::array::from_fn(|channel| {
             let seen: Vec<u8> = columns.iter().map(|column| column[pixel][channel]).collect();
-            let (used, degree) = usable(&seen, shots, channel, degree);
+            let (used, degree) = usable(&seen, shots, channel, degree, tone.is_some());
             let solver = solvers[channel]
                 .entry((used, degree))
                 .or_insert_with(|| pseudo_inverse(degree, used, shots.iter().map(|s| argument(s.flat_rgb[channel]))));
@@ -177,9 +176,9 @@ fn polynomial(degree: usize, tone: Option<Tone>, shots: &[Shot], every: usize) -
     PerPixel { tone, terms }
 }
 
-/// The shots that are not clipped, and the highest degree up to `degree` that they give; all shots and a line when fewer than two
-/// colours would be left.
-fn usable(seen: &[u8], shots: &[Shot], channel: usize, degree: usize) -> (Used, usize) {
+/// The shots that are not clipped, and the degree they give; all shots where too few would be left. A polynomial in light is lowered to a
+/// line rather than bent to a clipped value; in sRGB, where a line fits badly, it is not.
+fn usable(seen: &[u8], shots: &[Shot], channel: usize, degree: usize, is_light: bool) -> (Used, usize) {
     let all: Used = (0..shots.len()).fold(0, |bits, i| bits | 1 << i);
     if seen.iter().all(|v| *v < CLIPPED) {
         return (all, degree);
@@ -188,9 +187,11 @@ fn usable(seen: &[u8], shots: &[Shot], channel: usize, degree: usize) -> (Used, 
     let mut levels: Vec<u8> = fine.clone().map(|i| shots[i].flat_rgb[channel]).collect();
     levels.sort_unstable();
     levels.dedup();
-    match levels.len() {
-        0 | 1 => (all, 1),
-        count => (fine.fold(0, |bits, i| bits | 1 << i), degree.min(count - 1)),
+    let given = degree.min(levels.len().saturating_sub(1));
+    if given == degree || is_light && given > 0 {
+        (fine.fold(0, |bits, i| bits | 1 << i), given)
+    } else {
+        (all, if is_light { 1 } else { degree })
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::attack::light;
 
-/// Values are sRGB's curve with an exponent: light = decode(x)^`power`. 1 is exactly sRGB, as frames are rendered; cameras bend
-/// it further, mostly above 1.
+/// Values are sRGB's curve with an exponent: light = decode(x)^`power`. 1 is exactly sRGB, as frames are rendered. A fitted
+/// exponent also takes up some of the light that goes to and fro between the paint's parts, so it is no measurement of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tone {
     pub power: f64,
