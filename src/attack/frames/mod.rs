@@ -21,7 +21,7 @@
 //! | `paint_mask` | the same of its paint |
 //! | `linear` | optional, 16-bit RGB: the same picture in linear light before clipping |
 //! | `positions` | optional, 16-bit RGB: x, y, z of the paint, model frame, at the centre of each of `factor`² parts of a pixel |
-//! | `sides` | with `positions`, 8-bit grey: 0 no paint, else 1 + the index of the [`Side`](crate::pattern::world_aligned::Side) that the paint belongs to |
+//! | `sides` | with `positions`, 8-bit grey: 0 no paint, else 1 + the index of the [`Side`] that the paint belongs to |
 //! | `T_camera_model` | 4×4, row by row, mm, OpenCV's camera frame |
 //! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}` or `"original"` |
 //! | `light`, `place` | what lights the scene, and where it is; frames of one place are not independent |
