@@ -6,6 +6,7 @@
 //! - [`additive`]: further colours from a few, because light adds up;
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
+//! - [`white_box`]: what the attack asks of a detector;
 //! - [`chart`]: those models against each other.
 
 pub mod additive;
@@ -16,3 +17,4 @@ pub mod light;
 pub mod projection;
 pub mod render;
 pub mod renderer;
+pub mod white_box;

@@ -1,0 +1,36 @@
+//! What the attack asks of a detector: its confidences, and how the picture changes them.
+//!
+//! Pictures are sRGB, 0 to 1, row by row, as renderer models predict them ([`super::renderer::Renderer`]).
+
+use crate::geometry::BoxPx;
+
+/// What one anchor of a detector says about the classes that count as the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Claim {
+    /// In pixels of the picture.
+    pub box_px: BoxPx,
+    /// Highest confidence C of the classes that count, 0 to 1.
+    pub confidence: f64,
+    /// `−ln(1 − C)`, the term of DTA's attack loss (CVPR 2022, eq. 7), finite for every C.
+    pub loss: f64,
+}
+
+/// A detector that can be followed back to its picture.
+pub trait WhiteBox {
+    /// The name of its manifest.
+    fn name(&self) -> &str;
+
+    /// All anchors, without suppression of neighbours and without a floor.
+    ///
+    /// # Errors
+    /// What the network cannot do with this picture, as a sentence.
+    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String>;
+}
+
+/// A detector's answer about one picture.
+pub trait Look {
+    fn claims(&self) -> &[Claim];
+
+    /// The derivative of `Σ weight · loss` with respect to each value of the picture; one weight a claim.
+    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]>;
+}
