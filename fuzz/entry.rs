@@ -4,6 +4,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
+use scaleproof::attack::frames::FrameSet;
+use scaleproof::attack::import::import as import_frames;
 use scaleproof::board::Definition;
 use scaleproof::camera::{Camera, Format};
 use scaleproof::detect::{Manifest, Recorded};
@@ -194,6 +197,51 @@ pub fn shard(bytes: &[u8]) {
     std::fs::remove_file(written).expect("it was written");
     // Debug writes a float that is no number as itself, where == says no.
     assert_eq!(format!("{:?}", again.ok()), format!("{:?}", Some(shard)));
+}
+
+/// Lists of frames: what is opened can be read, or says why not.
+pub fn frames(bytes: &[u8]) {
+    static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| frames_folder("frames"));
+    std::fs::write(FOLDER.join("frames.json"), bytes).expect("the temporary folder takes files");
+    let Ok(set) = FrameSet::open(&FOLDER) else { return };
+    for frame in set.list.frames.iter().take(2) {
+        let _ = set.check_pictures(frame);
+    }
+}
+
+/// A folder with one picture of each kind that frames have.
+pub fn frames_folder(name: &str) -> PathBuf {
+    let pictures = [
+        ("rgb.png", RgbImage::new(8, 6).into()),
+        ("mask.png", GrayImage::from_pixel(8, 6, Luma([255])).into()),
+        ("linear.png", DynamicImage::new_rgb16(8, 6)),
+        ("sides.png", GrayImage::from_pixel(8, 6, Luma([1])).into()),
+    ];
+    pictures_in(name, &pictures)
+}
+
+/// The table of poses of another engine, beside a picture and its mask.
+pub fn poses(bytes: &[u8]) {
+    static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
+        let picture = || DynamicImage::from(RgbImage::from_pixel(8, 6, Rgb([0, 0, 142])));
+        let folder = pictures_in("poses", &[("rgb/a.png", picture()), ("mask/a.png", picture())]);
+        let about = r#"{"field_of_view_deg": 90, "object_rgb": [[0, 0, 142]], "target_height_m": 0.7}"#;
+        std::fs::write(folder.join("import.json"), about).expect("the temporary folder takes files");
+        folder
+    });
+    std::fs::write(FOLDER.join("poses.csv"), bytes).expect("the temporary folder takes files");
+    let _ = import_frames(&FOLDER, Path::new("out"), "");
+}
+
+fn pictures_in(name: &str, pictures: &[(&str, DynamicImage)]) -> PathBuf {
+    let folder = folder().join(name);
+    std::fs::create_dir_all(&folder).expect("the temporary folder takes files");
+    for (file, picture) in pictures {
+        let path = folder.join(file);
+        std::fs::create_dir_all(path.parent().unwrap_or(&folder)).expect("the temporary folder takes files");
+        picture.save(path).expect("the temporary folder takes files");
+    }
+    folder
 }
 
 fn text(bytes: &[u8]) -> Option<&str> {

@@ -137,6 +137,16 @@ fn palettes() {
 }
 
 #[test]
+fn lists_of_frames() {
+    survives("frames", entry::frames);
+}
+
+#[test]
+fn poses_of_another_engine() {
+    survives("poses", entry::poses);
+}
+
+#[test]
 fn meshes_in_glb() {
     survives("glb", entry::glb);
 }
@@ -176,4 +186,11 @@ fn the_corpus_has_files_that_are_accepted() {
         scaleproof::photo::Photo::open(&path).is_ok()
     });
     assert!(opened.count() >= 4);
+    let folder = entry::frames_folder("accepted");
+    let whole = corpus("frames").into_iter().filter(|list| {
+        std::fs::write(folder.join("frames.json"), list).unwrap();
+        let set = scaleproof::attack::frames::FrameSet::open(&folder);
+        set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_pictures(frame).is_ok()))
+    });
+    assert!(whole.count() >= 1);
 }
