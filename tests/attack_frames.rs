@@ -170,6 +170,7 @@ fn request(mesh: Mesh, mesh_file: PathBuf) -> RenderRequest {
         size_px: [32, 24],
         field_of_view_deg: 50.0,
         samples: 4,
+        denoise: false,
         seed: 1,
         factor: 2,
         threads: 1,

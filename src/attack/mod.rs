@@ -7,10 +7,12 @@
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
 //! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
-//! - [`chart`]: those models against each other.
+//! - [`chart`]: those models against each other;
+//! - [`evaluate`]: patterns rendered anew on the model, as photos with exact truth.
 
 pub mod additive;
 pub mod chart;
+pub mod evaluate;
 pub mod frames;
 pub mod import;
 pub mod light;

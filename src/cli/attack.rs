@@ -2,6 +2,7 @@
 
 mod chart;
 mod colours;
+mod evaluate;
 mod import;
 mod render;
 
@@ -10,7 +11,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::{CommandResult, Outcome, print, progress};
+use super::{CommandResult, Outcome, detectors, print, progress, score};
 use crate::attack::frames::FrameSet;
 
 /// Frames of a painted model, and models that predict the model in any paint
@@ -27,6 +28,7 @@ enum What {
     Check(CheckArgs),
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
+    Evaluate(Box<evaluate::EvaluateArgs>),
 }
 
 /// Read every picture of frames and hold them against their list
@@ -45,6 +47,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Check(args) => check(&args, out),
         What::Colours(args) => colours::run(&args, out),
         What::Chart(args) => chart::run(&args, out),
+        What::Evaluate(args) => evaluate::run(&args, out),
     }
 }
 

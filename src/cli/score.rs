@@ -91,6 +91,11 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// As many as were asked for.
+    pub fn threads(&self) -> Option<u32> {
+        self.threads.map(u32::from)
+    }
+
     pub fn options(&self, contestants: &[Contestant]) -> Result<Options, Box<dyn std::error::Error>> {
         let runtime = score::runtime(contestants)?.map(|runtime| runtime.provenance());
         let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());

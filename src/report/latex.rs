@@ -1,6 +1,9 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
 
-use crate::score::{BASE_VARIANT, Compared, Comparison, Difference, Drop, Finding, MATCH_IOU, Scores, Summary};
+use super::evaluation::Evaluation;
+use crate::score::{
+    BASE_VARIANT, Compared, Comparison, Contestant, Difference, Drop, Finding, MATCH_IOU, Scores, Summary,
+};
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
 pub(super) fn table(scores: &Scores) -> String {
@@ -127,6 +130,69 @@ fn drop_cell(d: &Difference) -> String {
         .interval_95
         .map(|i| format!(" [{}, {}]", number(i.low, 2), number(i.high, 2)));
     drop + &interval.unwrap_or_default()
+}
+
+/// The paper's two tables: pattern × detector.
+pub(super) fn evaluation(evaluation: &Evaluation) -> String {
+    let (targets, others) = (evaluation.targets(), evaluation.others());
+    let mut lines = vec![format!(
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Confidence: mean, misses count 0.\n\
+         % Table 1: the detectors that the patterns were made against.",
+        env!("CARGO_PKG_VERSION"),
+        evaluation.scores.criteria.ap.name()
+    )];
+    let cell = |value: Option<f64>| value.map_or("--".to_owned(), |v| number(v, 2));
+    let heads = |of: &dyn Fn(&str) -> String, detectors: &[&Contestant]| -> Vec<String> {
+        detectors.iter().map(|c| of(&escaped(&c.manifest.title))).collect()
+    };
+    let mut rows = vec![joined(
+        "",
+        heads(&|title| format!("\\multicolumn{{2}}{{c}}{{{title}}}"), &targets),
+    )];
+    rows.push(joined(
+        "Pattern",
+        heads(&|_| "AP@0.5 & Confidence".to_owned(), &targets),
+    ));
+    for pattern in &evaluation.patterns {
+        let both = targets.iter().map(|c| {
+            let f = evaluation.figures(pattern, c);
+            format!("{} & {}", cell(f.map(|f| f.ap50)), cell(f.map(|f| f.mean_confidence)))
+        });
+        rows.push(joined(&escaped(pattern), both.collect()));
+    }
+    lines.extend(tabular(2 * targets.len(), rows, 2));
+    if !others.is_empty() {
+        lines.push("% Table 2: transfer to other detectors, AP@0.5.".to_owned());
+        let mut rows = vec![joined("Pattern", heads(&str::to_owned, &others))];
+        for pattern in &evaluation.patterns {
+            let cells = others
+                .iter()
+                .map(|c| cell(evaluation.figures(pattern, c).map(|f| f.ap50)));
+            rows.push(joined(&escaped(pattern), cells.collect()));
+        }
+        lines.extend(tabular(others.len(), rows, 1));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn joined(first: &str, cells: Vec<String>) -> String {
+    format!("{first} & {} \\\\", cells.join(" & "))
+}
+
+/// A `tabular` of a first column and so many numbers, with a line below its heading rows.
+fn tabular(numbers: usize, rows: Vec<String>, heading_rows: usize) -> Vec<String> {
+    let mut lines = vec![
+        format!("\\begin{{tabular}}{{l{}}}", "r".repeat(numbers)),
+        "\\toprule".into(),
+    ];
+    for (i, row) in rows.into_iter().enumerate() {
+        if i == heading_rows {
+            lines.push("\\midrule".into());
+        }
+        lines.push(row);
+    }
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}".into()]);
+    lines
 }
 
 fn row(cells: [String; 10]) -> String {

@@ -3,6 +3,7 @@
 mod coco;
 mod comparison;
 mod csv;
+mod evaluation;
 mod figures_csv;
 mod html;
 mod latex;
@@ -18,6 +19,7 @@ use crate::files;
 use crate::score::{Contestant, ScoredPhoto, Scores};
 
 pub use comparison::{comparison_json, comparison_table, write_comparison};
+pub use evaluation::{Evaluation, evaluation_tables, write_evaluation};
 pub use table::summary_table;
 pub use truth::truth_boxes;
 

@@ -21,7 +21,7 @@ pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, aver
 pub use cache::Cache;
 pub use compare::{
     BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
-    holm, interval_95, mcnemar_p, pairs_needed, power,
+    compare_with, holm, interval_95, mcnemar_p, pairs_needed, power,
 };
 pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;

@@ -155,9 +155,7 @@ pub struct SurfacePoint {
 
 impl FrameList {
     pub fn camera(&self) -> Camera {
-        let [width, height] = self.size_px;
-        let (f, [cx, cy]) = (self.camera.focal_length_px, self.camera.centre_px);
-        Camera::pinhole(width, height, f, f, cx, cy)
+        self.camera.camera(self.size_px)
     }
 
     /// Pixels of a frame.
@@ -169,6 +167,14 @@ impl FrameList {
     pub fn viewpoint(&self, frame: &Frame) -> Viewpoint {
         let centre = frame.pose().inverse().translation.vector;
         Viewpoint::of_camera(Point3::from(centre), Point3::from(self.target_mm))
+    }
+}
+
+impl Pinhole {
+    /// The same for pictures of a size: width, height.
+    pub fn camera(&self, [width, height]: [u32; 2]) -> Camera {
+        let (f, [cx, cy]) = (self.focal_length_px, self.centre_px);
+        Camera::pinhole(width, height, f, f, cx, cy)
     }
 }
 

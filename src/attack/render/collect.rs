@@ -65,8 +65,7 @@ impl<'a> Collector<'a> {
     pub fn take_frame(&self, name: &str) -> Result<(), RenderError> {
         let size = self.plan.size_px();
         let linear = self.triples(&format!("{name}.rgb"), size)?;
-        let pixels = linear.iter().flat_map(|p| light::rgb_of(p.map(f64::from))).collect();
-        let rgb = RgbImage::from_raw(size[0], size[1], pixels).unwrap_or_default();
+        let rgb = srgb(&linear, size);
         let [rgb_file, linear_file] = self.frame_files(name);
         files::write_all_atomically(&[
             (linear_file, encode_linear(&linear, size, self.plan.linear_max())?),
@@ -104,24 +103,39 @@ impl<'a> Collector<'a> {
     }
 
     fn triples(&self, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, RenderError> {
-        Ok(self.values(name, size, 3)?.as_chunks::<3>().0.to_vec())
+        triples(self.raw, name, size)
     }
 
-    /// The values of a raw picture, which is then removed.
     fn values(&self, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
-        let path = self.raw.join(format!("{name}.f32"));
-        let bytes = files::read(&path)?;
-        let wanted = size[0] as usize * size[1] as usize * channels * 4;
-        if bytes.len() != wanted {
-            return Err(RenderError::Torn {
-                path,
-                found: bytes.len(),
-                wanted,
-            });
-        }
-        files::remove(&path)?;
-        let values = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b));
-        // What is no number would be black in one place and white in another.
-        Ok(values.map(|v| if v.is_finite() { v } else { 0.0 }).collect())
+        values(self.raw, name, size, channels)
     }
+}
+
+/// The pixels of a raw picture in linear light, row by row; the file is then removed.
+pub(in crate::attack) fn triples(raw: &Path, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, RenderError> {
+    Ok(values(raw, name, size, 3)?.as_chunks::<3>().0.to_vec())
+}
+
+/// The values of a raw picture, which is then removed.
+fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
+    let path = raw.join(format!("{name}.f32"));
+    let bytes = files::read(&path)?;
+    let wanted = size[0] as usize * size[1] as usize * channels * 4;
+    if bytes.len() != wanted {
+        return Err(RenderError::Torn {
+            path,
+            found: bytes.len(),
+            wanted,
+        });
+    }
+    files::remove(&path)?;
+    let values = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b));
+    // What is no number would be black in one place and white in another.
+    Ok(values.map(|v| if v.is_finite() { v } else { 0.0 }).collect())
+}
+
+/// Linear light as the 8-bit sRGB picture that a detector gets.
+pub(in crate::attack) fn srgb(linear: &[[f32; 3]], size: [u32; 2]) -> RgbImage {
+    let pixels = linear.iter().flat_map(|p| light::rgb_of(p.map(f64::from))).collect();
+    RgbImage::from_raw(size[0], size[1], pixels).unwrap_or_default()
 }

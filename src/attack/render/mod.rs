@@ -10,8 +10,9 @@ mod plan;
 mod surface;
 
 pub use collect::Missing;
+pub(in crate::attack) use collect::{srgb, triples};
 pub use light::Light;
-pub use plan::{Colour, Plan, RenderRequest};
+pub use plan::{Colour, Plan, PlannedFrame, RenderRequest};
 
 use std::path::{Path, PathBuf};
 
@@ -51,6 +52,15 @@ pub enum RenderError {
         "the camera at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm is not above the ground and outside the model; move it away"
     )]
     CameraInside {
+        azimuth_deg: f64,
+        pitch_deg: f64,
+        distance_mm: f64,
+    },
+    #[error(
+        "the model is not whole in the picture at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm, so it would be judged by a part; move \
+         the camera away, or widen --field-of-view-deg"
+    )]
+    CutOff {
         azimuth_deg: f64,
         pitch_deg: f64,
         distance_mm: f64,

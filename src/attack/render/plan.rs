@@ -40,6 +40,8 @@ pub struct RenderRequest {
     pub field_of_view_deg: f64,
     /// Light paths a pixel.
     pub samples: u32,
+    /// Clean the noise of few light paths away (Intel Open Image Denoise). Such pictures no longer add up as light does.
+    pub denoise: bool,
     pub seed: u32,
     /// Positions are taken at this many points along each side of a pixel.
     pub factor: u32,
@@ -56,6 +58,8 @@ pub enum Colour {
     Flat([u8; 3]),
     /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
     Pattern(String, Pattern, f64),
+    /// The mesh file's own materials.
+    Original,
 }
 
 impl Colour {
@@ -63,6 +67,7 @@ impl Colour {
         match self {
             Self::Flat(rgb) => light::to_hex(*rgb),
             Self::Pattern(name, ..) => name.clone(),
+            Self::Original => "original".to_owned(),
         }
     }
 
@@ -73,6 +78,7 @@ impl Colour {
                 file: self.file().unwrap_or_default(),
                 tile_mm: *tile_mm,
             }),
+            Self::Original => Paint::Original,
         }
     }
 
@@ -80,9 +86,20 @@ impl Colour {
         matches!(self, Self::Pattern(..)).then(|| format!("patterns/{}.png", self.name()))
     }
 
-    /// Rows of cells from the top in linear light, and the size of one repeat.
+    /// What tells this paint from others.
+    pub fn identity(&self) -> Value {
+        match self {
+            Self::Pattern(name, pattern, tile_mm) => {
+                json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})
+            }
+            Self::Flat(_) | Self::Original => json!(self.name()),
+        }
+    }
+
+    /// Rows of cells from the top in linear light, and the size of one repeat; nothing for the mesh's own materials.
     fn to_script(&self) -> Value {
         let (cells, tile_mm): (Vec<Vec<[f64; 3]>>, _) = match self {
+            Self::Original => return Value::Null,
             Self::Flat(rgb) => (vec![vec![light::linear_of(*rgb)]], [1.0, 1.0]),
             Self::Pattern(_, pattern, tile_mm) => {
                 let row = |y| (0..pattern.columns()).map(move |x| light::linear_of(pattern.cells().get_pixel(x, y).0));
@@ -228,14 +245,15 @@ impl Plan {
 
     /// What decides about the pixels: two plans of one identity render the same.
     pub fn identity(&self) -> String {
+        let mut identity = self.view_identity();
+        identity["paints"] = self.request.colours.iter().map(Colour::identity).collect();
+        format!("{identity:#}\n")
+    }
+
+    /// The same without the paints.
+    pub fn view_identity(&self) -> Value {
         let r = &self.request;
-        let pattern = |colour: &Colour| match colour {
-            Colour::Flat(_) => json!(colour.name()),
-            Colour::Pattern(name, pattern, tile_mm) => {
-                json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})
-            }
-        };
-        let text = json!({
+        json!({
             "scaleproof": env!("CARGO_PKG_VERSION"),
             "script_sha256": files::sha256_hex(super::blender::SCRIPT.as_bytes()),
             "mesh_sha256": self.mesh_sha256,
@@ -243,14 +261,13 @@ impl Plan {
             "lights": r.lights.iter().map(Light::place).collect::<Vec<_>>(),
             "lights_sha256": self.lights_sha256,
             "viewpoints": r.viewpoints,
-            "paints": r.colours.iter().map(pattern).collect::<Vec<_>>(),
             "size_px": r.size_px,
             "field_of_view_deg": r.field_of_view_deg,
             "samples": r.samples,
+            "denoise": r.denoise,
             "seed": r.seed,
             "positions_factor": r.factor,
-        });
-        format!("{text:#}\n")
+        })
     }
 
     /// The patterns, as files below the folder of the frames.
@@ -311,6 +328,7 @@ impl Plan {
             "height_px": r.size_px[1],
             "focal_length_px": self.focal_length_px(),
             "samples": r.samples,
+            "denoise": r.denoise,
             "seed": r.seed,
             "bounces": BOUNCES,
             "threads": r.threads,
@@ -325,16 +343,12 @@ impl Plan {
     /// The finished list.
     pub fn list(&self) -> Result<FrameList, RenderError> {
         let r = &self.request;
-        let [width, height] = r.size_px.map(f64::from);
         let (low_mm, high_mm) = self.position_box_mm();
         let mut list = FrameList {
             format: FORMAT.to_owned(),
             made_by: r.made_by.clone(),
             size_px: r.size_px,
-            camera: Pinhole {
-                focal_length_px: self.focal_length_px(),
-                centre_px: [0.5 * (width - 1.0), 0.5 * (height - 1.0)],
-            },
+            camera: self.pinhole(),
             target_mm: self.target_mm.coords.into(),
             linear_max: Some(LINEAR_MAX),
             positions: Some(Positions {
@@ -372,13 +386,50 @@ impl Plan {
 
     /// The box of the whole mesh, exactly: of its projected corners, clipped to the picture.
     fn outline(&self, viewpoint: usize, list: &FrameList) -> Option<BoxPx> {
-        let (camera, pose) = (list.camera(), self.pose(viewpoint));
+        let [width, height] = list.size_px.map(f64::from);
+        let clipped = self.projected(viewpoint)?.clipped(width, height);
+        clipped.is_solid().then_some(clipped)
+    }
+
+    /// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the
+    /// camera.
+    fn projected(&self, viewpoint: usize) -> Option<BoxPx> {
+        let (camera, pose) = (self.pinhole().camera(self.request.size_px), self.pose(viewpoint));
         let mesh = &self.request.mesh;
         let corners = mesh.triangles().iter().flat_map(|t| mesh.corners_mm(t));
         let seen: Option<Vec<[f64; 2]>> = corners.map(|p| camera.project(&(pose * p))).collect();
-        let [width, height] = list.size_px.map(f64::from);
-        let clipped = BoxPx::around(seen?)?.clipped(width, height);
-        clipped.is_solid().then_some(clipped)
+        BoxPx::around(seen?)
+    }
+
+    /// The box of the whole mesh as scoring counts, from the corner of the top-left pixel.
+    ///
+    /// # Errors
+    /// The mesh is not whole in the picture, so that its box would be that of a part.
+    pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
+        let [width, height] = self.request.size_px.map(f64::from);
+        let whole = self
+            .projected(viewpoint)
+            .map(|b| BoxPx::new(b.x1 + 0.5, b.y1 + 0.5, b.x2 + 0.5, b.y2 + 0.5));
+        whole.filter(|b| *b == b.clipped(width, height)).ok_or_else(|| {
+            let view = &self.request.viewpoints[viewpoint];
+            RenderError::CutOff {
+                azimuth_deg: view.azimuth_deg,
+                pitch_deg: view.pitch_deg,
+                distance_mm: view.distance_mm,
+            }
+        })
+    }
+
+    fn pinhole(&self) -> Pinhole {
+        let [width, height] = self.request.size_px.map(f64::from);
+        Pinhole {
+            focal_length_px: self.focal_length_px(),
+            centre_px: [0.5 * (width - 1.0), 0.5 * (height - 1.0)],
+        }
+    }
+
+    pub fn request(&self) -> &RenderRequest {
+        &self.request
     }
 }
 

@@ -41,7 +41,7 @@ def main():
     scene = bpy.context.scene
     settings(scene, plan)
     paint = paint_object(plan)
-    rest(plan, paint)
+    others = rest(plan, paint)
     ground()
     camera = scene.camera = camera_object(plan)
     outputs = Outputs(scene, plan["raw"])
@@ -57,13 +57,13 @@ def main():
         scene.world = lights[view["light"]].world
         beauty(scene, plan)
         for frame in view["frames"]:
-            set_paint(paint, plan["paints"][frame["paint"]])
+            dress(paint, others, plan["paints"][frame["paint"]])
             outputs.render({"Image": frame["name"] + ".rgb"})
             print("frame " + frame["name"], flush=True)
 
 
 def settings(scene, plan):
-    """No denoiser, no clamping, no Russian roulette: nothing that is not linear in the light."""
+    """No clamping, no Russian roulette, and no denoiser unless it is asked for: nothing that is not linear in the light."""
     scene.render.engine = "CYCLES"
     scene.render.use_persistent_data = True
     scene.render.threads_mode = "FIXED" if plan["threads"] else "AUTO"
@@ -73,7 +73,9 @@ def settings(scene, plan):
     cycles.seed = plan["seed"]
     cycles.use_animated_seed = False
     cycles.use_adaptive_sampling = False
-    cycles.use_denoising = False
+    cycles.denoiser = "OPENIMAGEDENOISE"
+    cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+    cycles.denoising_prefilter = "FAST"
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.light_sampling_threshold = 0.0
     cycles.blur_glossy = 0.0
@@ -86,6 +88,7 @@ def settings(scene, plan):
 
 
 def beauty(scene, plan):
+    scene.cycles.use_denoising = plan["denoise"]
     scene.cycles.samples = plan["samples"]
     scene.cycles.filter_width = 1.0
     resolution(scene, plan["width_px"], plan["height_px"])
@@ -93,6 +96,7 @@ def beauty(scene, plan):
 
 def geometry(scene, plan, name, outputs):
     """Coverage at the size of the frames; position and side at the centres of the pixels of a finer picture."""
+    scene.cycles.use_denoising = False
     scene.cycles.samples = 64
     scene.cycles.filter_width = 1.0
     resolution(scene, plan["width_px"], plan["height_px"])
@@ -187,6 +191,15 @@ def aov(material, name, value):
     return node
 
 
+def dress(paint, others, colours):
+    """A paint, or without colours the file's own materials everywhere."""
+    paint.hide_render = colours is None
+    for thing, bare, whole in others:
+        thing.data = whole if colours is None else bare
+    if colours is not None:
+        set_paint(paint, colours)
+
+
 def set_paint(paint, colours):
     """Rows of cells from the top, linear RGB, and the size of one repeat. A flat colour is a pattern of one cell."""
     cells = np.asarray(colours["cells"], dtype=np.float32)
@@ -212,7 +225,7 @@ def set_paint(paint, colours):
 
 
 def rest(plan, paint):
-    """The model without its paint, as Blender reads the file: with the file's own materials."""
+    """The model as Blender reads the file, with the file's own materials: objects, each with its mesh without the paint and whole."""
     before = set(bpy.data.objects)
     read_mesh(plan["mesh"])
     objects = [o for o in bpy.data.objects if o not in before]
@@ -239,11 +252,11 @@ def rest(plan, paint):
         refuse("Blender reads the mesh with another shape than scaleproof; export it again")
     place = Matrix.Translation(Vector(shift)) @ Matrix.Scale(scale, 4)
     surface = BVHTree.FromPolygons([v.co for v in paint.data.vertices], [p.vertices[:] for p in paint.data.polygons])
+    parts = []
     for thing in meshes:
         thing.data.transform(place)
         thing.parent = None
         thing.matrix_world = Matrix.Identity(4)
-        remove_paint(thing.data, surface)
         for slot in thing.data.materials:
             if slot is not None and slot.use_nodes and "object" not in slot:
                 slot["object"] = True
@@ -251,9 +264,13 @@ def rest(plan, paint):
         if not any(thing.data.materials):
             thing.data.materials.clear()
             thing.data.materials.append(plain_material())
+        whole = thing.data.copy()
+        remove_paint(thing.data, surface)
+        parts.append((thing, thing.data, whole))
     for thing in objects:
         if thing.type != "MESH":
             bpy.data.objects.remove(thing)
+    return parts
 
 
 def read_mesh(path):

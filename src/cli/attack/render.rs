@@ -77,7 +77,7 @@ pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
-fn cache() -> PathBuf {
+pub fn cache() -> PathBuf {
     match std::env::var_os("SCALEPROOF_HOME").filter(|home| !home.is_empty()) {
         Some(home) => Path::new(&home).join(".cache"),
         None => dirs::cache_dir().unwrap_or_else(std::env::temp_dir).join("scaleproof"),
@@ -107,6 +107,7 @@ impl RenderArgs {
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
             samples: self.samples,
+            denoise: false,
             seed: self.seed,
             factor: self.position_factor,
             threads: self.threads,
@@ -163,7 +164,7 @@ impl RenderArgs {
 }
 
 /// Every combination.
-fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
+pub fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
     let mut all = Vec::new();
     for &distance_mm in distances {
         for &pitch_deg in pitches {
@@ -179,7 +180,7 @@ fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewp
     all
 }
 
-fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
+pub fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     let bad = |text: &String| {
         format!("azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step, as in every45")
     };
@@ -207,7 +208,7 @@ fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(all)
 }
 
-fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+pub fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     match (width.parse(), height.parse()) {
         (Ok(width), Ok(height)) => Ok([width, height]),

@@ -184,7 +184,7 @@ pub fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultO
 }
 
 /// The named detectors, or all whose weights are here.
-fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec<Manifest>> {
+pub fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec<Manifest>> {
     let mut manifests = chosen(names)?;
     if names.is_empty() {
         manifests.retain(|m| folders.find(m).is_some());

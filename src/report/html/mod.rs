@@ -2,6 +2,7 @@
 
 pub(super) mod comparison;
 mod contact;
+pub(super) mod evaluation;
 mod figures;
 mod filters;
 mod heat;

@@ -121,13 +121,27 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
             variants: all.join(", "),
         });
     }
+    let others: Vec<&str> = all.iter().map(String::as_str).filter(|v| *v != base).collect();
+    if others.is_empty() {
+        return Err(CompareError::NothingElse { base: base.into() });
+    }
+    compare_with(scores, base, &others, definition)
+}
+
+/// Compares these variants with `base`.
+pub fn compare_with(
+    scores: &Scores,
+    base: &str,
+    others: &[&str],
+    definition: ApDefinition,
+) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
-    for variant in all.iter().filter(|v| *v != base) {
+    for variant in others {
         let (clusters, left_over) = pair(scores, base, variant);
         if clusters.is_empty() {
             return Err(CompareError::NoPair {
                 base: base.into(),
-                variant: variant.clone(),
+                variant: (*variant).to_owned(),
             });
         }
         unpaired.extend(left_over);
@@ -144,9 +158,6 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
                 definition,
             ));
         }
-    }
-    if results.is_empty() {
-        return Err(CompareError::NothingElse { base: base.into() });
     }
     Ok(Comparison {
         base: base.to_owned(),

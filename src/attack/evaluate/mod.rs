@@ -1,0 +1,176 @@
+//! Patterns judged where they were not made: rendered anew on the model, never predicted, at viewpoints and under lights of their own.
+//!
+//! What comes out are photos with exact truth: the box of the projected mesh and the viewpoint are known, nothing is measured. The pictures are
+//! denoised, so that few light paths do: nothing has to add up here. Each paint's photos lie in a folder of their own, so that a paint may be
+//! added later, and one that is done is not rendered again.
+
+mod photos;
+mod scene;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::frames::FramesError;
+use super::render::{Plan, PlannedFrame, RenderError, RenderRequest, blender};
+use crate::files::{self, FileError};
+use crate::geometry::BoxPx;
+use crate::scene::{Scene, Viewpoint};
+
+/// Why patterns could not be rendered for their evaluation.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(
+        "{name:?} cannot name a pattern here: use letters, digits, '-', '_' and '.', each name once, and not `normal`, which is the plain model"
+    )]
+    BadName { name: String },
+    #[error(
+        "{folder} holds photos of another pattern or tile than `{variant}` has now; give the pattern another name, or remove that folder",
+        folder = folder.display()
+    )]
+    OtherPaint { folder: PathBuf, variant: String },
+    #[error("{path} is damaged ({reason}): remove it, and the same command renders it again", path = path.display())]
+    Damaged { path: PathBuf, reason: String },
+}
+
+/// A rendered photo and the truth about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Photo {
+    /// PNG below the evaluation's folder.
+    pub file: PathBuf,
+    /// Which paint is on the model.
+    pub variant: String,
+    /// The light: views under one light are one place.
+    pub place: String,
+    pub viewpoint: Viewpoint,
+    /// Of the whole mesh, exactly.
+    pub box_xyxy_px: BoxPx,
+}
+
+/// Every paint from every viewpoint under every light.
+#[derive(Debug)]
+pub struct Evaluation {
+    plan: Plan,
+    /// What the request's paints are called, in its order.
+    variants: Vec<String>,
+    /// In the order of `plan.frames()`.
+    photos: Vec<Photo>,
+}
+
+impl Evaluation {
+    /// `variants` name the request's paints, in their order.
+    ///
+    /// # Errors
+    /// What [`Plan::new`] refuses, names that cannot be folders or are there twice, a model that is not whole in every picture.
+    pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
+        let mut seen = HashSet::new();
+        if let Some(name) = variants
+            .iter()
+            .find(|name| !is_plain(name) || !seen.insert(name.as_str()))
+        {
+            return Err(EvaluateError::BadName { name: name.clone() });
+        }
+        let plan = Plan::new(request)?;
+        let boxes: Vec<BoxPx> = (0..plan.request().viewpoints.len())
+            .map(|v| plan.truth(v))
+            .collect::<Result<_, _>>()?;
+        let photo = |frame: &PlannedFrame| {
+            let (request, variant) = (plan.request(), &variants[frame.colour]);
+            let place = request.lights[frame.light].place();
+            let name = format!("{place}_{}.png", plan.view_name(frame.viewpoint));
+            Photo {
+                file: folder_of(variant).join(name),
+                variant: variant.clone(),
+                place,
+                viewpoint: request.viewpoints[frame.viewpoint],
+                box_xyxy_px: boxes[frame.viewpoint],
+            }
+        };
+        let photos = plan.frames().iter().map(photo).collect();
+        Ok(Self { plan, variants, photos })
+    }
+
+    /// Those of one paint together, in the order of the paints.
+    pub fn photos(&self) -> Vec<Photo> {
+        let mut photos = self.photos.clone();
+        let order = |photo: &Photo| self.variants.iter().position(|v| *v == photo.variant);
+        photos.sort_by_key(order);
+        photos
+    }
+
+    /// The scene of the photos: the model, without tags, and a bin for each viewpoint.
+    pub fn scene(&self, name: &str, class: &str, scale: f64) -> Scene {
+        let request = self.plan.request();
+        scene::of(&request.mesh, &request.viewpoints, (name, class, scale))
+    }
+
+    /// Renders what `folder` still lacks. `python` is asked for only when something does; `on_photo` is called with the photos done so far, those
+    /// found already included.
+    ///
+    /// # Errors
+    /// A folder of other views or paints, damaged photos, no Blender, and whatever Blender cannot do. Whole photos stay, and the next call goes on.
+    pub fn render(
+        &self,
+        folder: &Path,
+        python: impl FnOnce() -> Result<blender::Python, RenderError>,
+        on_photo: impl FnMut(usize),
+    ) -> Result<(), EvaluateError> {
+        self.claim(folder)?;
+        photos::render(self, folder, python, on_photo)
+    }
+
+    /// Writes what the folder and each paint's folder are for, or refuses those that are for something else.
+    fn claim(&self, folder: &Path) -> Result<(), EvaluateError> {
+        let views = (folder.join("render.json"), told(&self.plan.view_identity()));
+        let begun = std::fs::read_dir(folder.join("photos")).into_iter().flatten().flatten();
+        if begun.map(|entry| entry.path()).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
+            let folder = folder.to_owned();
+            return Err(RenderError::OtherRender { folder }.into());
+        }
+        let mut notes = vec![views];
+        for (variant, paint) in self.variants.iter().zip(&self.plan.request().colours) {
+            let own = folder.join(folder_of(variant));
+            let note = (own.join("paint.json"), told(&paint.identity()));
+            if has_photos(&own) && is_other(&note)? {
+                let variant = variant.clone();
+                return Err(EvaluateError::OtherPaint { folder: own, variant });
+            }
+            notes.push(note);
+        }
+        notes.extend(self.plan.pattern_files(folder)?);
+        Ok(files::write_all_atomically(&notes)?)
+    }
+}
+
+/// What was refused before its first photo leaves the folder free.
+fn has_photos(folder: &Path) -> bool {
+    let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.any(|entry| entry.path().extension().is_some_and(|e| e == "png"))
+}
+
+/// True when the note is not there, or says something else.
+fn is_other((note, text): &(PathBuf, Vec<u8>)) -> Result<bool, FileError> {
+    Ok(!note.is_file() || files::read(note)? != *text)
+}
+
+fn told(identity: &Value) -> Vec<u8> {
+    format!("{identity:#}\n").into_bytes()
+}
+
+/// Where a paint's photos lie, below the evaluation's folder.
+fn folder_of(variant: &str) -> PathBuf {
+    Path::new("photos").join(variant)
+}
+
+/// Names become folders.
+fn is_plain(name: &str) -> bool {
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    !name.is_empty() && !name.starts_with('.') && name.chars().all(is_safe)
+}

@@ -1,0 +1,93 @@
+//! Photos of an evaluation: which are missing, and those that Blender makes, each whole under its name or absent.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::{EvaluateError, Evaluation};
+use crate::attack::frames::encode_rgb;
+use crate::attack::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
+use crate::files::{self, FileError};
+
+/// Renders the missing photos into `folder`.
+pub(super) fn render(
+    evaluation: &Evaluation,
+    folder: &Path,
+    python: impl FnOnce() -> Result<blender::Python, RenderError>,
+    mut on_photo: impl FnMut(usize),
+) -> Result<(), EvaluateError> {
+    let missing = missing(evaluation, folder)?;
+    let wanted = evaluation.photos.len();
+    let mut done = wanted - missing.frames.len();
+    on_photo(done);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let python = python()?;
+    let plan = &evaluation.plan;
+    let work = folder.join(".render");
+    std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
+        path: work.clone(),
+        reason: files::plain(&e),
+    })?;
+    let places: HashMap<String, PathBuf> = plan
+        .frames()
+        .iter()
+        .zip(&evaluation.photos)
+        .map(|(frame, photo)| (plan.frame_name(frame), folder.join(&photo.file)))
+        .collect();
+    let job = work.join("plan.json");
+    files::write_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
+    let log = work.join("blender.log");
+    let finished = blender::run(&python, &job, &log, |event| {
+        if let blender::Event::Frame(name) = event
+            && let Some(place) = places.get(&name)
+        {
+            let size = plan.size_px();
+            let picture = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
+            files::write_atomically(place, &encode_rgb(&picture)?)?;
+            done += 1;
+            on_photo(done);
+        }
+        Ok(())
+    })?;
+    if !finished || done < wanted {
+        return Err(RenderError::Stopped { done, wanted, log }.into());
+    }
+    // Nothing is lost if the work folder stays.
+    let _ = std::fs::remove_dir_all(&work);
+    Ok(())
+}
+
+/// The photos that are not there; those that are must be whole.
+fn missing(evaluation: &Evaluation, folder: &Path) -> Result<Missing, EvaluateError> {
+    let mut frames: Vec<PlannedFrame> = Vec::new();
+    for (frame, photo) in evaluation.plan.frames().into_iter().zip(&evaluation.photos) {
+        let path = folder.join(&photo.file);
+        if path.is_file() {
+            check(&path, evaluation.plan.size_px())?;
+        } else {
+            frames.push(frame);
+        }
+    }
+    Ok(Missing {
+        frames,
+        viewpoints: Vec::new(),
+    })
+}
+
+fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
+    let bytes = files::read(path)?;
+    let reason = match image::load_from_memory_with_format(&bytes, image::ImageFormat::Png) {
+        Err(e) => e.to_string(),
+        Ok(picture) => {
+            let [width, height] = size_px;
+            let found = (picture.width(), picture.height());
+            if found == (width, height) {
+                return Ok(());
+            }
+            format!("it has {}×{} pixels and not {width}×{height}", found.0, found.1)
+        }
+    };
+    let path = path.to_owned();
+    Err(EvaluateError::Damaged { path, reason })
+}

@@ -1,0 +1,208 @@
+//! `scaleproof attack evaluate`: patterns rendered anew on the model and scored.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::detectors::{self, Folder};
+use super::print::wrap::ModelArgs;
+use super::render::{azimuths, cache, hex, size, viewpoints};
+use super::score::{Effort, caution, contestants, score_with_progress};
+use super::{CommandResult, Outcome, progress};
+use crate::attack::evaluate::Evaluation;
+use crate::attack::render::{Colour, Light, RenderRequest, blender};
+use crate::detect::Manifest;
+use crate::files;
+use crate::pattern::Pattern;
+use crate::report;
+use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with};
+use crate::session::{self, PhotoEntry, Session};
+
+/// Judge patterns on the model: render them anew at the paper's viewpoints under other lights, and score the detectors on the photos
+///
+/// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
+#[derive(clap::Args)]
+pub struct EvaluateArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
+    #[arg(long, value_name = "HEX|original")]
+    normal: String,
+    /// Patterns and their names: PNG files with one pixel per cell, laid on the model as `print wrap` prints them
+    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required = true)]
+    patterns: Vec<String>,
+    /// Width of one repeat of the patterns on the model, in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tile_mm: f64,
+    /// The detectors that the patterns were made against: table 1 has them, table 2 the others; all are in table 1 without it
+    #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    target: Vec<String>,
+    /// Detector to score; several may be named; all whose weights are here when none is
+    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+    /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90;
+    /// take others than the patterns were made under
+    #[arg(long, value_name = "LIGHT", num_args = 1.., default_values = ["courtyard", "interior@200"])]
+    light: Vec<String>,
+    /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every30
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "every30", allow_negative_numbers = true)]
+    azimuth_deg: Vec<String>,
+    #[arg(long, value_name = "DEG", num_args = 1.., default_values = ["0", "15", "30"], allow_negative_numbers = true)]
+    pitch_deg: Vec<f64>,
+    #[arg(long, value_name = "MM", num_args = 1.., default_values = ["600", "900", "1300"], allow_negative_numbers = true)]
+    distance_mm: Vec<f64>,
+    /// Width and height of the photos in pixels, as in 320 or 320x240
+    #[arg(long, value_name = "PX", default_value = "320x240")]
+    size_px: String,
+    /// Horizontal field of view
+    #[arg(long, value_name = "DEG", default_value_t = 50.0, allow_negative_numbers = true)]
+    field_of_view_deg: f64,
+    /// Light paths a pixel, before the noise is cleaned away
+    #[arg(long, default_value_t = 8)]
+    samples: u32,
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// The label that a detector should give the model
+    #[arg(long, value_name = "LABEL", default_value = "car")]
+    class: String,
+    #[command(flatten)]
+    effort: Effort,
+    /// Folder for the photos (a session, in `session`), evaluation.html, .csv and .tex, differences.csv, and the report of `score` in `score`
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
+    let patterns = args.named_patterns()?;
+    let mut variants = vec![BASE_VARIANT.to_owned()];
+    variants.extend(patterns.iter().map(|(name, _)| name.clone()));
+    let evaluation = Evaluation::new(args.request(patterns)?, variants.clone())?;
+    // What is missing for the scores is said before the long work.
+    let manifests = args.manifests()?;
+    files::check_writable(&args.output)?;
+    let folder = args.output.join("session");
+    let bar = progress::frames("rendering", evaluation.photos().len());
+    let python = || blender::find(&cache(), |sentence| eprintln!("{sentence}"));
+    let rendered = evaluation.render(&folder, python, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    rendered?;
+    args.write_session(&evaluation, &folder)?;
+
+    let sessions = vec![Session::open(&folder)?];
+    let contestants = contestants(&sessions, manifests, Some(&args.folder.folders()?))?;
+    let options = args.effort.options(&contestants)?;
+    let scores = score_with_progress(sessions, contestants, &options)?;
+    if let Some(photo) = scores.not_scored.first() {
+        let path = folder.join(&photo.file);
+        return Err(format!(
+            "{} was not scored, so that the tables would not be whole: {}",
+            path.display(),
+            photo.reason
+        )
+        .into());
+    }
+    let evaluation = report::Evaluation {
+        comparisons: comparisons(&scores, &variants)?,
+        scores: &scores,
+        patterns: variants,
+        targets: args.target.clone(),
+    };
+    report::write(&args.output.join("score"), &scores, None)?;
+    let page = report::write_evaluation(&args.output, &evaluation)?;
+    caution(&scores);
+    writeln!(out, "{}", report::evaluation_tables(&evaluation))?;
+    writeln!(out, "page: {}", page.display())?;
+    Ok(Outcome::Done)
+}
+
+/// Each variant against those after it.
+fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, Box<dyn Error>> {
+    let names: Vec<&str> = variants.iter().map(String::as_str).collect();
+    let compared = (1..names.len()).map(|i| compare_with(scores, names[i - 1], &names[i..], ApDefinition::Coco101));
+    Ok(compared.collect::<Result<_, _>>()?)
+}
+
+impl EvaluateArgs {
+    /// Names and patterns, in the order of the command.
+    fn named_patterns(&self) -> Result<Vec<(String, Pattern)>, Box<dyn Error>> {
+        let named = self.patterns.iter().map(|text| {
+            let (name, file) = text.split_once('=').ok_or_else(|| {
+                format!("the pattern '{text}' has no name; write NAME=FILE, as in random=random16.png")
+            })?;
+            Ok((name.to_owned(), Pattern::load(Path::new(file))?))
+        });
+        named.collect()
+    }
+
+    fn request(&self, patterns: Vec<(String, Pattern)>) -> Result<RenderRequest, Box<dyn Error>> {
+        let mesh_file = self.mesh_file()?;
+        let model = self.model.load()?;
+        let normal = match self.normal.as_str() {
+            "original" => Colour::Original,
+            text => Colour::Flat(hex(text)?),
+        };
+        let laid = patterns
+            .into_iter()
+            .map(|(name, pattern)| Colour::Pattern(name, pattern, self.tile_mm));
+        let lights = self.light.iter().map(|text| text.parse());
+        Ok(RenderRequest {
+            turn: self.model.placement()?.rotation(&mesh_file)?,
+            mesh: model.mesh,
+            materials: model.materials,
+            lights: lights.collect::<Result<Vec<Light>, _>>()?,
+            viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
+            colours: std::iter::once(normal).chain(laid).collect(),
+            size_px: size(&self.size_px)?,
+            field_of_view_deg: self.field_of_view_deg,
+            samples: self.samples,
+            denoise: true,
+            seed: self.seed,
+            factor: 1,
+            threads: self.effort.threads().unwrap_or(0),
+            made_by: String::new(),
+            mesh_file,
+        })
+    }
+
+    fn mesh_file(&self) -> Result<PathBuf, String> {
+        let file = self.model.mesh.clone();
+        file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
+    }
+
+    /// The detectors to score, whose weights are here; the targets are among them.
+    fn manifests(&self) -> Result<Vec<Manifest>, Box<dyn Error>> {
+        let manifests = detectors::present(&self.detectors, &self.folder.folders()?)?;
+        let names = || manifests.iter().map(|m| m.name.as_str());
+        match self.target.iter().find(|target| names().all(|name| name != *target)) {
+            Some(target) => {
+                let names = names().collect::<Vec<_>>().join(", ");
+                Err(format!("the target '{target}' is not among the detectors that are scored: {names}").into())
+            }
+            None => Ok(manifests),
+        }
+    }
+
+    /// The scene, then the list of photos that names it.
+    fn write_session(&self, evaluation: &Evaluation, folder: &Path) -> Result<(), Box<dyn Error>> {
+        let mesh = self.mesh_file()?;
+        let name = mesh
+            .file_stem()
+            .map(|s| s.to_string_lossy().into_owned())
+            .unwrap_or_default();
+        let scene = evaluation.scene(&name, &self.class, self.model.load()?.scale);
+        files::write_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
+        let photos = evaluation.photos().into_iter().map(|photo| PhotoEntry {
+            file: photo.file.to_string_lossy().into_owned(),
+            variant: photo.variant,
+            place: Some(photo.place),
+            taken: None,
+            box_xyxy_px: Some(photo.box_xyxy_px),
+            viewpoint: Some(photo.viewpoint),
+        });
+        let path = folder.join("session.json");
+        let text = session::text(&path, "scene.toml", None, photos.collect())?;
+        Ok(files::write_atomically(&path, text.as_bytes())?)
+    }
+}

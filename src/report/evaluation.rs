@@ -1,0 +1,241 @@
+//! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them, as text, CSV, LaTeX and HTML.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::html::evaluation as page;
+use super::{ReportError, latex};
+use crate::files;
+use crate::score::{BASE_VARIANT, Comparison, Contestant, Difference, Figures, Finding, Scores};
+
+/// What the tables of an evaluation are made of.
+pub struct Evaluation<'a> {
+    pub scores: &'a Scores,
+    /// The variants as the tables list them, the base first.
+    pub patterns: Vec<String>,
+    /// Names of the detectors that the patterns were made against; table 1 has them, table 2 the others. All are in table 1 when empty.
+    pub targets: Vec<String>,
+    /// Each variant against those listed after it, the base's first.
+    pub comparisons: Vec<Comparison>,
+}
+
+impl<'a> Evaluation<'a> {
+    pub fn targets(&self) -> Vec<&'a Contestant> {
+        self.detectors(|name| self.targets.is_empty() || self.targets.iter().any(|t| t == name))
+    }
+
+    pub fn others(&self) -> Vec<&'a Contestant> {
+        let targets = self.targets();
+        self.detectors(|name| targets.iter().all(|t| t.manifest.name != name))
+    }
+
+    fn detectors(&self, keep: impl Fn(&str) -> bool) -> Vec<&'a Contestant> {
+        let all = self.scores.contestants.iter();
+        all.filter(|c| keep(&c.manifest.name)).collect()
+    }
+
+    pub(super) fn figures(&self, pattern: &str, detector: &Contestant) -> Option<&'a Figures> {
+        let summaries = &self.scores.summaries;
+        let own = summaries
+            .iter()
+            .find(|s| s.variant == pattern && s.detector == detector.manifest.name);
+        own.map(|s| &s.overall)
+    }
+
+    /// AP@0.5 of `base` minus that of `pattern` on pairs; `base` is listed before `pattern`.
+    pub(super) fn drop(&self, base: &str, pattern: &str, detector: &Contestant) -> Option<&Difference> {
+        let comparison = self.comparisons.iter().find(|c| c.base == base)?;
+        let of = |r: &&crate::score::Compared| r.variant == pattern && r.detector == detector.manifest.name;
+        comparison.results.iter().find(of).map(|r| &r.ap50)
+    }
+}
+
+/// What the intervals do and do not say.
+pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and light, the photos paired by both; they hold for this model, these lights \
+                                and renders, not for others";
+
+/// Writes every file of an evaluation into a folder, or none, and returns the path of the page to open.
+pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBuf, ReportError> {
+    let page = folder.join("evaluation.html");
+    let csv = |e: Box<dyn std::error::Error>| ReportError::Format(e.to_string());
+    files::write_all_atomically(&[
+        (page.clone(), page::render(evaluation).into_bytes()),
+        (folder.join("evaluation.csv"), figures_csv(evaluation).map_err(csv)?),
+        (
+            folder.join("differences.csv"),
+            differences_csv(evaluation).map_err(csv)?,
+        ),
+        (
+            folder.join("evaluation.tex"),
+            latex::evaluation(evaluation).into_bytes(),
+        ),
+    ])?;
+    Ok(page)
+}
+
+/// Widths of the first column and of the others.
+const WIDTHS: (usize, usize) = (16, 16);
+
+/// The paper's tables, and the differences of AP@0.5 with their intervals.
+pub fn evaluation_tables(evaluation: &Evaluation) -> String {
+    let (targets, others) = (evaluation.targets(), evaluation.others());
+    let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
+    let ap = evaluation.scores.criteria.ap.name();
+    let mut lines = vec![format!(
+        "Table 1. AP@0.5 ({ap}) / mean confidence, {photos} photos a pattern"
+    )];
+    lines.extend(table(evaluation, &targets, |f| {
+        format!("{:.2} / {:.2}", f.ap50, f.mean_confidence)
+    }));
+    if !others.is_empty() {
+        lines.push(String::new());
+        lines.push("Table 2. Transfer to other detectors, AP@0.5".to_owned());
+        lines.extend(table(evaluation, &others, |f| format!("{:.2}", f.ap50)));
+    }
+    lines.push(String::new());
+    lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown at 5 %".to_owned());
+    let all = || targets.iter().chain(&others);
+    for pattern in evaluation.patterns.iter().filter(|p| *p != BASE_VARIANT) {
+        for c in all() {
+            lines.extend(
+                evaluation
+                    .drop(BASE_VARIANT, pattern, c)
+                    .map(|d| line(BASE_VARIANT, pattern, c, d)),
+            );
+        }
+    }
+    for comparison in evaluation.comparisons.iter().filter(|c| c.base != BASE_VARIANT) {
+        for (pattern, c) in comparison.results.iter().filter_map(|r| {
+            let c = targets.iter().find(|c| c.manifest.name == r.detector)?;
+            Some((&r.variant, c))
+        }) {
+            lines.extend(
+                evaluation
+                    .drop(&comparison.base, pattern, c)
+                    .map(|d| line(&comparison.base, pattern, c, d)),
+            );
+        }
+    }
+    lines.push(format!("({SCOPE})"));
+    lines.join("\n")
+}
+
+fn table(evaluation: &Evaluation, detectors: &[&Contestant], cell: fn(&Figures) -> String) -> Vec<String> {
+    let (head, width) = WIDTHS;
+    let row = |first: &str, cells: Vec<String>| {
+        let cells: String = cells.iter().map(|c| format!("  {c:<width$}")).collect();
+        format!("{first:<head$}{cells}").trim_end().to_owned()
+    };
+    let names = detectors.iter().map(|c| c.manifest.name.clone()).collect();
+    let mut lines = vec![row("pattern", names)];
+    for pattern in &evaluation.patterns {
+        let cells = detectors
+            .iter()
+            .map(|c| evaluation.figures(pattern, c).map_or("–".to_owned(), cell));
+        lines.push(row(pattern, cells.collect()));
+    }
+    lines
+}
+
+fn line(base: &str, pattern: &str, detector: &Contestant, d: &Difference) -> String {
+    let mark = if is_shown(d) { " *" } else { "" };
+    let pair = format!("{base} − {pattern}");
+    format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
+}
+
+/// The difference with its interval.
+pub(super) fn interval(d: &Difference) -> String {
+    let range = d
+        .interval_95
+        .map_or(String::new(), |i| format!(" [{:.2}, {:.2}]", i.low, i.high));
+    format!("{:.2}{range}", d.drop)
+}
+
+pub(super) fn is_shown(d: &Difference) -> bool {
+    matches!(d.finding, Finding::Drop | Finding::Rise)
+}
+
+#[derive(Serialize)]
+struct FiguresRow<'a> {
+    /// 1: made against this detector; 2: transfer.
+    table: u8,
+    pattern: &'a str,
+    detector: &'a str,
+    photos: usize,
+    ap_definition: &'static str,
+    ap50: f64,
+    mean_confidence: f64,
+    hits: usize,
+    hit_rate: f64,
+}
+
+fn figures_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (table, detectors) in [(1, evaluation.targets()), (2, evaluation.others())] {
+        for pattern in &evaluation.patterns {
+            for detector in &detectors {
+                let Some(f) = evaluation.figures(pattern, detector) else {
+                    continue;
+                };
+                writer.serialize(FiguresRow {
+                    table,
+                    pattern,
+                    detector: &detector.manifest.name,
+                    photos: f.photos,
+                    ap_definition: evaluation.scores.criteria.ap.name(),
+                    ap50: f.ap50,
+                    mean_confidence: f.mean_confidence,
+                    hits: f.hit_rate.count,
+                    hit_rate: f.hit_rate.rate,
+                })?;
+            }
+        }
+    }
+    Ok(writer.into_inner()?)
+}
+
+#[derive(Serialize)]
+struct DifferenceRow<'a> {
+    base: &'a str,
+    pattern: &'a str,
+    detector: &'a str,
+    figure: &'static str,
+    pairs: usize,
+    of_base: f64,
+    of_pattern: f64,
+    /// Base minus pattern.
+    difference: f64,
+    low_95: Option<f64>,
+    high_95: Option<f64>,
+    finding: Finding,
+}
+
+fn differences_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for comparison in &evaluation.comparisons {
+        for r in &comparison.results {
+            let figures = [
+                ("ap50", &r.ap50),
+                ("mean_confidence", &r.mean_confidence),
+                ("hit_rate", &r.hit_rate.rate),
+            ];
+            for (figure, d) in figures {
+                writer.serialize(DifferenceRow {
+                    base: &comparison.base,
+                    pattern: &r.variant,
+                    detector: &r.detector,
+                    figure,
+                    pairs: r.pairs,
+                    of_base: d.base,
+                    of_pattern: d.other,
+                    difference: d.drop,
+                    low_95: d.interval_95.map(|i| i.low),
+                    high_95: d.interval_95.map(|i| i.high),
+                    finding: d.finding,
+                })?;
+            }
+        }
+    }
+    Ok(writer.into_inner()?)
+}

@@ -1,0 +1,462 @@
+//! Patterns judged on rendered photos, with a program that stands in for Blender: truth boxes against an own projection and Blender's masks, the
+//! tables against figures by hand, resume, and what is refused.
+#![cfg(unix)]
+
+mod common;
+#[path = "common/onnx.rs"]
+mod onnx;
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
+use scaleproof::attack::frames::FrameSet;
+use scaleproof::attack::light;
+use scaleproof::pattern::Pattern;
+use scaleproof::session::Session;
+
+/// Length, width, height of the test's model.
+const SIZE_MM: [f64; 3] = [180.0, 90.0, 60.0];
+
+/// Stands in for Blender: copies the pictures that lie ready beside it, or black ones, and stops after the first when it is told to.
+const STAND_IN: &str = r#"#!/bin/sh
+if [ "$1" = -c ]; then echo 3.11; exit 0; fi
+here=$(dirname "$0"); raw=$(dirname "$2"); echo run >> "$here/runs"; cp "$2" "$here/plan.json"
+for name in $(grep -o '"name":"[^"]*","paint"' "$2" | sed 's/"name":"//; s/","paint"//'); do
+  if [ -e "$here/ready/$name.f32" ]; then cp "$here/ready/$name.f32" "$raw/$name.rgb.f32"
+  else head -c "$(cat "$here/bytes")" /dev/zero > "$raw/$name.rgb.f32"; fi
+  echo "frame $name"
+  if [ -e "$here/weak" ]; then rm "$here/weak"; echo "no memory" >&2; exit 1; fi
+done
+"#;
+
+/// A folder with a model, two patterns, the stand-in and a detector that always gives the same box.
+struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn new(found_px: [f64; 4]) -> Bench {
+        let bench = Bench {
+            folder: tempfile::tempdir().unwrap(),
+        };
+        std::fs::write(bench.at("box.stl"), box_stl()).unwrap();
+        for seed in [1, 2] {
+            let pattern = Pattern::random(4, seed).unwrap().to_png().unwrap();
+            std::fs::write(bench.at(&format!("p{seed}.png")), pattern).unwrap();
+        }
+        std::fs::write(bench.at("python"), STAND_IN).unwrap();
+        std::fs::set_permissions(bench.at("python"), std::fs::Permissions::from_mode(0o755)).unwrap();
+        std::fs::write(bench.at("bytes"), (64 * 64 * 12).to_string()).unwrap();
+        std::fs::create_dir_all(bench.at(".cache/bpy-4.5")).unwrap();
+        bench.write_detector(found_px);
+        bench
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// A network for pictures of 64×64 px that finds a car with confidence 0.8, whatever it sees.
+    fn write_detector(&self, [x1, y1, x2, y2]: [f64; 4]) {
+        let answer = [x1, y1, x2, y2, 0.8, 2.0].map(|v| v as f32).to_vec();
+        let network = onnx::network(
+            &[onnx::Input::floats("images", &[1, 3, 64, 64])],
+            &[onnx::Output::floats("output0", &[1, 1, 6], answer)],
+        );
+        let hash = scaleproof::files::sha256_hex(&network);
+        std::fs::write(self.at("made.onnx"), network).unwrap();
+        for name in ["made", "other"] {
+            let manifest = format!(
+                "name = \"{name}\"\ntitle = \"The {name}\"\nlicence = \"none\"\norigin = \"this test\"\nlabels = \"coco80\"\n[weights]\n\
+                 file = \"made.onnx\"\nsha256 = \"{hash}\"\n[input]\nsize_px = [64, 64]\nresize = \"stretch\"\nkernel = \"opencv_linear\"\n\
+                 channels = \"rgb\"\nmean = [0.0, 0.0, 0.0]\nstd = [255.0, 255.0, 255.0]\n[head]\nkind = \"yolov10\"\n"
+            );
+            std::fs::write(self.at(&format!("{name}.toml")), manifest).unwrap();
+        }
+    }
+
+    /// The evaluation of both patterns from two distances.
+    fn command(&self) -> Command {
+        let mut command = program();
+        command
+            .env("SCALEPROOF_PYTHON", self.at("python"))
+            .env("SCALEPROOF_HOME", self.folder.path());
+        command.args(["attack", "evaluate", "--normal", "808080", "--tile-mm", "60"]);
+        command.args([
+            "--size-px",
+            "64",
+            "--azimuth-deg",
+            "0",
+            "--pitch-deg",
+            "15",
+            "--light",
+            "forest",
+        ]);
+        command.arg("--mesh").arg(self.at("box.stl"));
+        command
+            .arg("-o")
+            .arg(self.at("out"))
+            .arg("--cache")
+            .arg(self.at("cache"));
+        command
+    }
+
+    fn run(&self, more: &[&str]) -> Output {
+        let patterns = [1, 2].map(|i| format!("{}={}", ["one", "two"][i - 1], self.at(&format!("p{i}.png")).display()));
+        let mut command = self.command();
+        command.arg("--pattern").args(patterns);
+        command.args(["--distance-mm", "400", "900"]);
+        for name in ["made", "other"] {
+            command.arg("--detector").arg(self.at(&format!("{name}.toml")));
+        }
+        command.args(more).output().unwrap()
+    }
+
+    fn runs(&self) -> usize {
+        std::fs::read_to_string(self.at("runs")).map_or(0, |text| text.lines().count())
+    }
+}
+
+fn corners() -> [[f64; 3]; 8] {
+    std::array::from_fn(|i| {
+        let end = |axis: usize| if i >> axis & 1 == 1 { 1.0 } else { 0.0 };
+        [
+            (end(0) - 0.5) * SIZE_MM[0],
+            (end(1) - 0.5) * SIZE_MM[1],
+            end(2) * SIZE_MM[2],
+        ]
+    })
+}
+
+/// All six faces, outwards.
+fn box_stl() -> String {
+    let faces = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let points = corners();
+    let mut text = String::from("solid box\n");
+    for [a, b, c, d] in faces {
+        for triangle in [[a, b, c], [a, c, d]] {
+            text += "facet normal 0 0 0\nouter loop\n";
+            for i in triangle {
+                let [x, y, z] = points[i];
+                text += &format!("vertex {x} {y} {z}\n");
+            }
+            text += "endloop\nendfacet\n";
+        }
+    }
+    text + "endsolid box\n"
+}
+
+/// Where a camera in front of the box (azimuth 0, looking down by 15°) sees it, from the corner of the top-left pixel: 64 px, 50° wide.
+fn seen_px(distance_mm: f64) -> [f64; 4] {
+    let (sin, cos) = 15_f64.to_radians().sin_cos();
+    let focal = 32.0 / 25_f64.to_radians().tan();
+    let points = corners().map(|[x, y, z]| {
+        let height = z - 0.5 * SIZE_MM[2];
+        let depth = distance_mm - x * cos - height * sin;
+        let up = height * cos - x * sin;
+        [32.0 + focal * y / depth, 32.0 - focal * up / depth]
+    });
+    let over = |axis: usize, pick: fn(f64, f64) -> f64| points.iter().map(|p| p[axis]).reduce(pick).unwrap();
+    [
+        over(0, f64::min),
+        over(1, f64::min),
+        over(0, f64::max),
+        over(1, f64::max),
+    ]
+}
+
+#[test]
+fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
+    let bench = Bench::new(seen_px(400.0));
+    let output = bench.run(&["--target", "made"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+
+    let session = Session::open(&bench.at("out/session")).unwrap();
+    assert_eq!(session.photos.len(), 6);
+    assert_eq!(session.scene.model.size_mm, SIZE_MM);
+    for photo in &session.photos {
+        let view = photo.viewpoint.unwrap();
+        let truth = photo.box_xyxy_px.unwrap();
+        let own = seen_px(view.distance_mm);
+        let off = [truth.x1, truth.y1, truth.x2, truth.y2]
+            .iter()
+            .zip(own)
+            .map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-6, "{truth:?} and not {own:?}");
+        assert_eq!((view.azimuth_deg, view.pitch_deg), (0.0, 15.0));
+        assert_eq!(photo.place.as_deref(), Some("forest@0"));
+        let size = image::image_dimensions(session.photo_path(photo)).unwrap();
+        assert_eq!(size, (64, 64));
+    }
+    let variants: Vec<&str> = session.photos.iter().map(|p| p.variant.as_str()).collect();
+    assert_eq!(variants, ["normal", "normal", "one", "one", "two", "two"]);
+
+    // One of two photos is hit, by a detection that is as confident as the miss beside it: recall 0.5 at precision 1, so that
+    // 51 of COCO's 101 recalls count. The mean confidence is (0.8 + 0) / 2.
+    let text = stdout(&output);
+    let after = |title: &str| {
+        text.split_once(title)
+            .unwrap_or_else(|| panic!("{title} is not in {text}"))
+            .1
+            .to_owned()
+    };
+    let rows = |part: &str| part.lines().skip(1).take(4).map(words).collect::<Vec<_>>();
+    assert_eq!(
+        rows(&after("Table 1.")),
+        [
+            words("pattern made"),
+            words("normal 0.50 / 0.40"),
+            words("one 0.50 / 0.40"),
+            words("two 0.50 / 0.40")
+        ]
+    );
+    assert_eq!(
+        rows(&after("Table 2.")),
+        [
+            words("pattern other"),
+            words("normal 0.50"),
+            words("one 0.50"),
+            words("two 0.50")
+        ]
+    );
+    assert!(
+        text.contains("one − two"),
+        "patterns are held against each other: {text}"
+    );
+
+    let mut figures = csv::Reader::from_path(bench.at("out/evaluation.csv")).unwrap();
+    let figures: Vec<csv::StringRecord> = figures.records().map(Result::unwrap).collect();
+    assert_eq!(figures.len(), 6);
+    let row: Vec<&str> = figures[0].iter().collect();
+    assert_eq!(row[..4], ["1", "normal", "made", "2"]);
+    assert!((row[5].parse::<f64>().unwrap() - 51.0 / 101.0).abs() < 1e-12, "{row:?}");
+    let differences = std::fs::read_to_string(bench.at("out/differences.csv")).unwrap();
+    // normal-one, normal-two, one-two × two detectors × three figures, and the heading.
+    assert_eq!(differences.lines().count(), 19, "{differences}");
+    for file in [
+        "evaluation.html",
+        "evaluation.tex",
+        "score/report.html",
+        "score/summary.json",
+    ] {
+        assert!(bench.at("out").join(file).is_file(), "{file}");
+    }
+    // What was rendered is scored by the ordinary command, too.
+    let mut score = program();
+    score
+        .arg("score")
+        .arg(bench.at("out/session"))
+        .arg("--out")
+        .arg(bench.at("again"));
+    let output = score.arg("--detector").arg(bench.at("made.toml")).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(read_json(&bench.at("again/summary.json"))["photos_scored"], 6);
+}
+
+fn words(line: &str) -> Vec<String> {
+    line.split_whitespace().map(str::to_owned).collect()
+}
+
+#[test]
+fn an_evaluation_goes_on_where_it_stopped_and_takes_further_patterns() {
+    let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
+    std::fs::write(bench.at("weak"), "").unwrap();
+    assert_refused(
+        &bench.run(&[]),
+        &["stopped after 1 of 6", "blender.log", "goes on where it stopped"],
+    );
+    assert!(!bench.at("out/session/session.json").exists(), "the list comes last");
+    assert!(!bench.at("out/evaluation.html").exists());
+
+    let finished = bench.run(&[]);
+    assert!(finished.status.success(), "{}", stderr(&finished));
+    let asked = read_json(&bench.at("plan.json"));
+    assert_eq!(asked["denoise"], true);
+    let frames: usize = asked["views"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|v| v["frames"].as_array().unwrap().len())
+        .sum();
+    assert_eq!(frames, 5, "the whole photo is not rendered again");
+    assert_eq!(bench.runs(), 2);
+    let first = std::fs::read(bench.at("out/evaluation.html")).unwrap();
+
+    // All is there: Blender is not needed, and the same comes out.
+    std::fs::remove_file(bench.at("python")).unwrap();
+    let again = bench.run(&[]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    assert_eq!(std::fs::read(bench.at("out/evaluation.html")).unwrap(), first);
+
+    // One more pattern is all that Blender is asked for.
+    let three = format!("three={}", bench.at("p1.png").display());
+    assert_refused(&bench.run(&["--pattern", &three]), &["python", "does not start"]);
+    std::fs::write(bench.at("python"), STAND_IN).unwrap();
+    std::fs::set_permissions(bench.at("python"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let more = bench.run(&["--pattern", &three]);
+    assert!(more.status.success(), "{}", stderr(&more));
+    assert!(stdout(&more).contains("three"));
+    assert_eq!(
+        read_json(&bench.at("plan.json"))["paints"].as_object().unwrap().len(),
+        4
+    );
+    assert_eq!(Session::open(&bench.at("out/session")).unwrap().photos.len(), 8);
+}
+
+#[test]
+fn what_would_give_wrong_tables_is_refused() {
+    let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
+    let p1 = bench.at("p1.png").display().to_string();
+    let refused = |more: &[&str], words: &[&str]| assert_refused(&bench.run(more), words);
+    refused(&["--pattern", "p.png"], &["'p.png' has no name", "NAME=FILE"]);
+    refused(
+        &["--pattern", &format!("normal={p1}")],
+        &["\"normal\" cannot name a pattern"],
+    );
+    refused(
+        &["--pattern", &format!("one={p1}")],
+        &["\"one\" cannot name a pattern", "each name once"],
+    );
+    refused(
+        &["--pattern", &format!("../x={p1}")],
+        &["\"../x\" cannot name a pattern"],
+    );
+    refused(&["--pattern", "x=/nowhere.png"], &["cannot read /nowhere.png"]);
+    refused(
+        &["--pattern", &format!("x={}", bench.at("box.stl").display())],
+        &["box.stl is not a PNG file"],
+    );
+    refused(&["--target", "yolov4"], &["the target 'yolov4'", "made, other"]);
+    refused(&["--distance-mm", "150"], &["not whole in the picture", "150 mm"]);
+    refused(&["--pitch-deg", "-30"], &["not above the ground"]);
+    assert!(!bench.at("out").exists(), "nothing was begun");
+
+    assert!(bench.run(&[]).status.success());
+    refused(&["--seed", "2"], &["out/session holds frames of another render"]);
+    std::fs::copy(bench.at("p2.png"), bench.at("p1.png")).unwrap();
+    refused(
+        &[],
+        &["photos/one holds photos of another pattern or tile", "another name"],
+    );
+    std::fs::write(bench.at("p1.png"), Pattern::random(4, 1).unwrap().to_png().unwrap()).unwrap();
+    let before = std::fs::read(bench.at("out/evaluation.csv")).unwrap();
+    let photo = bench.at("out/session/photos/two/forest@0_az0_p15_d900.png");
+    let whole = std::fs::read(&photo).unwrap();
+    std::fs::write(&photo, &whole[..whole.len() / 2]).unwrap();
+    refused(
+        &[],
+        &[
+            "az0_p15_d900.png is damaged",
+            "remove it, and the same command renders it again",
+        ],
+    );
+    std::fs::write(&photo, std::fs::read(bench.at("p2.png")).unwrap()).unwrap();
+    refused(&[], &["az0_p15_d900.png is damaged", "4×4 pixels"]);
+    assert_eq!(
+        std::fs::read(bench.at("out/evaluation.csv")).unwrap(),
+        before,
+        "the tables stay"
+    );
+    std::fs::remove_file(&photo).unwrap();
+    assert!(bench.run(&[]).status.success());
+    assert_eq!(std::fs::read(&photo).unwrap(), whole);
+}
+
+/// The stored frames of the skyline, as if Blender rendered them now: the same pictures, truth around what Blender's masks show, and scored by a
+/// real detector.
+#[test]
+fn stored_frames_are_scored_with_the_truth_that_their_masks_show() {
+    let Some(mesh) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
+        return;
+    };
+    let bench = Bench::new([0.0; 4]);
+    let set = FrameSet::open(&home().join("captures/skyline_frames")).unwrap();
+    std::fs::create_dir(bench.at("ready")).unwrap();
+    for frame in &set.list.frames {
+        let linear = set
+            .rgb(frame)
+            .unwrap()
+            .pixels()
+            .flat_map(|p| light::linear_of(p.0))
+            .collect::<Vec<f64>>();
+        let bytes: Vec<u8> = linear.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect();
+        std::fs::write(bench.at(&format!("ready/{}.f32", frame.name)), bytes).unwrap();
+    }
+    let mut command = program();
+    command
+        .env("SCALEPROOF_PYTHON", bench.at("python"))
+        .env("SCALEPROOF_HOME", bench.folder.path())
+        .env("SCALEPROOF_SHARED", std::env::var_os("SCALEPROOF_SHARED").unwrap());
+    command.args([
+        "attack",
+        "evaluate",
+        "--length-mm",
+        "455",
+        "--material",
+        "Material.001",
+        "--normal",
+        "808080",
+    ]);
+    command.args([
+        "--light",
+        "studio",
+        "--azimuth-deg",
+        "45",
+        "200",
+        "--pitch-deg",
+        "15",
+        "--distance-mm",
+        "560",
+    ]);
+    command.args([
+        "--size-px",
+        "96x64",
+        "--tile-mm",
+        "480",
+        "--detector",
+        "yolox_nano",
+        "--pattern",
+    ]);
+    command.arg(format!("random7={}", set.folder.join("patterns/random7.png").display()));
+    command.arg("--mesh").arg(mesh).arg("-o").arg(bench.at("out"));
+    let output = command.arg("--cache").arg(bench.at("cache")).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    println!("{}", stdout(&output));
+
+    let session = Session::open(&bench.at("out/session")).unwrap();
+    assert_eq!(session.photos.len(), 4);
+    for photo in &session.photos {
+        let paint = if photo.variant == "normal" { "808080" } else { "random7" };
+        let view = photo.viewpoint.unwrap();
+        let name = format!("studio@0_az{}_p15_d560_{paint}", view.azimuth_deg);
+        let frame = set.list.frames.iter().find(|f| f.name == name).unwrap();
+        let picture = image::open(session.photo_path(photo)).unwrap().into_rgb8();
+        assert!(picture == set.rgb(frame).unwrap(), "{name} is another picture");
+        let object = set.object_mask(frame).unwrap();
+        let covered: Vec<(u32, u32)> = object
+            .enumerate_pixels()
+            .filter(|p| p.2.0[0] >= 128)
+            .map(|p| (p.0, p.1))
+            .collect();
+        let xs = || covered.iter().map(|p| f64::from(p.0));
+        let ys = || covered.iter().map(|p| f64::from(p.1));
+        let truth = photo.box_xyxy_px.unwrap();
+        let off = [
+            xs().fold(f64::MAX, f64::min) - truth.x1,
+            ys().fold(f64::MAX, f64::min) - truth.y1,
+            xs().fold(0.0, f64::max) + 1.0 - truth.x2,
+            ys().fold(0.0, f64::max) + 1.0 - truth.y2,
+        ];
+        // A pixel that is covered by half or more is at most half a pixel beyond the edge.
+        assert!(off.iter().all(|px| px.abs() < 0.75), "{name}: {off:?}");
+    }
+}
