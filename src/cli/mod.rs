@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod camera;
+mod capture;
 mod chart;
 mod colour;
 mod compare;
@@ -42,6 +43,7 @@ enum Command {
     Pattern(pattern::Args),
     Camera(camera::Args),
     Colour(colour::Args),
+    Capture(capture::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
     Session(session::Args),
@@ -78,6 +80,7 @@ pub fn main() -> ExitCode {
         Command::Pattern(args) => pattern::run(args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
+        Command::Capture(args) => capture::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Session(args) => session::run(args, out),

@@ -147,6 +147,21 @@ impl Session {
     }
 }
 
+/// The text of a `session.json` at a place, of a scene and a camera file named from its folder. It is read back before it is returned.
+///
+/// # Errors
+/// Whatever keeps [`Session::open`] from opening it.
+pub fn text(path: &Path, scene: &str, camera: &str, photos: Vec<PhotoEntry>) -> Result<String, SessionError> {
+    let file = SessionFile {
+        scene: scene.into(),
+        camera: Some(camera.into()),
+        photos,
+    };
+    let text = serde_json::to_string_pretty(&file).map_err(|e| syntax(path, &e))? + "\n";
+    Session::parse(&text, path)?;
+    Ok(text)
+}
+
 fn syntax(path: &Path, e: &serde_json::Error) -> SessionError {
     SessionError::Syntax {
         path: path.to_owned(),
