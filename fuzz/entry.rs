@@ -14,6 +14,7 @@ use scaleproof::pattern::palette::Palette;
 use scaleproof::photo::{Photo, PhotoFile};
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
+use scaleproof::score::shard::{self, Part, Run, Shard};
 use scaleproof::session::Session;
 use scaleproof::session::import;
 
@@ -170,6 +171,29 @@ pub fn recording(bytes: &[u8]) {
     let _ = Recorded::open(folder, manifest).map(|r| r.of_photo("0a").map(<[_]>::len));
     file(&provenance_name, bytes);
     let _ = Recorded::open(folder, manifest);
+}
+
+/// Shard files: the bytes as they are, and behind a head that says they are whole; what is read can be written and read again.
+pub fn shard(bytes: &[u8]) {
+    static HEAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let (run, part, observed) = (Run::default(), Part { index: 1, count: 1 }, Vec::new());
+        let written = Shard { run, part, observed }.write(&folder());
+        let file = std::fs::read(written.expect("the temporary folder takes files")).expect("it was written");
+        file.split_inclusive(|b| *b == b'\n')
+            .next()
+            .unwrap_or_default()
+            .to_vec()
+    });
+    let _ = shard::whole_run(&[file("shard", bytes)]);
+    let sum = sha256_hex(bytes) + "\n";
+    let path = file("shard", &[&HEAD, sum.as_bytes(), bytes].concat());
+    let Ok(shard) = Shard::open(&path) else { return };
+    let _ = shard::whole_run(&[path]);
+    let written = shard.write(&folder()).expect("a shard can be written");
+    let again = Shard::open(&written);
+    std::fs::remove_file(written).expect("it was written");
+    // Debug writes a float that is no number as itself, where == says no.
+    assert_eq!(format!("{:?}", again.ok()), format!("{:?}", Some(shard)));
 }
 
 fn text(bytes: &[u8]) -> Option<&str> {

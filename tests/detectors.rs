@@ -247,6 +247,31 @@ fn detectors_that_their_manifest_does_not_describe_are_refused_before_anything_i
         end_to_end,
         &["made.toml", "\"car\" is listed twice"],
     );
+    for (nms_iou, said) in [("nan", "NaN"), ("-1.0", "-1"), ("7.0", "7")] {
+        let head = format!("kind = \"yolov8\"\nnms_iou = {nms_iou}");
+        refused(
+            &network,
+            "\"coco80\"",
+            &head,
+            &["made.toml", "head.nms_iou is", said, "from 0 to 1"],
+        );
+    }
+    let logits = onnx::Output::floats("output0", &[1, 1, 6], vec![8.0, 8.0, 56.0, 56.0, 5.0, 2.0]);
+    let unbounded = onnx::network(&[small_picture()], &[logits]);
+    refused(
+        &unbounded,
+        "\"coco80\"",
+        end_to_end,
+        &["made gives a box the score 5", "sigmoid"],
+    );
+    let endless = onnx::Output::floats("output0", &[1, 1, 6], vec![8.0, 8.0, f32::INFINITY, 56.0, 0.9, 2.0]);
+    let endless = onnx::network(&[small_picture()], &[endless]);
+    refused(
+        &endless,
+        "\"coco80\"",
+        end_to_end,
+        &["made answered with infinity in its output output0"],
+    );
     let head = "kind = \"yolov8\"\nnms_iou = 0.7";
     refused(
         &network,

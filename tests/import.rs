@@ -253,6 +253,14 @@ fn bad_tables_are_one_sentence() {
             vec!["line 2", "outside its 1280×960 px"],
         ),
         (
+            HEADER.to_owned() + &good.replace("470,330,760,630", "470,330,1520,630"),
+            vec!["line 2", "reaches out of its 1280×960 px"],
+        ),
+        (
+            HEADER.to_owned() + &good.replace("470,330,760,630", "470,330,760,1e308"),
+            vec!["line 2", "reaches out of its 1280×960 px"],
+        ),
+        (
             HEADER.to_owned() + &good.replace(",15,", ",,"),
             vec!["line 2", "give all or none"],
         ),

@@ -122,6 +122,11 @@ fn photos() {
 }
 
 #[test]
+fn shards() {
+    survives("shard", entry::shard);
+}
+
+#[test]
 fn recordings() {
     survives("recording", entry::recording);
 }

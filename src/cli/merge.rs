@@ -42,6 +42,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let page = report::write(&args.out, &scores, speeds.as_ref())?;
     score_command::caution(&scores);
     writeln!(out, "{}", report::summary_table(&scores))?;
+    writeln!(out, "truth boxes: {}", report::truth_boxes(&scores))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
 }

@@ -1,5 +1,6 @@
 //! One file per subcommand: arguments in, library call, text out.
 
+mod attack;
 mod calibrate;
 mod camera;
 mod capture;
@@ -36,6 +37,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Attack(attack::Args),
     Calibrate(calibrate::Args),
     Demo(demo::Args),
     Print(print::Args),
@@ -73,6 +75,7 @@ pub fn main() -> ExitCode {
     };
     let out = &mut std::io::stdout().lock();
     let result = match cli.command {
+        Command::Attack(args) => attack::run(args, out),
         Command::Calibrate(args) => calibrate::run(args, out),
         Command::Demo(args) => demo::run(args, out),
         Command::Print(args) => print::run(args, out),

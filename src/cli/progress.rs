@@ -11,6 +11,15 @@ pub fn photos(what: &str, count: usize) -> ProgressBar {
     )
 }
 
+/// A bar that counts frames, one whole picture after the other.
+pub fn frames(what: &str, count: usize) -> ProgressBar {
+    bar(
+        ProgressBar::new(count as u64),
+        what,
+        "{msg:<18} {bar:30} {pos}/{len} frames, {eta} left",
+    )
+}
+
 /// A bar that counts the bytes of a download, whose length may become known later.
 pub fn bytes(what: &str) -> ProgressBar {
     bar(

@@ -247,7 +247,11 @@ impl Manifest {
             ));
         }
         let Input {
-            size_px, std, resize, ..
+            size_px,
+            mean,
+            std,
+            resize,
+            ..
         } = &self.input;
         let size_is_good = match resize {
             Resize::Original => *size_px == [0, 0],
@@ -263,6 +267,14 @@ impl Manifest {
         if std.contains(&0.0) {
             return Err("input.std has a 0, and values are divided by it".into());
         }
+        if !mean.iter().chain(std).all(|value| value.is_finite()) {
+            return Err(format!("input.mean is {mean:?} and input.std {std:?}: give numbers"));
+        }
+        if let Some(nms_iou) = self.head.nms_iou().filter(|iou| !(0.0..=1.0).contains(iou)) {
+            return Err(format!(
+                "head.nms_iou is {nms_iou}: give the overlap above which a box is dropped, from 0 to 1"
+            ));
+        }
         match &self.head {
             Head::Nanodet { strides, .. } | Head::NanodetPlus { strides, .. }
                 if strides.is_empty() || strides.contains(&0) =>
@@ -272,6 +284,21 @@ impl Manifest {
                 ))
             }
             _ => Ok(()),
+        }
+    }
+}
+
+impl Head {
+    fn nms_iou(&self) -> Option<f64> {
+        match self {
+            Head::Yolox { nms_iou }
+            | Head::Nanodet { nms_iou, .. }
+            | Head::Fastestdet { nms_iou }
+            | Head::Yolov4 { nms_iou }
+            | Head::Yolov5 { nms_iou }
+            | Head::Yolov8 { nms_iou }
+            | Head::NanodetPlus { nms_iou, .. } => Some(*nms_iou),
+            _ => None,
         }
     }
 }

@@ -27,9 +27,21 @@ pub enum DetectError {
     Model { path: PathBuf, reason: String },
     #[error("{detector} failed: {reason}")]
     Run { detector: String, reason: String },
-    #[error("{detector} answered with NaN in its output {output}: no box of it can be trusted")]
-    NotANumber { detector: String, output: String },
+    #[error("{detector} answered with {value} in its output {output}: no box of it can be trusted")]
+    NotANumber {
+        detector: String,
+        output: String,
+        /// `NaN` or `infinity`.
+        value: &'static str,
+    },
+    #[error(
+        "{detector} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?"
+    )]
+    NotAScore { detector: String, score: f64 },
 }
+
+/// A sigmoid or softmax may round up a little.
+const HIGHEST_SCORE: f64 = 1.001;
 
 /// The loaded ONNX Runtime.
 pub struct Runtime {
@@ -123,13 +135,20 @@ impl Detector {
             detector: self.manifest.name.clone(),
             reason: e.to_string().replace('\n', " "),
         })?;
-        if let Some(output) = heads::with_nan(&outputs) {
+        if let Some((output, value)) = heads::with_no_number(&outputs) {
             return Err(DetectError::NotANumber {
                 detector: self.manifest.name.clone(),
                 output: output.to_owned(),
+                value,
             });
         }
         let decoded = heads::decode(&self.manifest, &outputs, placement.canvas).map_err(failed)?;
+        if let Some(c) = decoded.candidates.iter().find(|c| c.score > HIGHEST_SCORE) {
+            return Err(DetectError::NotAScore {
+                detector: self.manifest.name.clone(),
+                score: c.score,
+            });
+        }
         let to_photo = |b: BoxPx| match decoded.in_photo_px {
             true => b.clipped(placement.photo[0], placement.photo[1]),
             false => placement.to_photo(b),

@@ -120,7 +120,7 @@ impl Mesh {
         let mut soup = Soup::default();
         match read(&bytes, &mut soup) {
             Ok(()) if soup.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
-            Ok(()) => placement.apply(soup.into_mesh(), extension.is_some_and(|e| e == "glb")),
+            Ok(()) => placement.apply(soup.into_mesh(), placement::is_gltf(path)),
             Err(Trouble::TooManyTriangles) => Err(too_large(format!("more than {MAX_TRIANGLES} triangles"))),
             Err(Trouble::Damaged(reason)) => Err(MeshError::Damaged {
                 path: path.to_owned(),

@@ -16,7 +16,13 @@ pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     // tobj knows only materials of a library: it is handed one that has every name.
     let mut file = b"mtllib names\n".to_vec();
     // Normals and texture coordinates are not used, and tobj does not survive every index of them.
-    let unused = |line: &[u8]| line.trim_ascii_start().starts_with(b"vn") || line.trim_ascii_start().starts_with(b"vt");
+    // It parts words at all white space of Unicode, so words are parted the same way here.
+    let unused = |line: &[u8]| {
+        let line = String::from_utf8_lossy(line);
+        line.split_whitespace()
+            .next()
+            .is_some_and(|word| ["vn", "vt"].contains(&word))
+    };
     for line in bytes
         .split_inclusive(|byte| *byte == b'\n')
         .filter(|line| !unused(line))

@@ -1,5 +1,6 @@
 //! From a file's frame and unit into the model frame.
 
+use std::path::Path;
 use std::str::FromStr;
 
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -10,6 +11,11 @@ use super::{Mesh, MeshError};
 const MAX_LENGTH_MM: f64 = 100_000.0;
 /// Nothing is so short in any unit; scaling it up would leave the range of numbers.
 const LEAST_LENGTH: f64 = 1e-9;
+
+/// Whether the file's name says glTF.
+pub(super) fn is_gltf(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
+}
 
 /// A direction of the mesh file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +54,14 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// The rotation from the frame of this file into the model frame.
+    ///
+    /// # Errors
+    /// A front and an up along the same axis.
+    pub fn rotation(&self, file: &Path) -> Result<Matrix3<f64>, MeshError> {
+        self.turn(is_gltf(file))
+    }
+
     pub(super) fn apply(&self, mut mesh: Mesh, is_gltf: bool) -> Result<Mesh, MeshError> {
         if !is_gltf && *self == Self::default() {
             return Ok(mesh);

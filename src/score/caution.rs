@@ -58,7 +58,7 @@ fn uneven_directions(photos: &[ScoredPhoto]) -> Vec<String> {
             let uneven = all.iter().filter(|bin| base.get(**bin) != bins.get(**bin)).count();
             format!(
                 "“{variant}” and “{BASE_VARIANT}” have different numbers of photos in {uneven} of {} directions: the drop over all photos \
-                 mixes texture with direction; compare direction by direction",
+                 mixes texture with direction; go by the figures of each direction, or by `compare`, which pairs the photos",
                 all.len()
             )
         })

@@ -29,7 +29,7 @@ pub(super) fn jpeg(pictures: &mut Pictures, longest_side_px: u32) -> Result<Vec<
     let (width, height) = (f64::from(pictures.file.width), f64::from(pictures.file.height));
     let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
     let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
-    let picture = pictures.at_least([2 * width, 2 * height])?;
+    let picture = pictures.at_least([width, height])?;
     let small = imageops::resize(picture, width, height, FilterType::Triangle);
     let mut jpeg = Vec::new();
     // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.

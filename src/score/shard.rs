@@ -27,6 +27,10 @@ impl Part {
         id % self.count == self.index % self.count
     }
 
+    fn is_there(&self) -> bool {
+        (1..=self.count).contains(&self.index)
+    }
+
     /// Reads `2/3`, `slurm`, or `k8s/3`. The environment is looked at only when it is named.
     pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<Part, PartError> {
         let number = |name: &'static str| {
@@ -58,7 +62,7 @@ impl Part {
             }
             None => None,
         };
-        part.filter(|part| (1..=part.count).contains(&part.index))
+        part.filter(Part::is_there)
             .ok_or_else(|| PartError::NoPart { text: text.to_owned() })
     }
 
@@ -100,7 +104,7 @@ pub enum PartError {
 }
 
 /// What all shards of a run have in common.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Run {
     pub sessions: Vec<SessionSeen>,
     pub detectors: Vec<DetectorUsed>,
@@ -161,14 +165,17 @@ pub enum ShardError {
     Missing {
         found: usize,
         count: u64,
+        /// The first of them, up to one more than the sentence names.
         missing: Vec<u64>,
     },
     #[error("the shard cannot be written: {0}")]
     Write(String),
 }
 
+const MISSING_NAMED: usize = 5;
+
 fn list_of(indices: &[u64]) -> String {
-    let first: Vec<String> = indices.iter().take(5).map(u64::to_string).collect();
+    let first: Vec<String> = indices.iter().take(MISSING_NAMED).map(u64::to_string).collect();
     let more = if indices.len() > first.len() {
         ", and others"
     } else {
@@ -209,6 +216,7 @@ impl Shard {
         let whole = line(rest).filter(|(sum, content)| *sum == files::sha256_hex(content));
         whole
             .and_then(|(_, content)| postcard::from_bytes(content).ok())
+            .filter(|shard: &Shard| shard.part.is_there())
             .ok_or_else(|| ShardError::Damaged { path: path() })
     }
 }
@@ -245,7 +253,9 @@ pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
         observed.extend(shard.observed);
     }
     let run = run.ok_or(ShardError::None)?;
-    let missing: Vec<u64> = (1..=count).filter(|index| !seen.contains_key(index)).collect();
+    // One more than are named: a mistyped count may be any number.
+    let missing = (1..=count).filter(|index| !seen.contains_key(index));
+    let missing: Vec<u64> = missing.take(MISSING_NAMED + 1).collect();
     match missing.is_empty() {
         true => Ok((run, observed)),
         false => Err(ShardError::Missing {
@@ -307,6 +317,20 @@ mod tests {
         let mut gaps = slurm;
         gaps[2].1 = "11";
         assert!(parsed("slurm", &gaps).unwrap_err().to_string().contains("without gaps"));
+    }
+
+    #[test]
+    fn a_mistyped_count_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let written = |index, count| {
+            let (run, observed) = (Run::default(), Observed::new());
+            let part = Part { index, count };
+            let shard = Shard { run, part, observed };
+            shard.write(folder.path()).unwrap()
+        };
+        let refused = whole_run(&[written(2, u64::MAX)]).unwrap_err().to_string();
+        assert!(refused.contains("missing: 1, 3, 4, 5, 6, and others"), "{refused}");
+        assert!(matches!(whole_run(&[written(4, 3)]), Err(ShardError::Damaged { .. })));
     }
 
     #[test]

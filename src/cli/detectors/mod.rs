@@ -183,6 +183,18 @@ pub fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultO
     Ok(fetched?)
 }
 
+/// The named detectors, or all whose weights are here.
+fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec<Manifest>> {
+    let mut manifests = chosen(names)?;
+    if names.is_empty() {
+        manifests.retain(|m| folders.find(m).is_some());
+    }
+    match manifests.is_empty() {
+        true => Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into()),
+        false => Ok(manifests),
+    }
+}
+
 /// One line of `check --json`.
 #[derive(Serialize)]
 struct Line<'a> {
@@ -199,13 +211,7 @@ fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
         return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
     }
     let folders = args.folder.folders()?;
-    let mut manifests = chosen(&args.detectors)?;
-    if args.detectors.is_empty() {
-        manifests.retain(|m| folders.find(m).is_some());
-    }
-    if manifests.is_empty() {
-        return Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into());
-    }
+    let manifests = present(&args.detectors, &folders)?;
     let photos = args
         .photos
         .iter()

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{Folder, chosen};
+use super::{Folder, present};
 use crate::cli::{CommandResult, Outcome};
 use crate::detect::{self, ROUNDS, Runtime, Speeds};
 use crate::files;
@@ -32,13 +32,7 @@ pub struct Args {
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
-    let mut manifests = chosen(&args.detectors)?;
-    if args.detectors.is_empty() {
-        manifests.retain(|m| folders.find(m).is_some());
-    }
-    if manifests.is_empty() {
-        return Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into());
-    }
+    let manifests = present(&args.detectors, &folders)?;
     let opened = args.photos.iter().map(|p| Photo::open(p).map(|photo| photo.rgb));
     let photos = opened.collect::<Result<Vec<_>, _>>()?;
     let pixels: f64 = photos

@@ -8,7 +8,7 @@ mod patch;
 mod tags;
 mod template;
 mod verify;
-mod wrap;
+pub mod wrap;
 
 use std::error::Error;
 use std::io::Write;

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
-use crate::mesh::{Mesh, Placement};
+use crate::mesh::{Mesh, MeshError, Placement};
 use crate::pattern::Pattern;
 use crate::print::lettering;
 use crate::print::template::check_scale;
@@ -100,14 +100,8 @@ pub struct Model {
 impl ModelArgs {
     pub fn load(&self) -> Result<Model, Box<dyn Error>> {
         let scene = self.scene.as_deref().map(Scene::open).transpose()?;
-        let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
-        let placement = Placement {
-            front: axis(&self.mesh_front)?,
-            up: axis(&self.mesh_up)?,
-            length_mm: self.length_mm,
-        };
         let mesh = match (&self.mesh, &scene) {
-            (Some(file), _) => Mesh::load(file, &placement)?,
+            (Some(file), _) => Mesh::load(file, &self.placement()?)?,
             (None, Some(scene)) => Mesh::cuboid(scene.model.size_mm),
             (None, None) => return Err("give --mesh, --scene, or both".into()),
         };
@@ -125,6 +119,33 @@ impl ModelArgs {
             mesh,
             scale,
         })
+    }
+
+    /// How the mesh file lies in the model frame.
+    pub fn placement(&self) -> Result<Placement, MeshError> {
+        let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
+        Ok(Placement {
+            front: axis(&self.mesh_front)?,
+            up: axis(&self.mesh_up)?,
+            length_mm: self.length_mm,
+        })
+    }
+
+    /// What was said about the mesh besides its file, as arguments again.
+    pub fn described(&self) -> String {
+        let mut text = String::new();
+        if !self.material.is_empty() {
+            text += &format!(" --material {}", self.material.join(" "));
+        }
+        if let Some(length_mm) = self.length_mm {
+            text += &format!(" --length-mm {length_mm}");
+        }
+        for (key, axis) in [("front", &self.mesh_front), ("up", &self.mesh_up)] {
+            if let Some(axis) = axis {
+                text += &format!(" --mesh-{key} {axis}");
+            }
+        }
+        text
     }
 }
 

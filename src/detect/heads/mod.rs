@@ -92,10 +92,13 @@ pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) ->
     })
 }
 
-/// The name of the first output that holds a NaN.
-pub(super) fn with_nan(outputs: &[Tensor]) -> Option<&str> {
-    let has_nan = |t: &&Tensor| t.floats().is_some_and(|v| v.iter().any(|v| v.is_nan()));
-    outputs.iter().find(has_nan).map(|t| t.name.as_str())
+/// The name of the first output that holds a NaN or an infinity, and which of them. Minus infinity is a logit like any other.
+pub(super) fn with_no_number(outputs: &[Tensor]) -> Option<(&str, &'static str)> {
+    outputs.iter().find_map(|tensor| {
+        let bad = |v: &&f32| v.is_nan() || **v == f32::INFINITY;
+        let value = tensor.floats()?.iter().find(bad)?;
+        Some((tensor.name.as_str(), if value.is_nan() { "NaN" } else { "infinity" }))
+    })
 }
 
 /// Does the detector want the photo's size as a second input?

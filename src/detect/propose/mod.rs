@@ -67,8 +67,10 @@ pub enum ProposeError {
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
-    #[error("it answers a plain grey picture or noise with NaN in its output {output}: no box of it could be trusted")]
-    NotANumber { output: String },
+    #[error(
+        "it answers a plain grey picture or noise with {value} in its output {output}: no box of it could be trusted"
+    )]
+    NotANumber { output: String, value: &'static str },
     #[error("its outputs {outputs} are of no known family: see the table in detectors/README.md")]
     Unknown { outputs: String },
     #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
@@ -109,9 +111,13 @@ pub fn propose(
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
     }
-    if let Some(output) = network.answers.iter().find_map(|outputs| heads::with_nan(outputs)) {
+    if let Some((output, value)) = network
+        .answers
+        .iter()
+        .find_map(|outputs| heads::with_no_number(outputs))
+    {
         let output = output.to_owned();
-        return Err(ProposeError::NotANumber { output });
+        return Err(ProposeError::NotANumber { output, value });
     }
     let known = match (hints.labels, &network.metadata.names) {
         (Some(labels), _) => Some(labels),

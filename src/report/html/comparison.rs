@@ -17,7 +17,11 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
     );
     let sections = [
         ("drops", "Drops", drops(scores, comparison)),
-        ("azimuth", "Hit rate by azimuth", by_azimuth(scores, comparison)),
+        (
+            "azimuth",
+            "Drop of the hit rate by azimuth",
+            by_azimuth(scores, comparison),
+        ),
         ("left-out", "Photos in no difference", left_out(scores, comparison)),
         ("definitions", "Definitions", definitions()),
         ("provenance", "Provenance", provenance(scores, comparison)),

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::{colour, round, summary, variants};
 use crate::detect::{Speed, Speeds};
+use crate::geometry::BoxPx;
 use crate::plot::{Axis, Scale, tick_label};
 use crate::score::Scores;
 
@@ -109,21 +110,74 @@ fn mark(x: f64, y: f64, variant: usize) -> Markup {
     html! { polygon points=(points.join(" ")) fill=(colour(variant)) stroke="#fff" stroke-width="0.8" {} }
 }
 
-/// The detectors' names, to the right of their lines' middles, moved down where two would cover each other.
+/// The detectors' names, beside the middles of their lines: where they cover neither another name nor another's line, if there is
+/// such a place.
 fn names(scores: &Scores, timed: &[&Speed], x: impl Fn(f64) -> f64) -> Markup {
-    let titled = timed.iter().filter_map(|speed| {
-        let contestant = scores.contestants.iter().find(|c| c.manifest.name == speed.detector)?;
-        let aps = aps(scores, &speed.detector);
-        let mean = aps.iter().map(|(_, ap)| ap).sum::<f64>() / aps.len() as f64;
-        Some((x(speed.ms_per_photo), y(mean), contestant.manifest.title.as_str()))
-    });
-    let mut titled: Vec<_> = titled.collect();
-    titled.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut lowest = f64::NEG_INFINITY;
+    let lines: Vec<Line> = timed
+        .iter()
+        .filter_map(|speed| {
+            let contestant = scores.contestants.iter().find(|c| c.manifest.name == speed.detector)?;
+            let ys: Vec<f64> = aps(scores, &speed.detector).iter().map(|(_, ap)| y(*ap)).collect();
+            Some(Line {
+                x: x(speed.ms_per_photo),
+                top: ys.iter().copied().fold(f64::INFINITY, f64::min),
+                bottom: ys.iter().copied().fold(0.0, f64::max),
+                title: &contestant.manifest.title,
+            })
+        })
+        .collect();
+    let mut taken: Vec<BoxPx> = Vec::new();
     html! {
-        @for (x, y, title) in titled {
-            @let y = { lowest = y.max(lowest + 12.5); lowest };
-            text x=(round(x + 8.0)) y=(round(y + 4.0)) font-size="11" stroke="#fff" stroke-width="3" paint-order="stroke" { (title) }
+        @for line in &lines {
+            @let name = { let name = free_place(line, &lines, &taken); taken.push(name.area); name };
+            text x=(round(name.x)) y=(round(name.y)) text-anchor=(name.anchor) font-size="11" stroke="#fff" stroke-width="3"
+                paint-order="stroke" { (line.title) }
         }
+    }
+}
+
+/// A detector's line from its best to its worst texture.
+struct Line<'a> {
+    x: f64,
+    top: f64,
+    bottom: f64,
+    title: &'a str,
+}
+
+struct Name {
+    x: f64,
+    /// Of the text's base line.
+    y: f64,
+    anchor: &'static str,
+    area: BoxPx,
+}
+
+/// Right of the line before left of it, and as little up or down as can be; the first place when none is free.
+fn free_place(line: &Line, lines: &[Line], taken: &[BoxPx]) -> Name {
+    let middle = 0.5 * (line.top + line.bottom);
+    let moves = [0.0, 13.0, -13.0, 26.0, -26.0].into_iter();
+    let mut places = moves.flat_map(|dy| [true, false].map(|is_right| place(line, middle + dy, is_right)));
+    let others: Vec<BoxPx> = lines
+        .iter()
+        .map(|l| BoxPx::new(l.x - RADIUS, l.top - RADIUS, l.x + RADIUS, l.bottom + RADIUS))
+        .chain(taken.iter().copied())
+        .collect();
+    let covers = |a: &BoxPx, b: &BoxPx| a.x1 < b.x2 && b.x1 < a.x2 && a.y1 < b.y2 && b.y1 < a.y2;
+    let is_free = |name: &Name| name.area.x1 > 0.0 && !others.iter().any(|other| covers(&name.area, other));
+    places.find(is_free).unwrap_or_else(|| place(line, middle, true))
+}
+
+fn place(line: &Line, middle: f64, is_right: bool) -> Name {
+    // About what a letter of 11 px takes.
+    let width = 6.2 * line.title.chars().count() as f64;
+    let (x, anchor, left) = match is_right {
+        true => (line.x + 8.0, "start", line.x + 8.0),
+        false => (line.x - 8.0, "end", line.x - 8.0 - width),
+    };
+    Name {
+        x,
+        y: middle + 4.0,
+        anchor,
+        area: BoxPx::new(left, middle - 6.0, left + width, middle + 6.0),
     }
 }

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use super::{PhotoEntry, Session, SessionError, SessionFile, check_photo};
 use crate::files::{self, FileError};
+use crate::geometry::BoxPx;
 use crate::photo::{self, PhotoError};
 use crate::scene::{Scene, SceneError, Viewpoint};
 
@@ -215,8 +216,18 @@ fn check_picture(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> R
             "the box of {} lies outside its {width}×{height} px",
             entry.file
         )),
+        Some(b) if reaches_out(b, width, height) => Err(format!(
+            "the box of {} reaches out of its {width}×{height} px: is it another picture's? If not, cut it at the border",
+            entry.file
+        )),
         _ => Ok(()),
     }
+}
+
+/// Farther than rounding a box to whole pixels explains.
+fn reaches_out(b: BoxPx, width: u32, height: u32) -> bool {
+    const ROUNDING_PX: f64 = 1.0;
+    b.x1.min(b.y1) < -ROUNDING_PX || b.x2 > f64::from(width) + ROUNDING_PX || b.y2 > f64::from(height) + ROUNDING_PX
 }
 
 /// A path as a file in `folder` may name it: relative to the folder when it lies below, else whole.

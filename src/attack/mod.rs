@@ -1,0 +1,18 @@
+//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the networks, the
+//! attack itself and its evaluation are to come.
+//!
+//! - [`frames`]: the one format of pictures whose truth is known;
+//! - [`import`] and [`render`]: its two makers;
+//! - [`additive`]: further colours from a few, because light adds up;
+//! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
+//! - [`renderer`]: models that predict the picture of the model in any paint;
+//! - [`chart`]: those models against each other.
+
+pub mod additive;
+pub mod chart;
+pub mod frames;
+pub mod import;
+pub mod light;
+pub mod projection;
+pub mod render;
+pub mod renderer;

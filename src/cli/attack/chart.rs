@@ -1,0 +1,69 @@
+//! `scaleproof attack chart`: renderer models against each other.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::render::hex;
+use super::{CommandResult, Outcome, progress};
+use crate::attack::additive::views;
+use crate::attack::chart::{Row, draw, measure, table};
+use crate::attack::frames::{FrameSet, LIST};
+use crate::files;
+
+/// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
+#[derive(clap::Args)]
+pub struct ChartArgs {
+    /// A folder of frames
+    #[arg(value_name = "FRAMES")]
+    frames: PathBuf,
+    /// The colours models are fitted to, as hex: the first two, the first three, …
+    #[arg(long, value_name = "HEX", num_args = 2..=8, default_values = ["000000", "ffffff", "808080"])]
+    reference: Vec<String>,
+    /// Folder for the chart (SVG) and its numbers (JSON)
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// The numbers, with what they were measured on.
+#[derive(Serialize)]
+struct Numbers<'a> {
+    scaleproof: &'static str,
+    frames_sha256: String,
+    made_by: &'a str,
+    references: &'a [String],
+    rows: &'a [Row],
+}
+
+pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
+    let set = FrameSet::open(&args.frames)?;
+    let references = args
+        .reference
+        .iter()
+        .map(|text| hex(text))
+        .collect::<Result<Vec<_>, _>>()?;
+    let bar = progress::frames("measuring", views(&set.list.frames).len());
+    let rows = measure(&set, &references, || bar.inc(1))?;
+    bar.finish_and_clear();
+    write!(out, "{}", table(&rows))?;
+    let numbers = Numbers {
+        scaleproof: env!("CARGO_PKG_VERSION"),
+        frames_sha256: files::sha256_hex(&files::read(&args.frames.join(LIST))?),
+        made_by: &set.list.made_by,
+        references: &args.reference,
+        rows: &rows,
+    };
+    let new = [
+        (
+            args.out.join("renderers.json"),
+            serde_json::to_string_pretty(&numbers)?.into_bytes(),
+        ),
+        (args.out.join("renderers.svg"), draw(&rows).into_bytes()),
+    ];
+    files::write_all_atomically(&new)?;
+    for (path, _) in &new {
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,113 @@
+//! `scaleproof attack colours`: further flat colours of rendered views, without rendering.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+use super::render::hex;
+use super::{CommandResult, Outcome};
+use crate::attack::additive::{Additive, views};
+use crate::attack::frames::{Frame, FrameSet, LIST, Paint, encode_rgb};
+use crate::attack::light;
+use crate::files;
+
+/// Make further flat colours of rendered views, without rendering: light adds up
+#[derive(clap::Args)]
+pub struct ColoursArgs {
+    /// Frames with linear light, in three flat colours or more per view
+    #[arg(value_name = "FRAMES")]
+    frames: PathBuf,
+    /// Flat colours as hex sRGB, as in c83214
+    #[arg(long, value_name = "HEX", num_args = 1..)]
+    flat: Vec<String>,
+    /// And so many random ones
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    random: u32,
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Folder for the new frames
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
+    let set = FrameSet::open(&args.frames)?;
+    if args.output.join(LIST).exists() {
+        return Err(format!(
+            "{} is there already; give another folder",
+            args.output.join(LIST).display()
+        )
+        .into());
+    }
+    let colours = colours(args)?;
+    let mut list = set.list.clone();
+    list.frames.clear();
+    list.made_by = format!("attack colours (of: {})", set.list.made_by);
+    let mut new = Vec::new();
+    let mut copied = BTreeSet::new();
+    for view in views(&set.list.frames) {
+        let additive = Additive::of_view(&set, &view)?;
+        let first = view[0];
+        for (key, file) in first.files() {
+            if !matches!(key, "rgb" | "linear" | "pattern") && copied.insert(file.to_owned()) {
+                new.push((args.output.join(file), files::read(&set.folder.join(file))?));
+            }
+        }
+        for rgb in &colours {
+            let frame = frame(first, *rgb, list.frames.len());
+            let pixels = additive.rgb(*rgb).into_iter().flatten().collect();
+            let [width, height] = set.list.size_px;
+            let picture = image::RgbImage::from_raw(width, height, pixels).unwrap_or_default();
+            new.push((args.output.join(&frame.rgb), encode_rgb(&picture)?));
+            list.frames.push(frame);
+        }
+    }
+    new.push(list.to_file(&args.output)?);
+    files::write_all_atomically(&new)?;
+    writeln!(
+        out,
+        "{}: {} frames",
+        args.output.join(LIST).display(),
+        list.frames.len()
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// The same view in another colour.
+fn frame(of: &Frame, rgb: [u8; 3], number: usize) -> Frame {
+    let name = format!("{number:05}_{}", light::to_hex(rgb));
+    Frame {
+        rgb: format!("rgb/{name}.png"),
+        name,
+        linear: None,
+        paint: Paint::FlatRgb(rgb),
+        ..of.clone()
+    }
+}
+
+fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
+    let mut colours = args.flat.iter().map(|text| hex(text)).collect::<Result<Vec<_>, _>>()?;
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = colours.iter().find(|rgb| !seen.insert(**rgb)) {
+        return Err(format!(
+            "the colour {} is asked for twice; give each once",
+            light::to_hex(*twice)
+        )
+        .into());
+    }
+    let mut rng = Pcg32::seed_from_u64(args.seed);
+    while colours.len() < args.flat.len() + args.random as usize {
+        let rgb: [u8; 3] = std::array::from_fn(|_| rng.random());
+        if seen.insert(rgb) {
+            colours.push(rgb);
+        }
+    }
+    match colours.is_empty() {
+        true => Err("no colours were asked for: give --flat, --random, or both".into()),
+        false => Ok(colours),
+    }
+}

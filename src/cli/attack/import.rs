@@ -1,0 +1,36 @@
+//! `scaleproof attack import`: frames from another engine.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandResult, Outcome};
+use crate::attack::frames::LIST;
+use crate::attack::import::import;
+use crate::files;
+
+/// Make frames of a folder that another engine exported (CARLA's layout; see the README)
+#[derive(clap::Args)]
+pub struct ImportArgs {
+    /// The folder with import.json, poses.csv, rgb/ and mask/
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Folder for the frames
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
+    let list = args.output.join(LIST);
+    if list.exists() {
+        return Err(format!("{} is there already; give another folder", list.display()).into());
+    }
+    let same = |a: &PathBuf, b: &PathBuf| a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a));
+    if same(&args.folder, &args.output) {
+        return Err("the frames would be written over the pictures they come from; give another folder".into());
+    }
+    let new = import(&args.folder, &args.output, "attack import")?;
+    files::write_all_atomically(&new)?;
+    // Three pictures a frame, and the list.
+    writeln!(out, "{}: {} frames", list.display(), new.len() / 3)?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,222 @@
+//! `scaleproof attack render`: frames from Blender Cycles.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::print::wrap::ModelArgs;
+use super::{CommandResult, Outcome, progress};
+use crate::attack::frames::LIST;
+use crate::attack::light;
+use crate::attack::render::{Colour, Light, Plan, RenderRequest, blender, render};
+use crate::geometry::angle::wrap_360;
+use crate::pattern::Pattern;
+use crate::scene::Viewpoint;
+
+/// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
+#[derive(clap::Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90
+    #[arg(long, value_name = "LIGHT", num_args = 1.., default_value = "forest")]
+    light: Vec<String>,
+    /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every45
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "every45", allow_negative_numbers = true)]
+    azimuth_deg: Vec<String>,
+    #[arg(long, value_name = "DEG", num_args = 1.., default_value = "15", allow_negative_numbers = true)]
+    pitch_deg: Vec<f64>,
+    #[arg(long, value_name = "MM", num_args = 1.., default_value = "1000", allow_negative_numbers = true)]
+    distance_mm: Vec<f64>,
+    /// Flat colours as hex sRGB, as in 808080
+    #[arg(long, value_name = "HEX", num_args = 1..)]
+    flat: Vec<String>,
+    /// Patterns: PNG files with one pixel per cell, laid on the model as `print wrap` prints them
+    #[arg(long, value_name = "PNG", num_args = 1.., requires = "tile_mm")]
+    pattern: Vec<PathBuf>,
+    /// Width of one repeat of the patterns on the model, in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tile_mm: Option<f64>,
+    /// Width and height of the frames in pixels, as in 256 or 256x192
+    #[arg(long, value_name = "PX", default_value = "256")]
+    size_px: String,
+    /// Horizontal field of view
+    #[arg(long, value_name = "DEG", default_value_t = 50.0, allow_negative_numbers = true)]
+    field_of_view_deg: f64,
+    /// Light paths a pixel
+    #[arg(long, default_value_t = 64)]
+    samples: u32,
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Points along each side of a pixel at which the paint's position is kept
+    #[arg(long, default_value_t = 2)]
+    position_factor: u32,
+    /// Threads of Blender; 0 is all
+    #[arg(long, default_value_t = 0)]
+    threads: u32,
+    /// Folder for the frames; what is there already is kept
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
+    let plan = Plan::new(args.request()?)?;
+    crate::files::check_writable(&args.output)?;
+    let python = blender::find(&cache(), |sentence| eprintln!("{sentence}"))?;
+    let bar = progress::frames("rendering", plan.frames().len());
+    let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    finished?;
+    writeln!(
+        out,
+        "{}: {} frames",
+        args.output.join(LIST).display(),
+        plan.frames().len()
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
+fn cache() -> PathBuf {
+    match std::env::var_os("SCALEPROOF_HOME").filter(|home| !home.is_empty()) {
+        Some(home) => Path::new(&home).join(".cache"),
+        None => dirs::cache_dir().unwrap_or_else(std::env::temp_dir).join("scaleproof"),
+    }
+}
+
+impl RenderArgs {
+    fn request(&self) -> Result<RenderRequest, Box<dyn Error>> {
+        let mesh_file = self
+            .model
+            .mesh
+            .clone()
+            .ok_or("a model without a mesh cannot be rendered: give --mesh")?;
+        let model = self.model.load()?;
+        let viewpoints = viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
+        Ok(RenderRequest {
+            turn: self.model.placement()?.rotation(&mesh_file)?,
+            mesh: model.mesh,
+            materials: model.materials,
+            lights: self
+                .light
+                .iter()
+                .map(|text| text.parse())
+                .collect::<Result<Vec<Light>, _>>()?,
+            viewpoints,
+            colours: self.colours()?,
+            size_px: size(&self.size_px)?,
+            field_of_view_deg: self.field_of_view_deg,
+            samples: self.samples,
+            seed: self.seed,
+            factor: self.position_factor,
+            threads: self.threads,
+            made_by: self.made_by(&mesh_file),
+            mesh_file,
+        })
+    }
+
+    fn colours(&self) -> Result<Vec<Colour>, Box<dyn Error>> {
+        let mut colours = Vec::new();
+        for text in &self.flat {
+            colours.push(Colour::Flat(hex(text)?));
+        }
+        for path in &self.pattern {
+            let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
+            let name = path
+                .file_stem()
+                .map(|s| s.to_string_lossy().into_owned())
+                .unwrap_or_default();
+            colours.push(Colour::Pattern(name, Pattern::load(path)?, tile_mm));
+        }
+        Ok(colours)
+    }
+
+    /// The arguments that decide about the pixels, with files by their names only.
+    fn made_by(&self, mesh_file: &Path) -> String {
+        let name = |path: &Path| {
+            path.file_name()
+                .map(|n| n.to_string_lossy().into_owned())
+                .unwrap_or_default()
+        };
+        let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+        let mut text = format!(
+            "attack render --mesh {}{} --light {} --azimuth-deg {} --pitch-deg {} --distance-mm {}",
+            name(mesh_file),
+            self.model.described(),
+            self.light.join(" "),
+            self.azimuth_deg.join(" "),
+            numbers(&self.pitch_deg),
+            numbers(&self.distance_mm),
+        );
+        if !self.flat.is_empty() {
+            text += &format!(" --flat {}", self.flat.join(" "));
+        }
+        if let (false, Some(tile_mm)) = (self.pattern.is_empty(), self.tile_mm) {
+            let names: Vec<String> = self.pattern.iter().map(|p| name(p)).collect();
+            text += &format!(" --pattern {} --tile-mm {tile_mm}", names.join(" "));
+        }
+        text + &format!(
+            " --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
+            self.size_px, self.field_of_view_deg, self.samples, self.seed, self.position_factor
+        )
+    }
+}
+
+/// Every combination.
+fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
+    let mut all = Vec::new();
+    for &distance_mm in distances {
+        for &pitch_deg in pitches {
+            for &azimuth_deg in azimuths {
+                all.push(Viewpoint {
+                    azimuth_deg,
+                    pitch_deg,
+                    distance_mm,
+                });
+            }
+        }
+    }
+    all
+}
+
+fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
+    let bad = |text: &String| {
+        format!("azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step, as in every45")
+    };
+    let mut all = Vec::new();
+    for text in texts {
+        match text.strip_prefix("every") {
+            Some(step) => {
+                let step: f64 = step.parse().map_err(|_| bad(text))?;
+                let count = 360.0 / step;
+                if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
+                    return Err(bad(text).into());
+                }
+                all.extend((0..count.round() as usize).map(|i| i as f64 * step));
+            }
+            None => {
+                let degrees = text
+                    .parse()
+                    .ok()
+                    .filter(|d: &f64| d.is_finite())
+                    .ok_or_else(|| bad(text))?;
+                all.push(wrap_360(degrees));
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    match (width.parse(), height.parse()) {
+        (Ok(width), Ok(height)) => Ok([width, height]),
+        _ => Err(format!("the size '{text}' is not understood; write pixels, as in 256 or 256x192").into()),
+    }
+}
+
+/// A colour as six hexadecimal digits.
+pub fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
+    light::of_hex(text)
+        .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
+}
