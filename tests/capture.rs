@@ -11,7 +11,7 @@ use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use image::{GrayImage, Rgb, RgbImage};
 use rand::{RngExt, SeedableRng};
 use scaleproof::camera::Camera;
-use scaleproof::capture::{Capture, Frame, Guidance, Judge, Original, Store, Tolerance, usual, viewpoints_of};
+use scaleproof::capture::{Answer, Capture, Frame, Guidance, Judge, Original, Store, Tolerance, usual, viewpoints_of};
 use scaleproof::files::sha256_hex;
 use scaleproof::photo::Photo;
 use scaleproof::scene::Scene;
@@ -649,20 +649,8 @@ fn two_captures_do_not_fill_one_session() {
 #[test]
 fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     let out = tempfile::tempdir().unwrap();
-    let scene_file = skyline().join("scene.toml");
-    let scene = Scene::open(&scene_file).unwrap();
-    let camera_file = skyline().join("camera.yaml");
-    let store = Store::open(out.path(), &scene_file, &camera_file).unwrap();
-    let (pitch, distance) = usual(&scene.bins);
-    let tolerance = Tolerance::of_bins(&scene.bins, &[distance]);
-    let guidance = Guidance::at(
-        &viewpoints_of(&scene.bins, &[pitch], &[distance]),
-        tolerance,
-        &scene.bins,
-    );
-    let judge = Judge::new(&scene, TagDetectorChoice::default(), true).unwrap();
-    let camera = Camera::open(&camera_file).unwrap();
-    let mut capture = Capture::new(guidance, judge, store, camera, "normal", "yard");
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    let mut capture = live_capture(out.path(), &scene, 850.0);
     let mut see = |rgb: &RgbImage| {
         let frame = Frame {
             name: "live".into(),
@@ -680,6 +668,11 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
         "the first frame has none to be compared with"
     );
     assert_eq!(see(&rgb), Err("hold still".into()));
+    // Three frames are told to stay, the fourth is taken; one that moves in between begins it anew.
+    let stay = || Err("good: stay like this".into());
+    assert_eq!([see(&rgb), see(&rgb)], [stay(), stay()]);
+    assert_eq!([see(&moved), see(&rgb)], [(); 2].map(|()| Err("hold still".into())));
+    assert_eq!([see(&rgb), see(&rgb), see(&rgb)], [stay(), stay(), stay()]);
     assert_eq!(see(&rgb), Ok("normal_000.png".into()));
     assert_eq!(
         see(&rgb),
@@ -688,40 +681,122 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     assert_eq!(Photo::open(&out.path().join("normal_000.png")).unwrap().rgb, rgb);
 }
 
-/// One core: everything from a photo's bytes to the sentence, at 1280 × 960.
+/// By hand a frame need not be steady, and one that is not on target is told the way all the same.
+#[test]
+fn a_photo_is_taken_by_hand_on_target_only() {
+    let out = tempfile::tempdir().unwrap();
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
+    capture.set_auto(false);
+    let shown = Photo::open(&photo(1)).unwrap().rgb;
+    let frame = |rgb: &RgbImage| Frame {
+        name: "live".into(),
+        taken: None,
+        original: Original::Pixels(rgb.clone()),
+    };
+    let said = |answer: Answer| {
+        answer
+            .verdict
+            .map(|(photo, _)| photo)
+            .map_err(|advice| advice.to_string())
+    };
+    for i in 0..6 {
+        let expected = if i == 0 { "hold still" } else { "good: take the photo" };
+        assert_eq!(said(capture.see(&frame(&shown)).unwrap()), Err(expected.into()), "{i}");
+    }
+    let bright = exposed(&shown, 1.5);
+    assert!(
+        said(capture.see(&frame(&bright)).unwrap())
+            .unwrap_err()
+            .starts_with("too bright")
+    );
+    let taken = capture.shoot(&frame(&bright)).unwrap();
+    assert!(taken.tags.len() > 2);
+    assert_eq!(said(taken), Ok("normal_000.png".into()));
+    assert_eq!(
+        read_json(&out.path().join("a/normal_000.capture.json"))["is_by_hand"],
+        true
+    );
+    // No second one of the same view, none of a view that nobody wants, none without tags.
+    assert!(
+        said(capture.shoot(&frame(&shown)).unwrap())
+            .unwrap_err()
+            .starts_with("this view is there")
+    );
+    assert_eq!(capture.undo().unwrap(), Some("normal_000.png".into()));
+    let mut far = live_capture(&out.path().join("b"), &scene, 3000.0);
+    assert!(said(far.shoot(&frame(&shown)).unwrap()).unwrap_err().ends_with(" back"));
+    let grey = RgbImage::from_pixel(1280, 960, Rgb([120; 3]));
+    assert!(
+        said(capture.shoot(&frame(&grey)).unwrap())
+            .unwrap_err()
+            .starts_with("I see no tag")
+    );
+    assert_eq!(
+        said(capture.shoot(&frame(&shown)).unwrap()),
+        Ok("normal_001.png".into())
+    );
+    drop(capture);
+    assert_eq!(listed(&out.path().join("a")).len(), 1);
+}
+
+/// A capture of a running camera, of the usual pitch at a distance.
+fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {
+    let (scene_file, camera_file) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
+    let tolerance = Tolerance::of_bins(&scene.bins, &[distance_mm]);
+    let views = viewpoints_of(&scene.bins, &[usual(&scene.bins).0], &[distance_mm]);
+    let guidance = Guidance::at(&views, tolerance, &scene.bins);
+    let judge = Judge::new(scene, TagDetectorChoice::default(), true).unwrap();
+    let store = Store::open(session, &scene_file, &camera_file).unwrap();
+    Capture::new(
+        guidance,
+        judge,
+        store,
+        Camera::open(&camera_file).unwrap(),
+        "normal",
+        "yard",
+    )
+}
+
+/// Everything from a frame's bytes to the sentence, at 1280 × 960, in processor time of this thread: what else the machine does is not ours.
+/// Frames in which no tag is found cost most, as they are searched twice; a tenth are of that kind.
+#[cfg(target_os = "linux")]
 #[test]
 fn latency_from_frame_to_advice() {
-    let scene_file = skyline().join("scene.toml");
-    let scene = Scene::open(&scene_file).unwrap();
-    let camera = Camera::open(&skyline().join("camera.yaml")).unwrap();
-    let bytes: Vec<Vec<u8>> = (0..8).map(|i| std::fs::read(photo(i)).unwrap()).collect();
-    for choice in TagDetectorChoice::ALL.into_iter().take(7) {
-        let out = tempfile::tempdir().unwrap();
-        let store = Store::open(out.path(), &scene_file, &skyline().join("camera.yaml")).unwrap();
-        // Views that no photo shows, so that nothing is written.
-        let tolerance = Tolerance::of_bins(&scene.bins, &[3000.0]);
-        let guidance = Guidance::at(&viewpoints_of(&scene.bins, &[15.0], &[3000.0]), tolerance, &scene.bins);
-        let judge = Judge::new(&scene, choice, false).unwrap();
-        let mut capture = Capture::new(guidance, judge, store, camera.clone(), "normal", "yard");
-        let mut ms: Vec<f64> = Vec::new();
-        for bytes in bytes.iter().cycle().take(40) {
-            let frame = Frame {
-                name: "frame".into(),
-                taken: None,
-                original: Original::Encoded(bytes.clone()),
-            };
-            let start = Instant::now();
-            let advice = capture.see(&frame).unwrap().verdict.unwrap_err().to_string();
-            ms.push(start.elapsed().as_secs_f64() * 1000.0);
-            assert!(
-                advice.ends_with(" back") || choice != TagDetectorChoice::default(),
-                "{advice}"
-            );
-        }
-        ms.sort_by(f64::total_cmp);
-        println!(
-            "{choice}: median {:.0} ms, 95 % {:.0} ms, least {:.0} ms",
-            ms[20], ms[37], ms[0]
+    let out = tempfile::tempdir().unwrap();
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    // Views that no photo shows, so that nothing is written.
+    let mut capture = live_capture(out.path(), &scene, 3000.0);
+    let mut frames: Vec<Vec<u8>> = (0..8).map(|i| std::fs::read(photo(i)).unwrap()).collect();
+    let rgb = Photo::open(&photo(0)).unwrap().rgb;
+    let tags = tags_of(&image::imageops::grayscale(&rgb));
+    frames.push(jpeg(&covered(&rgb, &tags, &[])));
+    let (mut ms, mut located) = (Vec::new(), 0);
+    for bytes in frames.iter().cycle().take(90) {
+        let frame = Frame {
+            name: "frame".into(),
+            taken: None,
+            original: Original::Encoded(bytes.clone()),
+        };
+        let start = thread_ms();
+        let answer = capture.see(&frame).unwrap();
+        let advice = answer.verdict.unwrap_err().to_string();
+        ms.push(thread_ms() - start);
+        located += usize::from(answer.viewpoint.is_some());
+        assert!(
+            advice.ends_with(" back") || advice.starts_with("I see no tag"),
+            "{advice}"
         );
     }
+    assert_eq!(located, 80);
+    ms.sort_by(f64::total_cmp);
+    println!("median {:.0} ms, 95 % {:.0} ms, most {:.0} ms", ms[45], ms[85], ms[89]);
+    assert!(ms[45] <= 60.0 && ms[85] <= 120.0, "{ms:?}");
+}
+
+/// Milliseconds that this thread has had a processor.
+#[cfg(target_os = "linux")]
+fn thread_ms() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+    text.split(' ').next().unwrap().parse::<f64>().unwrap() / 1e6
 }

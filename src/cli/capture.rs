@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
 use super::{CommandResult, Outcome};
 use crate::camera::Camera;
 use crate::capture::{
-    Answer, Capture, FrameSource, Guidance, Judge, Measures, Replay, SourceName, Store, Target, Tolerance, Watch, pair,
-    usual, viewpoints_of,
+    Advice, Answer, Capture, FrameSource, Guidance, Judge, LiveCamera, Measures, Replay, SourceName, Store, Target,
+    Tolerance, Watch, live::list_cameras, pair, usual, viewpoints_of,
 };
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
 use crate::tags::TagDetectorChoice;
@@ -21,9 +21,27 @@ use crate::tags::TagDetectorChoice;
 /// Originals are never changed. A capture that was stopped goes on where it was when it is called again with the same session. Exit code
 /// 0 when every view is there, else 2.
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Args {
-    /// Where photos come from: replay:DIR (the photos of --variant in a stored session) or watch:DIR (a folder that a phone or camera
-    /// copies into)
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    guided: Option<Guided>,
+    // Not inside `Guided`: clap takes a group with another in it for absent.
+    #[command(flatten)]
+    wanted: Wanted,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// List the cameras of this machine
+    ListCameras,
+}
+
+#[derive(clap::Args)]
+struct Guided {
+    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into), or
+    /// replay:DIR (the photos of --variant in a stored session)
     #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
@@ -41,8 +59,6 @@ pub struct Args {
     /// The session's folder; one that is there already is gone on with
     #[arg(short, long, value_name = "SESSION")]
     output: PathBuf,
-    #[command(flatten)]
-    wanted: Wanted,
     /// First take back the photos of a bin, named by its azimuth, or by azimuth/pitch/distance as in 90/15/850
     #[arg(long, value_name = "BIN", value_parser = meant)]
     redo: Option<Meant>,
@@ -118,16 +134,46 @@ struct Summary {
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    check_names(&args)?;
+    match (args.command, args.guided) {
+        (Some(Command::ListCameras), _) => list(out),
+        (None, Some(guided)) => guide(&guided, &args.wanted, out),
+        (None, None) => Err("say where photos come from with --source (see --help)".into()),
+    }
+}
+
+fn list(out: &mut dyn Write) -> CommandResult {
+    let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
+    if cameras.is_empty() {
+        writeln!(
+            out,
+            "no camera is there: plug one in, or watch the folder of a phone (--source watch:DIR)"
+        )?;
+    }
+    for camera in cameras {
+        writeln!(
+            out,
+            "camera:{}  {}  ({})",
+            camera.number, camera.name, camera.description
+        )?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn guide(args: &Guided, wanted: &Wanted, out: &mut dyn Write) -> CommandResult {
+    check_names(args)?;
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
-    let guidance = args.wanted.guidance(&scene.bins)?;
-    let mut source = args.source.as_ref().map(|name| open_source(name, &args)).transpose()?;
+    let guidance = wanted.guidance(&scene.bins)?;
+    let mut source = args
+        .source
+        .as_ref()
+        .map(|name| open_source(name, args, &camera))
+        .transpose()?;
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
     let store = Store::open(&args.output, &args.scene, &args.camera)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
-    take_back(&args, &scene, &mut capture, out)?;
+    take_back(args, &scene, &mut capture, out)?;
     if let Some(source) = &mut source {
         follow(source.as_mut(), &mut capture, args.json, out)?;
     }
@@ -135,7 +181,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
-fn check_names(args: &Args) -> Result<(), String> {
+fn check_names(args: &Guided) -> Result<(), String> {
     for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
         if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
             return Err(format!(
@@ -148,7 +194,7 @@ fn check_names(args: &Args) -> Result<(), String> {
         whole(folder).is_some() && whole(folder) == whole(&args.output)
     };
     match &args.source {
-        Some(name) if same(name.folder()) => Err(format!(
+        Some(name) if name.folder().is_some_and(same) => Err(format!(
             "{} is both the source and the session: capture into another folder",
             args.output.display()
         )),
@@ -156,21 +202,26 @@ fn check_names(args: &Args) -> Result<(), String> {
     }
 }
 
-fn open_source(name: &SourceName, args: &Args) -> Result<Box<dyn FrameSource>, Box<dyn std::error::Error>> {
+fn open_source(
+    name: &SourceName,
+    args: &Guided,
+    camera: &Camera,
+) -> Result<Box<dyn FrameSource>, Box<dyn std::error::Error>> {
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
             Ok(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?))
         }
-        SourceName::Watch(_) if args.shuffle.is_some() || args.fps.is_some() => {
+        SourceName::Watch(_) | SourceName::Camera(_) if args.shuffle.is_some() || args.fps.is_some() => {
             Err("--shuffle and --fps are for replay: sources: leave them out".into())
         }
         SourceName::Watch(folder) => Ok(Box::new(Watch::open(folder, args.headless)?)),
+        SourceName::Camera(number) => Ok(Box::new(LiveCamera::open(*number, camera)?)),
     }
 }
 
 fn take_back(
-    args: &Args,
+    args: &Guided,
     scene: &Scene,
     capture: &mut Capture,
     out: &mut dyn Write,
@@ -199,24 +250,59 @@ fn follow(
     json: bool,
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let mut said = BTreeSet::new();
+    let mut told = Told::default();
+    let mut settings = None;
     while !capture.guidance().is_finished() {
         let Some(frame) = source.next()? else { break };
+        if settings != source.settings() {
+            settings = source.settings();
+            settings.iter().for_each(|settings| eprintln!("note: {settings}"));
+            capture.set_camera_settings(settings.clone());
+        }
         let answer = capture.see(&frame)?;
-        for caution in answer.cautions.iter().filter(|caution| said.insert((*caution).clone())) {
+        for caution in answer.cautions.iter().filter(|caution| told.is_new(caution)) {
             eprintln!("note: {caution}");
         }
+        let guidance = capture.guidance();
         match json {
-            true => writeln!(
-                out,
-                "{}",
-                serde_json::to_string(&line(&frame.name, &answer, capture.guidance()))?
-            )?,
-            false => writeln!(out, "{}", sentence(&frame.name, &answer, capture.guidance()))?,
+            true => writeln!(out, "{}", serde_json::to_string(&line(&frame.name, &answer, guidance))?)?,
+            false if source.is_stream() && !told.is_worth_saying(&answer) => continue,
+            false => writeln!(out, "{}", sentence(&frame.name, &answer, guidance))?,
         }
         out.flush()?;
     }
     Ok(())
+}
+
+/// What was said already: twenty frames a second would not be read.
+#[derive(Default)]
+struct Told {
+    cautions: BTreeSet<String>,
+    last: Option<(Advice, Instant)>,
+}
+
+/// Advice of the same kind is said again after this time.
+const AGAIN: Duration = Duration::from_millis(700);
+
+impl Told {
+    fn is_new(&mut self, caution: &str) -> bool {
+        self.cautions.insert(caution.to_owned())
+    }
+
+    /// Photos always are, advice when it is of another kind than the last, or after a while another amount.
+    fn is_worth_saying(&mut self, answer: &Answer) -> bool {
+        let Err(advice) = &answer.verdict else {
+            self.last = None;
+            return true;
+        };
+        if let Some((last, when)) = &self.last
+            && (last.to_string() == advice.to_string() || last.code() == advice.code() && when.elapsed() < AGAIN)
+        {
+            return false;
+        }
+        self.last = Some((advice.clone(), Instant::now()));
+        true
+    }
 }
 
 fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a> {
