@@ -267,7 +267,8 @@ fn follow(
         match json {
             true => writeln!(out, "{}", serde_json::to_string(&line(&frame.name, &answer, guidance))?)?,
             false if source.is_stream() && !told.is_worth_saying(&answer) => continue,
-            false => writeln!(out, "{}", sentence(&frame.name, &answer, guidance))?,
+            false if source.is_stream() => writeln!(out, "{}", sentence(&answer, guidance))?,
+            false => writeln!(out, "{}: {}", frame.name, sentence(&answer, guidance))?,
         }
         out.flush()?;
     }
@@ -319,18 +320,18 @@ fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a>
     }
 }
 
-fn sentence(frame: &str, answer: &Answer, guidance: &Guidance) -> String {
+fn sentence(answer: &Answer, guidance: &Guidance) -> String {
     match &answer.verdict {
         Ok((photo, target)) => {
             let targets = guidance.targets();
             let filled = targets.len() - guidance.open().count();
             format!(
-                "{frame}: taken as {photo}, {} ({filled} of {})",
+                "taken as {photo}, {} ({filled} of {})",
                 name(&targets[*target]),
                 targets.len()
             )
         }
-        Err(advice) => format!("{frame}: {advice}"),
+        Err(advice) => advice.to_string(),
     }
 }
 
