@@ -7,6 +7,7 @@ pub mod attack;
 pub mod board;
 pub mod calibrate;
 pub mod camera;
+pub mod capture;
 pub mod chart;
 pub mod cli;
 pub mod colour_chart;

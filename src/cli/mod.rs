@@ -3,6 +3,7 @@
 mod attack;
 mod calibrate;
 mod camera;
+mod capture;
 mod chart;
 mod colour;
 mod compare;
@@ -44,6 +45,7 @@ enum Command {
     Pattern(pattern::Args),
     Camera(camera::Args),
     Colour(colour::Args),
+    Capture(capture::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
     Session(session::Args),
@@ -81,6 +83,7 @@ pub fn main() -> ExitCode {
         Command::Pattern(args) => pattern::run(args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
+        Command::Capture(args) => capture::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
         Command::Session(args) => session::run(args, out),

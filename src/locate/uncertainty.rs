@@ -4,7 +4,7 @@
 //! scene measured wrongly) leaves the residuals small and is not.
 
 use nalgebra::{Matrix3, Matrix6, Point3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::matches::Corners;
 use super::refine::{self, NO_BEND};
@@ -24,7 +24,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 const BEND: f64 = 2.0;
 
 /// Standard deviations of a viewpoint.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sigma {
     pub azimuth_deg: f64,
     pub pitch_deg: f64,

@@ -35,7 +35,11 @@ pub struct PhotoFile {
 impl PhotoFile {
     /// Reads a JPEG or PNG file, whatever its name says. A cut JPEG is refused here already.
     pub fn open(path: &Path) -> Result<PhotoFile, PhotoError> {
-        let bytes = files::read(path)?;
+        PhotoFile::of_bytes(path, files::read(path)?)
+    }
+
+    /// The same of bytes that are in memory; `path` is what messages call them.
+    pub fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<PhotoFile, PhotoError> {
         let header = Header::of(&bytes).map_err(|problem| problem.at(path))?;
         let [width, height] = match lies_across(header.orientation) {
             true => [header.size[1], header.size[0]],
@@ -51,6 +55,19 @@ impl PhotoFile {
             orientation: header.orientation,
             has_luma: header.has_luma,
         })
+    }
+
+    /// The file's bytes as they were read.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// `jpg` or `png`, by the content.
+    pub fn extension(&self) -> &'static str {
+        match image::guess_format(&self.bytes) {
+            Ok(ImageFormat::Png) => "png",
+            _ => "jpg",
+        }
     }
 
     /// Brightness at full size, upright: the Y' that a JPEG keeps (ITU-T T.871), else made from the colours. Decoding it alone

@@ -34,7 +34,7 @@ pub(super) fn is_whole(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64)
 }
 
 /// Grey levels along a square ring, `depth` (share of the side) inside the outline; `None` when it leaves the picture.
-fn ring(grey: &GrayImage, square: &Square, depth: f64) -> Option<Vec<f64>> {
+pub(super) fn ring(grey: &GrayImage, square: &Square, depth: f64) -> Option<Vec<f64>> {
     let (low, high) = (depth, 1.0 - depth);
     let mut levels = Vec::with_capacity(4 * SAMPLES);
     for i in 0..SAMPLES {
@@ -55,7 +55,7 @@ fn level(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {
     image::imageops::interpolate_bilinear(grey, x as f32, y as f32).map(|p| f64::from(p.0[0]))
 }
 
-fn median(values: &[f64]) -> f64 {
+pub(super) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]

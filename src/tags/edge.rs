@@ -18,6 +18,8 @@ pub(super) struct Sample {
 pub(super) struct Edge {
     pub offset: f64,
     pub slope: f64,
+    /// Standard deviation of the blur across it, px.
+    pub blur: f64,
 }
 
 /// Difference of light between the two sides below which there is no edge, full scale 1.
@@ -62,7 +64,7 @@ pub(super) fn fit(samples: &[Sample], band: f64) -> Option<Edge> {
     let misfit = (cost / samples.len() as f64).sqrt();
     let seen =
         contrast > MIN_CONTRAST && misfit < MAX_MISFIT * contrast && blur < band && offset.abs() + slope.abs() < band;
-    seen.then_some(Edge { offset, slope })
+    seen.then_some(Edge { offset, slope, blur })
 }
 
 /// Levels from the two outer thirds of the band; `None` without pixels on both sides.

@@ -1,5 +1,6 @@
 //! Tag detectors: photo in, tag corners out. And the other way: what a tag or marker looks like.
 
+mod appearance;
 mod apriltag_c;
 mod aruco;
 mod aruco_markers;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::TagFamily;
 use square::Square;
 
+pub use appearance::Appearance;
 pub use apriltag_c::AprilTagC;
 pub use aruco::{ArucoOpenCv, ArucoRefiner};
 pub use aruco_markers::{DictionaryError, MarkerDictionary};

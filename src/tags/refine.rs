@@ -114,6 +114,13 @@ pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: 
     Some(edge::fit(&stretch.samples(grey, band)?, band)?.offset)
 }
 
+/// How blurred the edge is from one point near it to the other: the standard deviation in px, or infinity where none is seen in the band about
+/// the way between them. `None` when the band leaves the picture.
+pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
+    let samples = Stretch::between(from, to).samples(grey, band)?;
+    Some(edge::fit(&samples, band).map_or(f64::INFINITY, |edge| edge.blur))
+}
+
 /// A line through a point, px.
 #[derive(Debug, Clone, Copy)]
 struct Line {
@@ -165,7 +172,7 @@ impl Stretch {
     }
 
     fn fit(&self, grey: &GrayImage, band: f64) -> Option<Line> {
-        let Edge { offset, slope } = edge::fit(&self.samples(grey, band)?, band)?;
+        let Edge { offset, slope, .. } = edge::fit(&self.samples(grey, band)?, band)?;
         let normal = inward_normal(self.direction);
         let turn = slope / self.half;
         let norm = turn.hypot(1.0);

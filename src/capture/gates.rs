@@ -1,0 +1,327 @@
+//! What must hold of a frame before it is taken: located, on target, sharp, well exposed, steady.
+
+use image::GrayImage;
+use serde::{Deserialize, Serialize};
+
+use super::advice::Advice;
+use super::guidance::Guidance;
+use crate::camera::Camera;
+use crate::geometry::Rigid;
+use crate::locate::{self, Abstention, Located};
+use crate::scene::{Scene, Tag};
+use crate::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
+
+/// Standard deviation of blur, px in a picture 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
+/// detectors see it reduced. Table in `docs/lessons.md`.
+pub const MAX_BLUR_PX: f64 = 1.5;
+
+/// Paper darker or lighter than this, of 255, is under- or overexposed: white paper is the lightest thing that must still have a tone.
+pub const MIN_WHITE: f64 = 80.0;
+pub const MAX_WHITE: f64 = 250.0;
+
+/// Share of the picture's part with the model that may have lost its tone to white.
+pub const MAX_CLIPPED: f64 = 0.1;
+const CLIPPED: u8 = 254;
+
+/// How far tags may move from frame to frame, px in a picture 1280 px long.
+pub const MAX_MOVED_PX: f64 = 2.0;
+
+/// The long side that the limits in px are for.
+const LONG_SIDE_PX: f64 = 1280.0;
+
+/// Without any tag, a picture of this mean grey level or less is dark, of that or more bright.
+const DARK_MEAN: f64 = 25.0;
+const BRIGHT_MEAN: f64 = 230.0;
+
+/// Without any whole tag, a picture whose steepest edges are as wide as this blur (σ, px of 1280) is blurred.
+const HOPELESS_BLUR_PX: f64 = 3.5;
+
+/// What was measured of a frame, for its sidecar.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measures {
+    /// Standard deviation of the blur on the tags' borders; absent when none could be fitted.
+    pub blur_px: Option<f64>,
+    /// The paper of the tags, 0–255.
+    pub white_level: Option<f64>,
+    /// Share of the pixels about the model that are white.
+    pub clipped_share: Option<f64>,
+    /// Median way of the tags' corners since the last frame; absent for photos taken one by one.
+    pub moved_px: Option<f64>,
+}
+
+/// What a frame shows, and what follows from it.
+#[derive(Debug, Clone)]
+pub struct Judgement {
+    pub seen: Vec<SeenTag>,
+    pub located: Option<Located>,
+    pub measures: Measures,
+    /// The target the frame stands at, whatever its light, focus and steadiness, or what keeps it from one.
+    pub place: Result<usize, Advice>,
+    /// The target the frame may fill, or what keeps it from that.
+    pub verdict: Result<usize, Advice>,
+}
+
+/// Judges frames. Holds a tag detector, so each thread needs its own.
+pub struct Judge {
+    tags: Box<dyn TagDetector>,
+    /// A faster search for the frames of a stream. What it finds is told; what is taken was found by `tags`.
+    live: Option<Box<dyn TagDetector>>,
+    scene: Scene,
+    is_stream: bool,
+    /// Tags of the last frame of a stream.
+    last: Vec<SeenTag>,
+}
+
+impl Judge {
+    /// `is_stream`: [`super::source::FrameSource::is_stream`].
+    ///
+    /// # Errors
+    /// The tag detector does not start.
+    pub fn new(scene: &Scene, detector: TagDetectorChoice, is_stream: bool) -> Result<Judge, StartError> {
+        let families = scene.families();
+        Ok(Judge {
+            tags: detector.open(&families)?,
+            live: if is_stream {
+                detector.open_live(&families)?
+            } else {
+                None
+            },
+            scene: scene.clone(),
+            is_stream,
+            last: Vec::new(),
+        })
+    }
+
+    /// Whether the frames are those of a stream.
+    pub fn is_stream(&self) -> bool {
+        self.is_stream
+    }
+
+    /// Judges an upright frame; `camera` fits it.
+    ///
+    /// A photo that somebody took on purpose is told first what would spoil it anywhere. Somebody who walks with a running camera is
+    /// told the way first, as walking blurs.
+    pub fn judge(&mut self, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+        let at_once = self.live.as_mut().map(|live| live.find(grey));
+        let at_once = at_once.map(|seen| self.weigh(seen, None, grey, camera, guidance));
+        let judgement = match at_once.filter(|judgement| judgement.located.is_some()) {
+            Some(judgement) => judgement,
+            None => {
+                let seen = self.tags.find(grey);
+                self.weigh(seen, None, grey, camera, guidance)
+            }
+        };
+        self.last.clone_from(&judgement.seen);
+        judgement
+    }
+
+    /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
+    pub fn confirm(&mut self, first: Judgement, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+        if self.live.is_none() {
+            return first;
+        }
+        let seen = self.tags.find(grey);
+        self.weigh(seen, first.measures.moved_px, grey, camera, guidance)
+    }
+
+    /// What follows from the tags that were seen. `moved`: their way since the last frame, where it is known already.
+    fn weigh(
+        &self,
+        seen: Vec<SeenTag>,
+        moved: Option<f64>,
+        grey: &GrayImage,
+        camera: &Camera,
+        guidance: &Guidance,
+    ) -> Judgement {
+        let located = locate::locate(&seen, &self.scene, camera);
+        let appearance = Appearance::of(grey, &seen);
+        let pose = located.as_ref().ok().map(|l| &l.pose);
+        let measures = Measures {
+            blur_px: appearance.blur_px.filter(|px| px.is_finite()),
+            white_level: appearance.white_level,
+            clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, camera)),
+            moved_px: moved.or_else(|| self.is_stream.then(|| moved_px(&self.last, &seen)).flatten()),
+        };
+        let light = light(&measures, &seen, grey);
+        let focus = focus(&appearance, &seen, grey);
+        let (place, first_fault) = match &located {
+            Err(abstention) => {
+                let advice = light.or(focus);
+                (
+                    Err(advice.unwrap_or_else(|| self.not_located(abstention.clone(), &seen))),
+                    None,
+                )
+            }
+            Ok(located) => {
+                let place = place(located, guidance);
+                let still = self.unsteady(&measures, grey);
+                let order = match self.is_stream {
+                    true => [light, place.clone().err(), focus, still],
+                    false => [light, focus, place.clone().err(), None],
+                };
+                (place, order.into_iter().flatten().next())
+            }
+        };
+        Judgement {
+            seen,
+            located: located.ok(),
+            measures,
+            verdict: first_fault.map_or_else(|| place.clone(), Err),
+            place,
+        }
+    }
+
+    fn unsteady(&self, measures: &Measures, grey: &GrayImage) -> Option<Advice> {
+        // The first frame of a stream has none to be compared with.
+        let moves = measures.moved_px.is_none_or(|px| px > MAX_MOVED_PX * enlarged(grey));
+        (self.is_stream && moves).then_some(Advice::Moving)
+    }
+
+    fn not_located(&self, abstention: Abstention, seen: &[SeenTag]) -> Advice {
+        match (&abstention, seen) {
+            (Abstention::NoTags, _) => Advice::NoTags,
+            (
+                Abstention::OneTagCovered { id }
+                | Abstention::OneTagFrontal { id, .. }
+                | Abstention::OneTagAmbiguous { id, .. },
+                [only],
+            ) => {
+                let tag = self.scene.tag(only.family, *id);
+                Advice::OneTag {
+                    id: *id,
+                    beside: tag.and_then(|tag| beside(tag, &self.scene)).map(|tag| tag.id),
+                }
+            }
+            _ => Advice::NotLocated(abstention),
+        }
+    }
+}
+
+/// How many times longer a picture is than the one the limits are for; small ones have the same limits.
+fn enlarged(grey: &GrayImage) -> f64 {
+    (f64::from(grey.width().max(grey.height())) / LONG_SIDE_PX).max(1.0)
+}
+
+/// The target that a viewpoint fills, or the way to one.
+fn place(located: &Located, guidance: &Guidance) -> Result<usize, Advice> {
+    let from = &located.viewpoint;
+    let next = guidance.nearest_open(from).map(|i| (i, guidance.step(i, from)));
+    match next {
+        Some((target, None)) => Ok(target),
+        Some((_, Some(step))) if guidance.filled_at(from).is_none() => Err(Advice::Walk(step)),
+        next => Err(Advice::Filled {
+            then: next.and_then(|(_, step)| step),
+        }),
+    }
+}
+
+/// Too dark or too bright.
+fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
+    let (dark, bright) = match measures.white_level {
+        Some(white) => (white < MIN_WHITE, white > MAX_WHITE),
+        None if seen.is_empty() => {
+            let mean = grey.as_raw().iter().map(|v| f64::from(*v)).sum::<f64>() / grey.as_raw().len().max(1) as f64;
+            (mean <= DARK_MEAN, mean >= BRIGHT_MEAN)
+        }
+        None => (false, false),
+    };
+    let is_clipped = measures.clipped_share.is_some_and(|share| share > MAX_CLIPPED);
+    match (dark, bright || is_clipped) {
+        (true, _) => Some(Advice::TooDark),
+        (_, true) => Some(Advice::TooBright),
+        _ => None,
+    }
+}
+
+/// Blurred, or too small to tell.
+fn focus(appearance: &Appearance, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
+    let enlarged = enlarged(grey);
+    // Blur beyond what a tag's border can take hides the tags, or leaves them looking covered.
+    if !seen.iter().any(|tag| tag.is_whole) {
+        let is_hopeless = sharpest_edge_px(grey).is_some_and(|px| px > HOPELESS_BLUR_PX * enlarged);
+        return is_hopeless.then_some(Advice::Blurred { blur_px: None });
+    }
+    match appearance.blur_px {
+        Some(px) if px > MAX_BLUR_PX * enlarged => Some(Advice::Blurred { blur_px: Some(px) }),
+        Some(_) => None,
+        None => Some(Advice::TooSmall),
+    }
+}
+
+/// The blur (σ, px) that would make the steepest edges of a picture from its own contrast: C / (g √2π) for the gradient g of a thousandth of
+/// the pixels. Coarse; for pictures without a whole tag. `None` for a picture of one tone.
+fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
+    let mut steep = [0u32; 256];
+    let mut tones = [0u32; 256];
+    let (width, height) = grey.dimensions();
+    let raw = grey.as_raw();
+    let stride = width as usize;
+    for y in 1..height.saturating_sub(1) as usize {
+        for x in 1..width.saturating_sub(1) as usize {
+            let i = y * stride + x;
+            let across = raw[i + 1]
+                .abs_diff(raw[i - 1])
+                .max(raw[i + stride].abs_diff(raw[i - stride]));
+            steep[usize::from(across)] += 1;
+            tones[usize::from(raw[i])] += 1;
+        }
+    }
+    let count: u32 = tones.iter().sum();
+    let level = |histogram: &[u32; 256], share: f64| {
+        let mut below = 0;
+        (0..256).find(|v| {
+            below += histogram[*v];
+            f64::from(below) > share * f64::from(count)
+        })
+    };
+    let contrast = level(&tones, 0.99)?.saturating_sub(level(&tones, 0.01)?) as f64;
+    let gradient = level(&steep, 0.999)? as f64 / 2.0;
+    (contrast > 0.0 && gradient > 0.0).then(|| contrast / (gradient * std::f64::consts::TAU.sqrt()))
+}
+
+/// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the picture.
+fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera) -> Option<f64> {
+    let corners = scene
+        .model
+        .box_corners_mm()
+        .map(|corner| camera.project(&(pose * corner)));
+    let corners: Vec<[f64; 2]> = corners.into_iter().flatten().collect();
+    let range = |axis: usize, size: u32| {
+        let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
+        let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+        low.clamp(0.0, f64::from(size)) as u32..high.clamp(0.0, f64::from(size)) as u32
+    };
+    let (columns, rows) = (range(0, grey.width()), range(1, grey.height()));
+    let pixels = u64::from(columns.end.saturating_sub(columns.start)) * u64::from(rows.end.saturating_sub(rows.start));
+    let in_row = |y: u32| {
+        columns
+            .clone()
+            .filter(|x| grey.get_pixel(*x, y).0[0] >= CLIPPED)
+            .count() as u64
+    };
+    let clipped: u64 = rows.map(in_row).sum();
+    (pixels > 0).then(|| clipped as f64 / pixels as f64)
+}
+
+/// The median way of the corners of the tags that both frames show.
+fn moved_px(last: &[SeenTag], seen: &[SeenTag]) -> Option<f64> {
+    let pairs = seen.iter().filter_map(|tag| {
+        let before = last.iter().find(|l| (l.family, l.id) == (tag.family, tag.id))?;
+        Some(tag.corners_px.iter().zip(&before.corners_px))
+    });
+    let mut ways: Vec<f64> = pairs.flatten().map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).collect();
+    ways.sort_by(f64::total_cmp);
+    ways.get(ways.len() / 2).copied()
+}
+
+/// The nearest other tag that faces a similar way.
+fn beside<'a>(tag: &Tag, scene: &'a Scene) -> Option<&'a Tag> {
+    let normal = |tag: &Tag| tag.right.cross(&tag.up);
+    let others = scene
+        .tags
+        .iter()
+        .filter(|other| (other.family, other.id) != (tag.family, tag.id) && normal(other).dot(&normal(tag)) > 0.0);
+    let away = |other: &Tag| (other.centre_mm - tag.centre_mm).norm();
+    others.min_by(|a, b| away(a).total_cmp(&away(b)))
+}

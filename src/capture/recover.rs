@@ -1,0 +1,81 @@
+//! Finishes what an earlier capture was stopped in.
+//!
+//! | found | what it was | what becomes of it |
+//! |---|---|---|
+//! | a file `.….partial` | being written | removed |
+//! | a photo without sidecar that is not listed | being accepted, sidecar not yet written; or being taken back, all but the photo moved | moved to `taken_back` |
+//! | a photo and its sidecar, not listed | accepted, list not yet written | listed |
+//! | a listed photo whose sidecar is in `taken_back` | being taken back | taken back |
+
+use super::store::{SESSION, Store, StoreError, TAKEN_BACK, names, number, sidecar_of, sidecars};
+use crate::files;
+use crate::session::Session;
+
+pub(super) fn recover(store: &mut Store) -> Result<(), StoreError> {
+    let folder = store.folder.clone();
+    let mut there = names(&folder)?;
+    for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {
+        files::remove(&folder.join(partial))?;
+    }
+    let listed: Vec<String> = match folder.join(SESSION).exists() {
+        true => Session::open(&folder)?
+            .photos
+            .into_iter()
+            .map(|photo| photo.file)
+            .collect(),
+        false => Vec::new(),
+    };
+    let mut valid = sidecars(&folder)?;
+    let away = sidecars(&folder.join(TAKEN_BACK))?;
+    let put_away = names(&folder.join(TAKEN_BACK))?;
+    for photo in listed.iter().filter(|photo| !valid.contains_key(*photo)) {
+        if !away.contains_key(photo) {
+            return Err(StoreError::Content {
+                path: folder.join(SESSION),
+                message: format!(
+                    "{photo} has no {}: no capture made this session, so capture into a new folder",
+                    sidecar_of(photo)
+                ),
+            });
+        }
+    }
+    // A sidecar without photo: somebody removed the photo. One that is listed is missed.
+    for photo in valid.keys().filter(|photo| !there.contains(photo)) {
+        if listed.contains(photo) {
+            return Err(StoreError::Content {
+                path: folder.join(photo),
+                message: "this accepted photo is gone: bring it back, or remove its line from session.json".into(),
+            });
+        }
+    }
+    valid.retain(|photo, _| there.contains(photo));
+    for (photo, sidecar) in &valid {
+        let path = folder.join(photo);
+        if files::sha256_hex(&files::read(&path)?) != sidecar.sha256 {
+            return Err(StoreError::Content {
+                path,
+                message: "this is not the photo that was accepted: bring the original back".into(),
+            });
+        }
+    }
+    store.next = there
+        .iter()
+        .chain(&put_away)
+        .filter_map(|name| number(name))
+        .max()
+        .map_or(0, |n| n + 1);
+    store.accepted = valid.into_values().collect();
+    store.accepted.sort_by_key(|sidecar| number(&sidecar.photo.file));
+    store.taken_back = away.into_values().map(|sidecar| sidecar.sha256).collect();
+    let now: Vec<&String> = store.accepted.iter().map(|sidecar| &sidecar.photo.file).collect();
+    if now != listed.iter().collect::<Vec<_>>() {
+        store.write_list()?;
+    }
+    let is_photo = |name: &&String| number(name).is_some() && !name.ends_with(super::store::SIDECAR);
+    for photo in there.iter().filter(is_photo) {
+        if store.accepted.iter().all(|sidecar| sidecar.photo.file != *photo) {
+            store.put_away(photo)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,310 @@
+//! The session that a capture fills: photos byte for byte, a sidecar beside each, and `session.json`.
+//!
+//! A photo is accepted in three steps, each a whole file that appears at once: the photo, its sidecar, `session.json`. Whatever moment
+//! the program ends at, the next opening finds one of four states and finishes it (`recover.rs`). Nothing is deleted: what is taken back
+//! lies in the folder `taken_back`.
+
+use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
+use std::path::{Component, Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::gates::Measures;
+use super::live::CameraSettings;
+use crate::camera::Camera;
+use crate::files::{self, FileError};
+use crate::locate::Sigma;
+use crate::scene::{Scene, Viewpoint};
+use crate::session::{self, PhotoEntry, SessionError};
+
+/// Why a session cannot be filled.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error("another capture is filling {folder}: end it first", folder = folder.display())]
+    InUse { folder: PathBuf },
+    #[error("{folder} was captured with another {what}: give that one, or capture into a new folder", folder = folder.display())]
+    Other { folder: PathBuf, what: &'static str },
+    #[error("{path}: {message}", path = path.display())]
+    Content { path: PathBuf, message: String },
+    #[error("the session's folder {folder} is gone or was emptied: bring it back and run this again", folder = folder.display())]
+    Gone { folder: PathBuf },
+    #[error("the scene's mesh {mesh} does not lie below the scene's folder, so that it cannot be copied into the session: put it there", mesh = mesh.display())]
+    MeshElsewhere { mesh: PathBuf },
+}
+
+/// What is kept of an accepted photo beside it, as `NAME.capture.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+pub struct Sidecar {
+    /// As `session.json` has it.
+    pub photo: PhotoEntry,
+    /// SHA-256 of the photo, hex.
+    pub sha256: String,
+    /// What the source called it.
+    pub source: String,
+    /// The view that was wanted.
+    pub target: Viewpoint,
+    /// From where it was taken.
+    pub viewpoint: Viewpoint,
+    pub sigma: Sigma,
+    pub T_camera_model: [[f64; 4]; 4],
+    /// Ids of the tags the pose rests on.
+    pub tags: Vec<u32>,
+    pub rms_px: f64,
+    pub gates: Measures,
+    /// Taken by hand: light, focus and steadiness need not have held.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_by_hand: bool,
+    /// What the camera was set to, where the source knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraSettings>,
+}
+
+pub(super) const SIDECAR: &str = ".capture.json";
+pub(super) const TAKEN_BACK: &str = "taken_back";
+pub(super) const SESSION: &str = "session.json";
+const SCENE: &str = "scene.toml";
+const LOCK: &str = ".capture.lock";
+
+/// An open session. No other capture can open it meanwhile.
+#[derive(Debug)]
+pub struct Store {
+    pub(super) folder: PathBuf,
+    camera: String,
+    /// Accepted photos in the order of their numbers.
+    pub(super) accepted: Vec<Sidecar>,
+    /// SHA-256 of what was taken back.
+    pub(super) taken_back: Vec<String>,
+    /// The number of the next photo; numbers are never used again.
+    pub(super) next: u64,
+    _lock: File,
+}
+
+impl Store {
+    /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera. What an earlier capture left unfinished is
+    /// finished.
+    ///
+    /// # Errors
+    /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
+    pub fn open(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
+        let read = Scene::open(scene).map_err(SessionError::from)?;
+        Camera::open(camera).map_err(SessionError::from)?;
+        let mesh = mesh_below(&read)?;
+        std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, &e))?;
+        let lock = locked(folder)?;
+        let extension = camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
+        let camera_name = format!("camera.{extension}");
+        let is_new = !folder.join(SESSION).exists();
+        keep_copy(scene, folder, SCENE, "scene", is_new)?;
+        keep_copy(camera, folder, &camera_name, "camera", is_new)?;
+        if let (Some(mesh), Some(home)) = (mesh, scene.parent()) {
+            keep_copy(&home.join(&mesh), folder, &mesh.to_string_lossy(), "mesh", is_new)?;
+        }
+        let mut store = Store {
+            folder: folder.to_owned(),
+            camera: camera_name,
+            accepted: Vec::new(),
+            taken_back: Vec::new(),
+            next: 0,
+            _lock: lock,
+        };
+        super::recover::recover(&mut store)?;
+        Ok(store)
+    }
+
+    /// Accepted photos, in the order they were accepted.
+    pub fn accepted(&self) -> &[Sidecar] {
+        &self.accepted
+    }
+
+    /// The accepted photo with this content.
+    pub fn named(&self, sha256: &str) -> Option<&str> {
+        let known = self.accepted.iter().find(|sidecar| sidecar.sha256 == sha256)?;
+        Some(&known.photo.file)
+    }
+
+    /// Whether the photo with this content was taken back.
+    pub fn was_taken_back(&self, sha256: &str) -> bool {
+        self.taken_back.iter().any(|known| known == sha256)
+    }
+
+    /// Writes a photo, its sidecar and `session.json`, in this order. Returns the photo's name, made of the variant and a number; the
+    /// sidecar's own is filled in.
+    ///
+    /// # Errors
+    /// A file that cannot be written, a session folder that is gone. Opened again, the session has the photo whole or not at all.
+    pub fn accept(&mut self, original: &[u8], extension: &str, mut sidecar: Sidecar) -> Result<String, StoreError> {
+        // Writing would make a missing folder anew.
+        if !self.folder.join(SCENE).exists() {
+            return Err(StoreError::Gone {
+                folder: self.folder.clone(),
+            });
+        }
+        let name = format!("{}_{:03}.{extension}", slug(&sidecar.photo.variant), self.next);
+        sidecar.photo.file = name.clone();
+        let text = json(&sidecar)?;
+        files::write_atomically(&self.folder.join(&name), original)?;
+        // From here on the number is used, even when what follows fails.
+        self.next += 1;
+        files::write_atomically(&self.folder.join(sidecar_of(&name)), text.as_bytes())?;
+        self.accepted.push(sidecar);
+        self.write_list()?;
+        Ok(name)
+    }
+
+    /// Moves a photo and its sidecar to `taken_back`; the session no longer lists it.
+    ///
+    /// # Errors
+    /// A file that cannot be moved or written. Opening the session again finishes what was begun.
+    pub fn take_back(&mut self, photo: &str) -> Result<(), StoreError> {
+        let Some(at) = self.accepted.iter().position(|sidecar| sidecar.photo.file == photo) else {
+            return Ok(());
+        };
+        // The sidecar goes first: without it the photo is no longer accepted.
+        self.put_away(&sidecar_of(photo))?;
+        let sidecar = self.accepted.remove(at);
+        self.taken_back.push(sidecar.sha256);
+        self.write_list()?;
+        self.put_away(photo)
+    }
+
+    /// Moves a file of the session to `taken_back`.
+    pub(super) fn put_away(&self, name: &str) -> Result<(), StoreError> {
+        let (from, away) = (self.folder.join(name), self.folder.join(TAKEN_BACK));
+        let moved = std::fs::create_dir_all(&away).and_then(|()| std::fs::rename(&from, away.join(name)));
+        Ok(moved.map_err(|e| unwritable(&from, &e))?)
+    }
+
+    /// Writes `session.json`; there is none while it would list no photo.
+    pub(super) fn write_list(&self) -> Result<(), StoreError> {
+        let path = self.folder.join(SESSION);
+        if self.accepted.is_empty() {
+            return Ok(files::remove(&path)?);
+        }
+        let photos = self.accepted.iter().map(|sidecar| sidecar.photo.clone()).collect();
+        let text = session::text(&path, SCENE, &self.camera, photos)?;
+        Ok(files::write_atomically(&path, text.as_bytes())?)
+    }
+}
+
+/// The name of a photo's sidecar.
+pub(super) fn sidecar_of(photo: &str) -> String {
+    let stem = photo.rsplit_once('.').map_or(photo, |(stem, _)| stem);
+    format!("{stem}{SIDECAR}")
+}
+
+/// A variant as part of a file name: letters, digits, and dashes for all else.
+fn slug(variant: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+    variant.chars().map(plain).take(40).collect()
+}
+
+/// The number at the end of a name that this store gave.
+pub(super) fn number(name: &str) -> Option<u64> {
+    let stem = name
+        .strip_suffix(SIDECAR)
+        .or_else(|| name.strip_suffix(".jpg"))
+        .or_else(|| name.strip_suffix(".png"))?;
+    let (_, digits) = stem.rsplit_once('_')?;
+    (digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
+}
+
+fn json(value: &impl Serialize) -> Result<String, StoreError> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| StoreError::Content {
+        path: SIDECAR.into(),
+        message: e.to_string(),
+    })?;
+    Ok(text + "\n")
+}
+
+pub(super) fn unwritable(path: &Path, e: &std::io::Error) -> FileError {
+    FileError::Write {
+        path: path.to_owned(),
+        reason: files::plain(e),
+    }
+}
+
+/// The lock ends with the process, however that ends.
+fn locked(folder: &Path) -> Result<File, StoreError> {
+    let path = folder.join(LOCK);
+    let file = File::create(&path).map_err(|e| unwritable(&path, &e))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse {
+            folder: folder.to_owned(),
+        }),
+        Err(TryLockError::Error(e)) => Err(unwritable(&path, &e).into()),
+    }
+}
+
+/// Copies a file into a new session; that of an old one must be the same.
+fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new: bool) -> Result<(), StoreError> {
+    let content = files::read(from)?;
+    let path = folder.join(name);
+    let same = match path.exists() {
+        true => files::read(&path)? == content,
+        false if is_new => return Ok(files::write_atomically(&path, &content)?),
+        false => false,
+    };
+    match same {
+        true => Ok(()),
+        false => Err(StoreError::Other {
+            folder: folder.to_owned(),
+            what,
+        }),
+    }
+}
+
+/// The path of a scene's mesh from the scene's folder; none for one that is named by its whole path, which stays valid.
+fn mesh_below(scene: &Scene) -> Result<Option<PathBuf>, StoreError> {
+    match scene.model.envelope.mesh() {
+        None => Ok(None),
+        Some(mesh) if mesh.is_absolute() => Ok(None),
+        Some(mesh) if mesh.components().all(|part| matches!(part, Component::Normal(_))) => Ok(Some(mesh.to_owned())),
+        Some(mesh) => Err(StoreError::MeshElsewhere { mesh: mesh.to_owned() }),
+    }
+}
+
+/// Sidecars of a folder by the name of their photo.
+pub(super) fn sidecars(folder: &Path) -> Result<BTreeMap<String, Sidecar>, StoreError> {
+    let mut found = BTreeMap::new();
+    for name in names(folder)?.into_iter().filter(|name| name.ends_with(SIDECAR)) {
+        let path = folder.join(&name);
+        let sidecar: Sidecar = serde_json::from_str(&files::read_text(&path)?).map_err(|e| StoreError::Content {
+            path: path.clone(),
+            message: format!("it is no sidecar of a capture ({e}): bring the original back"),
+        })?;
+        if sidecar_of(&sidecar.photo.file) != name {
+            return Err(StoreError::Content {
+                path,
+                message: format!("it is the sidecar of {}: give it its name back", sidecar.photo.file),
+            });
+        }
+        found.insert(sidecar.photo.file.clone(), sidecar);
+    }
+    Ok(found)
+}
+
+/// The names in a folder, sorted; none when it is missing.
+pub(super) fn names(folder: &Path) -> Result<Vec<String>, StoreError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let unreadable = |e: std::io::Error| FileError::Read {
+        path: folder.to_owned(),
+        reason: files::plain(&e),
+    };
+    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
+    let mut names = Vec::new();
+    for entry in entries {
+        names.push(entry.map_err(unreadable)?.file_name().to_string_lossy().into_owned());
+    }
+    names.sort();
+    Ok(names)
+}

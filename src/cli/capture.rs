@@ -1,0 +1,451 @@
+//! `scaleproof capture`: walk round the model once and have every view.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::{CommandResult, Outcome};
+use crate::camera::Camera;
+use crate::capture::{
+    Advice, Answer, Capture, FrameSource, Guidance, Judge, LiveCamera, Measures, Replay, SourceName, Store, Target,
+    Tolerance, Watch, live::list_cameras, pair, usual, viewpoints_of,
+};
+use crate::scene::{Bin, Bins, Scene, Viewpoint};
+use crate::tags::TagDetectorChoice;
+
+/// Guide a photographer round the model: photos of every wanted view are taken into a session, the others get a sentence of advice.
+///
+/// Originals are never changed. A capture that was stopped goes on where it was when it is called again with the same session. Exit code
+/// 0 when every view is there, else 2.
+#[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    guided: Option<Guided>,
+    // Not inside `Guided`: clap takes a group with another in it for absent.
+    #[command(flatten)]
+    wanted: Wanted,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// List the cameras of this machine
+    ListCameras,
+}
+
+#[derive(clap::Args)]
+struct Guided {
+    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into), or
+    /// replay:DIR (the photos of --variant in a stored session)
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
+    source: Option<SourceName>,
+    /// What stands on the table: scene.toml
+    #[arg(long)]
+    scene: PathBuf,
+    /// Camera file, see `scaleproof camera`
+    #[arg(long)]
+    camera: PathBuf,
+    /// The texture on the model
+    #[arg(long, value_name = "NAME")]
+    variant: String,
+    /// Where the photos are taken; photos of one place are not independent
+    #[arg(long, value_name = "NAME")]
+    place: String,
+    /// The session's folder; one that is there already is gone on with
+    #[arg(short, long, value_name = "SESSION")]
+    output: PathBuf,
+    /// First take back the photos of a bin, named by its azimuth, or by azimuth/pitch/distance as in 90/15/850
+    #[arg(long, value_name = "BIN", value_parser = meant)]
+    redo: Option<Meant>,
+    /// First take back the photo that was accepted last
+    #[arg(long, conflicts_with = "redo")]
+    undo: bool,
+    /// Never wait: end when all photos of the watched folder were seen
+    #[arg(long)]
+    headless: bool,
+    /// One JSON object a line
+    #[arg(long)]
+    json: bool,
+    /// Replay in an order shuffled by this seed, instead of the session's
+    #[arg(long, value_name = "SEED")]
+    shuffle: Option<u64>,
+    /// Replay so many photos a second, instead of as fast as possible
+    #[arg(long, value_name = "N", value_parser = pace)]
+    fps: Option<Duration>,
+}
+
+/// Which views are wanted: every azimuth bin at some pitches and distances, or another session's viewpoints.
+#[derive(clap::Args)]
+struct Wanted {
+    /// Pitches of the scene's bins [default: the one nearest to 15°]
+    #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pitch_deg: Vec<f64>,
+    /// Distances of the scene's bins [default: the middle one]
+    #[arg(long, value_name = "MM,…", value_delimiter = ',')]
+    distance_mm: Vec<f64>,
+    /// The viewpoints of this session's normal photos, instead of bins
+    #[arg(long, value_name = "SESSION", conflicts_with_all = ["pitch_deg", "distance_mm"])]
+    pair_with: Option<PathBuf>,
+    /// How far the azimuth may be off [default: a sixth of the bins' step, 8 at most; 3 with --pair-with]
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    azimuth_tolerance_deg: Option<f64>,
+    /// How far the pitch may be off [default: 6; 3 with --pair-with]
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pitch_tolerance_deg: Option<f64>,
+    /// How far the distance may be off [default: a tenth of the nearest; a twentieth with --pair-with]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    distance_tolerance_mm: Option<f64>,
+}
+
+/// The bins that --redo names.
+#[derive(Debug, Clone)]
+struct Meant {
+    azimuth_deg: f64,
+    pitch_and_distance: Option<[f64; 2]>,
+}
+
+/// One line of `--json` for a frame.
+#[derive(Serialize)]
+struct Line<'a> {
+    frame: &'a str,
+    /// `accepted` or `refused`.
+    status: &'static str,
+    /// The photo's name in the session.
+    photo: Option<&'a str>,
+    /// What was taken of the frame, or wanted.
+    bin: Option<Bin>,
+    code: Option<&'static str>,
+    advice: Option<String>,
+    viewpoint: Option<Viewpoint>,
+    gates: Measures,
+}
+
+/// The last line of `--json`.
+#[derive(Serialize)]
+struct Summary {
+    targets: usize,
+    filled: usize,
+    open: Vec<Viewpoint>,
+}
+
+pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    match (args.command, args.guided) {
+        (Some(Command::ListCameras), _) => list(out),
+        (None, Some(guided)) => guide(&guided, &args.wanted, out),
+        (None, None) => Err("say where photos come from with --source (see --help)".into()),
+    }
+}
+
+fn list(out: &mut dyn Write) -> CommandResult {
+    let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
+    if cameras.is_empty() {
+        writeln!(
+            out,
+            "no camera is there: plug one in, or watch the folder of a phone (--source watch:DIR)"
+        )?;
+    }
+    for camera in cameras {
+        writeln!(
+            out,
+            "camera:{}  {}  ({})",
+            camera.number, camera.name, camera.description
+        )?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn guide(args: &Guided, wanted: &Wanted, out: &mut dyn Write) -> CommandResult {
+    check_names(args)?;
+    let scene = Scene::open(&args.scene)?;
+    let camera = Camera::open(&args.camera)?;
+    let guidance = wanted.guidance(&scene.bins)?;
+    let mut source = args
+        .source
+        .as_ref()
+        .map(|name| open_source(name, args, &camera))
+        .transpose()?;
+    let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
+    let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
+    let store = Store::open(&args.output, &args.scene, &args.camera)?;
+    let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
+    take_back(args, &scene, &mut capture, out)?;
+    if let Some(source) = &mut source {
+        follow(source.as_mut(), &mut capture, args.json, out)?;
+    }
+    finish(&capture, args.json, out)
+}
+
+/// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
+fn check_names(args: &Guided) -> Result<(), String> {
+    for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
+        if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
+            return Err(format!(
+                "{what} is {name:?}: give a name without blanks around it or control characters"
+            ));
+        }
+    }
+    let same = |folder: &std::path::Path| {
+        let whole = |p: &std::path::Path| p.canonicalize().ok();
+        whole(folder).is_some() && whole(folder) == whole(&args.output)
+    };
+    match &args.source {
+        Some(name) if name.folder().is_some_and(same) => Err(format!(
+            "{} is both the source and the session: capture into another folder",
+            args.output.display()
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn open_source(
+    name: &SourceName,
+    args: &Guided,
+    camera: &Camera,
+) -> Result<Box<dyn FrameSource>, Box<dyn std::error::Error>> {
+    match name {
+        SourceName::Replay(folder) => {
+            let pace = args.fps.unwrap_or_default();
+            Ok(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?))
+        }
+        SourceName::Watch(_) | SourceName::Camera(_) if args.shuffle.is_some() || args.fps.is_some() => {
+            Err("--shuffle and --fps are for replay: sources: leave them out".into())
+        }
+        SourceName::Watch(folder) => Ok(Box::new(Watch::open(folder, args.headless)?)),
+        SourceName::Camera(number) => Ok(Box::new(LiveCamera::open(*number, camera)?)),
+    }
+}
+
+fn take_back(
+    args: &Guided,
+    scene: &Scene,
+    capture: &mut Capture,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let photos = match (&args.redo, args.undo) {
+        (Some(meant), _) => capture.redo(scene, |bin| meant.names(bin))?,
+        (None, true) => capture.undo()?.into_iter().collect(),
+        (None, false) => return Ok(()),
+    };
+    if photos.is_empty() {
+        eprintln!("note: there is no photo of {} to take back", args.variant);
+    }
+    for photo in photos {
+        match args.json {
+            true => writeln!(out, "{}", serde_json::json!({ "taken_back": photo }))?,
+            false => writeln!(out, "taken back: {photo}")?,
+        }
+    }
+    Ok(())
+}
+
+/// Shows the capture every frame until all views are there or the source ends.
+fn follow(
+    source: &mut dyn FrameSource,
+    capture: &mut Capture,
+    json: bool,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let mut told = Told::default();
+    let mut settings = None;
+    while !capture.guidance().is_finished() {
+        let Some(frame) = source.next()? else { break };
+        if settings != source.settings() {
+            settings = source.settings();
+            settings.iter().for_each(|settings| eprintln!("note: {settings}"));
+            capture.set_camera_settings(settings.clone());
+        }
+        let answer = capture.see(&frame)?;
+        for caution in answer.cautions.iter().filter(|caution| told.is_new(caution)) {
+            eprintln!("note: {caution}");
+        }
+        let guidance = capture.guidance();
+        match json {
+            true => writeln!(out, "{}", serde_json::to_string(&line(&frame.name, &answer, guidance))?)?,
+            false if source.is_stream() && !told.is_worth_saying(&answer) => continue,
+            false if source.is_stream() => writeln!(out, "{}", sentence(&answer, guidance))?,
+            false => writeln!(out, "{}: {}", frame.name, sentence(&answer, guidance))?,
+        }
+        out.flush()?;
+    }
+    Ok(())
+}
+
+/// What was said already: twenty frames a second would not be read.
+#[derive(Default)]
+struct Told {
+    cautions: BTreeSet<String>,
+    last: Option<(Advice, Instant)>,
+}
+
+/// Advice of the same kind is said again after this time.
+const AGAIN: Duration = Duration::from_millis(700);
+
+impl Told {
+    fn is_new(&mut self, caution: &str) -> bool {
+        self.cautions.insert(caution.to_owned())
+    }
+
+    /// Photos always are, advice when it is of another kind than the last, or after a while another amount.
+    fn is_worth_saying(&mut self, answer: &Answer) -> bool {
+        let Err(advice) = &answer.verdict else {
+            self.last = None;
+            return true;
+        };
+        if let Some((last, when)) = &self.last
+            && (last.to_string() == advice.to_string() || last.code() == advice.code() && when.elapsed() < AGAIN)
+        {
+            return false;
+        }
+        self.last = Some((advice.clone(), Instant::now()));
+        true
+    }
+}
+
+fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a> {
+    let (accepted, advice) = (answer.verdict.as_ref().ok(), answer.verdict.as_ref().err());
+    Line {
+        frame,
+        status: if accepted.is_some() { "accepted" } else { "refused" },
+        photo: accepted.map(|(photo, _)| photo.as_str()),
+        bin: accepted.map(|(_, target)| guidance.targets()[*target].bin),
+        code: advice.map(|advice| advice.code()),
+        advice: advice.map(|advice| advice.to_string()),
+        viewpoint: answer.viewpoint,
+        gates: answer.measures,
+    }
+}
+
+fn sentence(answer: &Answer, guidance: &Guidance) -> String {
+    match &answer.verdict {
+        Ok((photo, target)) => {
+            let targets = guidance.targets();
+            let filled = targets.len() - guidance.open().count();
+            format!(
+                "taken as {photo}, {} ({filled} of {})",
+                name(&targets[*target]),
+                targets.len()
+            )
+        }
+        Err(advice) => advice.to_string(),
+    }
+}
+
+fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
+    let guidance = capture.guidance();
+    let open: Vec<&Target> = guidance.open().collect();
+    let (all, filled) = (guidance.targets().len(), guidance.targets().len() - open.len());
+    if json {
+        let summary = Summary {
+            targets: all,
+            filled,
+            open: open.iter().map(|target| target.viewpoint).collect(),
+        };
+        writeln!(out, "{}", serde_json::to_string(&summary)?)?;
+    } else if open.is_empty() {
+        writeln!(out, "all {all} views are there")?;
+    } else {
+        let names: Vec<String> = open.iter().map(|target| name(target)).collect();
+        writeln!(out, "{filled} of {all} views are there; open: {}", names.join(", "))?;
+    }
+    Ok(match open.is_empty() {
+        true => Outcome::Done,
+        false => Outcome::SomeInputBad,
+    })
+}
+
+/// A target as people name it.
+fn name(target: &Target) -> String {
+    let v = &target.viewpoint;
+    format!("{:.0}°/{:.0}°/{:.0} mm", v.azimuth_deg, v.pitch_deg, v.distance_mm)
+}
+
+impl Wanted {
+    fn guidance(&self, bins: &Bins) -> Result<Guidance, Box<dyn std::error::Error>> {
+        let (viewpoints, tolerance) = match &self.pair_with {
+            Some(session) => {
+                let (viewpoints, faults) = pair::viewpoints(session, TagDetectorChoice::default())?;
+                faults.iter().for_each(|fault| eprintln!("note: no target for {fault}"));
+                let tolerance = Tolerance::of_pairs(&viewpoints);
+                (viewpoints, tolerance)
+            }
+            None => {
+                let usual = usual(bins);
+                let pitches = chosen("--pitch-deg", &self.pitch_deg, usual.0, &bins.pitch_deg)?;
+                let distances = chosen("--distance-mm", &self.distance_mm, usual.1, &bins.distance_mm)?;
+                (
+                    viewpoints_of(bins, &pitches, &distances),
+                    Tolerance::of_bins(bins, &distances),
+                )
+            }
+        };
+        let tolerance = Tolerance {
+            azimuth_deg: self.azimuth_tolerance_deg.unwrap_or(tolerance.azimuth_deg),
+            pitch_deg: self.pitch_tolerance_deg.unwrap_or(tolerance.pitch_deg),
+            distance_mm: self.distance_tolerance_mm.unwrap_or(tolerance.distance_mm),
+        };
+        Ok(Guidance::at(&viewpoints, tolerance, bins))
+    }
+}
+
+/// What was named, each of it a centre of the scene's bins and once; the usual one when nothing was.
+fn chosen(option: &str, named: &[f64], usual: f64, centres: &[f64]) -> Result<Vec<f64>, String> {
+    if named.is_empty() {
+        return Ok(vec![usual]);
+    }
+    if let Some(wrong) = named.iter().find(|value| !centres.contains(value)) {
+        let centres: Vec<String> = centres.iter().map(f64::to_string).collect();
+        return Err(format!(
+            "{option} {wrong} is no bin of the scene: give some of {}",
+            centres.join(", ")
+        ));
+    }
+    Ok(centres
+        .iter()
+        .copied()
+        .filter(|centre| named.contains(centre))
+        .collect())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = text
+        .parse::<f64>()
+        .ok()
+        .filter(|value| *value > 0.0 && value.is_finite());
+    value.ok_or_else(|| "give a number above 0".into())
+}
+
+fn pace(text: &str) -> Result<Duration, String> {
+    let fps = positive(text)?;
+    Duration::try_from_secs_f64(1.0 / fps).map_err(|_| "give a larger number".into())
+}
+
+fn meant(text: &str) -> Result<Meant, String> {
+    let numbers: Option<Vec<f64>> = text.split('/').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([azimuth_deg]) => Ok(Meant {
+            azimuth_deg: *azimuth_deg,
+            pitch_and_distance: None,
+        }),
+        Some([azimuth_deg, pitch, distance]) => Ok(Meant {
+            azimuth_deg: *azimuth_deg,
+            pitch_and_distance: Some([*pitch, *distance]),
+        }),
+        _ => Err("name a bin by its azimuth, or by azimuth/pitch/distance as in 90/15/850".into()),
+    }
+}
+
+impl Meant {
+    fn names(&self, bin: &Bin) -> bool {
+        let [pitch_deg, distance_mm] = self.pitch_and_distance.unwrap_or([bin.pitch_deg, bin.distance_mm]);
+        *bin == Bin {
+            azimuth_deg: self.azimuth_deg,
+            pitch_deg,
+            distance_mm,
+        }
+    }
+}
