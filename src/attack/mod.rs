@@ -1,4 +1,4 @@
-//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the networks, the
+//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the
 //! attack itself and its evaluation are to come.
 //!
 //! - [`frames`]: the one format of pictures whose truth is known;
@@ -6,11 +6,14 @@
 //! - [`additive`]: further colours from a few, because light adds up;
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
+//! - `dtn` (feature `attack`): those that are trained: DTN and NTR;
 //! - [`white_box`]: what the attack asks of a detector;
 //! - [`chart`]: those models against each other.
 
 pub mod additive;
 pub mod chart;
+#[cfg(feature = "attack")]
+pub mod dtn;
 pub mod frames;
 pub mod import;
 pub mod light;

@@ -4,6 +4,8 @@ mod chart;
 mod colours;
 mod import;
 mod render;
+#[cfg(feature = "attack")]
+mod train_dtn;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -27,6 +29,8 @@ enum What {
     Check(CheckArgs),
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
+    #[cfg(feature = "attack")]
+    TrainDtn(train_dtn::TrainArgs),
 }
 
 /// Read every picture of frames and hold them against their list
@@ -45,6 +49,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Check(args) => check(&args, out),
         What::Colours(args) => colours::run(&args, out),
         What::Chart(args) => chart::run(&args, out),
+        #[cfg(feature = "attack")]
+        What::TrainDtn(args) => train_dtn::run(&args, out),
     }
 }
 
