@@ -30,6 +30,6 @@ pub fn load(path: &Path) -> Result<State, DtnError> {
     whole
         .filter(|(sum, content)| *sum == files::sha256_hex(content).as_bytes())
         .and_then(|(_, content)| postcard::from_bytes(content).ok())
-        .filter(|state: &State| state.plan.architecture.is_possible() && !state.plan.references.is_empty())
+        .filter(State::is_whole)
         .ok_or_else(|| DtnError::Damaged { path: path() })
 }

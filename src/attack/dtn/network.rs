@@ -67,9 +67,12 @@ impl Architecture {
 }
 
 /// Channels at 1/2, 1/4, 1/8 and 1/16 of the size.
-const WIDTHS: [usize; 4] = [24, 48, 96, 128];
+const WIDTHS: [usize; 4] = [16, 32, 64, 96];
 /// Channels at the full size.
-const FULL_SIZE_WIDTH: usize = 32;
+const FULL_SIZE_WIDTH: usize = 24;
+
+/// A darker reference shows too little for a first guess, sRGB.
+const DARKEST_REFERENCE: f32 = 0.25;
 
 /// A convolution: where its kernel and bias are among the weights.
 #[derive(Debug, Clone, Copy)]
@@ -81,6 +84,13 @@ struct Conv {
     stride: usize,
     /// Of its first weights, against those that keep the variance through a ReLU (He et al. 2015).
     gain: f32,
+}
+
+impl Conv {
+    /// Weights of one of its outputs.
+    fn count(&self) -> usize {
+        self.ins * self.kernel * self.kernel
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +127,7 @@ impl Layout {
             convs.push(conv);
             conv
         };
-        let depth = architecture.depth.min(Architecture::MAX_DEPTH);
+        let depth = architecture.depth.clamp(1, Architecture::MAX_DEPTH);
         let below = |i: usize| if i == 0 { 3 } else { WIDTHS[i - 1] };
         let stages = (0..depth)
             .map(|i| {
@@ -157,23 +167,36 @@ impl Layout {
         self.convs.iter().flat_map(both).collect()
     }
 
-    /// First weights. The output's bias is [`Transformer::start`].
-    pub fn first_weights(&self, seed: u64) -> Vec<Vec<f32>> {
+    /// First weights: such that f starts as `x = η · x_ref / η_ref`, which is the reference picture where η is the reference, both ReLUs open for
+    /// every η ([`Transformer::open`]). A ReLU that is shut everywhere learns nothing any more, and this is the best guess
+    /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
+    pub fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
         let mut rng = Pcg32::seed_from_u64(seed);
         let mut weights = Vec::new();
         for conv in &self.convs {
-            let count = conv.ins * conv.kernel * conv.kernel;
             // Uniform with He's variance, 2 / count.
-            let most = conv.gain * (6.0 / count as f32).sqrt();
-            let kernel = (0..conv.outs * count).map(|_| rng.random_range(-most..most)).collect();
+            let most = conv.gain * (6.0 / conv.count() as f32).sqrt();
+            let kernel = (0..conv.outs * conv.count())
+                .map(|_| rng.random_range(-most..most))
+                .collect();
             weights.push(kernel);
             weights.push(vec![0.0; conv.outs]);
         }
         let transformer = self.architecture.transformer;
-        if let Some(bias) = weights.last_mut() {
-            for channel in 0..3 {
-                transformer.spread(channel, transformer.start(), |i, value| bias[i] = value as f32);
-            }
+        let (last, out) = (self.ups[self.ups.len() - 1], self.out);
+        for channel in 0..3 {
+            let feature = &mut weights[2 * last.at][channel * last.count()..][..last.count()];
+            feature.fill(0.0);
+            // The middle of the 3×3 window of x_ref's channel, which follows the features from below.
+            feature[9 * (last.ins - 3 + channel) + 4] = 1.0;
+            let levels = references.iter().map(|rgb| f32::from(rgb[channel]) / 255.0);
+            let eta = (levels.sum::<f32>() / references.len().max(1) as f32).max(DARKEST_REFERENCE);
+            transformer.spread(channel, transformer.open(), |map, bias| {
+                weights[2 * out.at + 1][map] = bias as f32;
+                if map == transformer.multiplying(channel) {
+                    weights[2 * out.at][map * out.ins + channel] = 1.0 / eta;
+                }
+            });
         }
         weights
     }

@@ -95,7 +95,7 @@ impl Trainer {
     /// # Errors
     /// Only for a state that does not fit its own architecture.
     pub fn new(plan: Plan, device: Device) -> Result<Self, DtnError> {
-        let first = Layout::new(plan.architecture).first_weights(plan.seed);
+        let first = Layout::new(plan.architecture).first_weights(plan.seed, &plan.references);
         Self::go_on(
             State {
                 plan,
@@ -178,9 +178,7 @@ impl Trainer {
     /// # Errors
     /// A loss that is no number.
     pub fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
-        let batch = self.batch(set);
-        let paints: Vec<_> = set.training.iter().map(|v| &v.paint).collect();
-        let window = Window::around(&paints);
+        let (window, batch) = self.batch(set);
         let pixels = window.pixels();
         let mut input = vec![0.0; 3 * pixels * batch.len()];
         for (sample, part) in batch.iter().zip(input.chunks_exact_mut(3 * pixels)) {
@@ -198,7 +196,8 @@ impl Trainer {
         let known = values(maps.clone().inner())?;
         let transformer = self.plan.architecture.transformer;
         let (loss, pulls) = loss(transformer, &batch, window, &known);
-        if !loss.is_finite() {
+        // A ReLU makes 0 of what is no number, so the loss alone does not tell.
+        if !loss.is_finite() || known.iter().any(|v| !v.is_finite()) {
             return Err(DtnError::NotFinite { step: self.steps });
         }
         // The formula's derivatives are closed forms; from TF on, the framework follows them back.
@@ -220,21 +219,25 @@ impl Trainer {
         Ok(loss)
     }
 
-    /// The views of this step: those of an epoch in random order, every one once.
-    fn batch<'a>(&self, set: &'a TrainingSet) -> Vec<Sample<'a>> {
+    /// The views of this step: those of an epoch in random order, every one once, in batches of like size, so that a window is no larger than
+    /// its views need.
+    fn batch<'a>(&self, set: &'a TrainingSet) -> (Window, Vec<Sample<'a>>) {
         let (epoch, number) = (
             self.steps / Self::steps_an_epoch(set),
             self.steps % Self::steps_an_epoch(set),
         );
+        let mut rng = Pcg32::new(self.plan.seed, 2 * epoch);
         let mut order: Vec<&TrainingView> = set.training.iter().collect();
-        order.shuffle(&mut Pcg32::new(self.plan.seed, 2 * epoch));
-        let paints: Vec<_> = set.training.iter().map(|v| &v.paint).collect();
+        order.shuffle(&mut rng);
+        order.sort_by_key(|view| Window::around(&[&view.paint]).pixels());
+        let mut batches: Vec<&[&TrainingView]> = order.chunks(BATCH_VIEWS).collect();
+        batches.shuffle(&mut rng);
+        let batch = batches.get(number as usize).copied().unwrap_or_default();
+        let paints: Vec<_> = batch.iter().map(|v| &v.paint).collect();
         let window = Window::around(&paints);
         let mut rng = Pcg32::new(self.plan.seed, 2 * self.steps + 1);
-        let of_step = order.into_iter().skip(number as usize * BATCH_VIEWS).take(BATCH_VIEWS);
-        of_step
-            .filter_map(|view| self.sample(set, view, window, &mut rng))
-            .collect()
+        let samples = batch.iter().filter_map(|view| self.sample(set, view, window, &mut rng));
+        (window, samples.collect())
     }
 
     fn sample<'a>(
@@ -315,6 +318,16 @@ impl Trainer {
 }
 
 impl State {
+    /// Whether there is a network in it: its weights are those of its architecture.
+    pub(super) fn is_whole(&self) -> bool {
+        if !self.plan.architecture.is_possible() || self.plan.references.is_empty() {
+            return false;
+        }
+        let shapes = Layout::new(self.plan.architecture).shapes();
+        let fits = |lists: &[Vec<f32>]| lists.iter().map(Vec::len).eq(shapes.iter().map(|s| s.iter().product()));
+        fits(&self.weights) && fits(&self.mean)
+    }
+
     /// The trained network.
     ///
     /// # Errors
@@ -365,4 +378,40 @@ fn cross_entropy(x: f64, target: f64) -> f64 {
 fn cross_entropy_slope(x: f64, target: f64) -> f64 {
     let inside = x.clamp(0.0, 1.0);
     (inside - target) / (inside * (1.0 - inside)).max(EDGE * (1.0 - EDGE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::attack::dtn::Encoder;
+    use crate::attack::frames::FrameSet;
+
+    /// Nothing a user gives makes a number break down, so weights are broken here.
+    #[test]
+    fn what_is_no_number_is_neither_followed_nor_saved() -> Result<(), DtnError> {
+        let frames = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline_frames");
+        let references = vec![[128; 3]];
+        let set = TrainingSet::read(&[FrameSet::open(&frames)?], None, 48, &references, || ())?;
+        let architecture = Architecture {
+            encoder: Encoder::ConvNet,
+            depth: 1,
+            transformer: Transformer::Texture,
+        };
+        let plan = Plan {
+            architecture,
+            references,
+            seed: 1,
+            data_sha256: String::new(),
+        };
+        let mut trainer = Trainer::new(plan, Device::flex())?;
+        trainer.step(&set)?;
+        assert!(trainer.state().is_ok());
+        if let Some(last) = trainer.weights.last_mut() {
+            *last = last.clone().mul_scalar(f32::NAN);
+        }
+        let refused = trainer.step(&set).map_err(|e| e.to_string());
+        assert!(refused.is_err_and(|e| e.contains("step 1") && e.contains("no number")));
+        assert!(matches!(trainer.state(), Err(DtnError::NotFinite { .. })));
+        Ok(())
+    }
 }

@@ -45,9 +45,8 @@ impl Transformer {
         }
     }
 
-    /// Maps with which x = η, both ReLUs open for every η from 0 to 1. Training starts here: a ReLU that is shut everywhere learns nothing
-    /// any more, and a picture that is its texture is the nearest guess that needs no training.
-    pub fn start(self) -> Maps {
+    /// Maps with which both ReLUs are open for every η from 0 to 1, and x = η·m for the m that is added to this one, 0.
+    pub fn open(self) -> Maps {
         let open = 0.05;
         let (subtract, add) = match self {
             Self::Texture => (-open, -open),
@@ -56,8 +55,16 @@ impl Transformer {
         Maps {
             subtract,
             add,
-            multiply: 1.0,
+            multiply: 0.0,
             bias: 0.0,
+        }
+    }
+
+    /// The number of a channel's m in TF.
+    pub fn multiplying(self, channel: usize) -> usize {
+        match self {
+            Self::Texture => 6 + channel,
+            Self::MultiplyAdd => channel,
         }
     }
 
