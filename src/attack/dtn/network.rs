@@ -172,7 +172,7 @@ impl Layout {
     /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
     pub fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
         let mut rng = Pcg32::seed_from_u64(seed);
-        let mut weights = Vec::new();
+        let mut weights: Vec<Vec<f32>> = Vec::new();
         for conv in &self.convs {
             // Uniform with He's variance, 2 / count.
             let most = conv.gain * (6.0 / conv.count() as f32).sqrt();

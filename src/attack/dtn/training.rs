@@ -324,7 +324,12 @@ impl State {
             return false;
         }
         let shapes = Layout::new(self.plan.architecture).shapes();
-        let fits = |lists: &[Vec<f32>]| lists.iter().map(Vec::len).eq(shapes.iter().map(|s| s.iter().product()));
+        let fits = |lists: &[Vec<f32>]| {
+            lists
+                .iter()
+                .map(Vec::len)
+                .eq(shapes.iter().map(|s| s.iter().product::<usize>()))
+        };
         fits(&self.weights) && fits(&self.mean)
     }
 
