@@ -10,7 +10,7 @@ use super::frames::{Coverage, Frame, FrameSet, FramesError};
 use super::light;
 use super::projection::{Grid, Projection, Sampling, repeated, world};
 use super::renderer::{FitError, Kind, Learned, PerPixel, Renderer, Shot};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter, tick_label};
+use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
@@ -361,20 +361,23 @@ fn given(row: &Row) -> String {
     }
 }
 
-/// The chart: colours for models, shapes for what they are given.
-pub fn draw(rows: &[Row]) -> String {
-    let x = "milliseconds a frame";
-    let shape = |row: &Row| match row.references {
-        1 => format!("{} colour", given(row)),
-        _ => format!("{} colours", given(row)),
+/// A network's encoder and its depth, as its name has them; a closed form has its name and what it is given.
+fn series_and_shape(row: &Row) -> (String, String) {
+    let Some((encoder, rest)) = row.model.split_once(" k=") else {
+        return (row.model.clone(), format!("{} colours", row.references));
     };
-    cloud(
-        "Renderer models: error in unseen colours against time",
-        x,
-        rows,
-        shape,
-        |row| row.predict_ms,
-    )
+    let (depth, formula) = rest.split_once(' ').unwrap_or((rest, ""));
+    let many = if given(row) == "1" { "" } else { " any reference" };
+    let series = format!("{encoder} {formula}{many}");
+    (series.trim_end().to_owned(), format!("k={depth}"))
+}
+
+/// The chart: colours for models and encoders, shapes for reference colours and depths.
+pub fn draw(rows: &[Row]) -> String {
+    let frames = rows.first().map_or(0, |row| row.frames);
+    let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
+    let title = "Renderer models: error in unseen colours against time";
+    cloud((title, note), "milliseconds a frame", rows, |row| row.predict_ms)
 }
 
 /// The networks' chart: error against the time of their training. `None` without a network.
@@ -382,22 +385,20 @@ pub fn draw_training(rows: &[Row]) -> Option<String> {
     let trained: Vec<Row> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
     let closed = rows.iter().filter(|r| r.training_seconds.is_none());
     let best = closed.min_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint))?;
-    let title = format!(
-        "Networks: error in unseen colours against training ({} needs none and has {})",
-        best.model,
-        tick_label(best.mse_paint)
+    let note = format!(
+        "{} frames, MSE over the paint; {}, without training: {:.5}",
+        best.frames, best.model, best.mse_paint
     );
-    let shape = |row: &Row| format!("from {}", given(row));
+    let title = "Networks: error in unseen colours against training";
     (!trained.is_empty()).then(|| {
-        cloud(&title, "seconds of training", &trained, shape, |row| {
+        cloud((title, note), "seconds of training", &trained, |row| {
             row.training_seconds.unwrap_or(0.0)
         })
     })
 }
 
-fn cloud(title: &str, x: &str, rows: &[Row], shape: impl Fn(&Row) -> String, value: impl Fn(&Row) -> f64) -> String {
+fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&Row) -> f64) -> String {
     let (mut names, mut shapes) = (Vec::<String>::new(), Vec::<String>::new());
-    let mut dots = Vec::new();
     let index = |list: &mut Vec<String>, name: String| match list.iter().position(|known| *known == name) {
         Some(at) => at,
         None => {
@@ -405,22 +406,23 @@ fn cloud(title: &str, x: &str, rows: &[Row], shape: impl Fn(&Row) -> String, val
             list.len() - 1
         }
     };
+    let most = rows.iter().map(|r| r.references).max();
+    let mut dots = Vec::new();
     for row in rows {
-        let most = rows.iter().map(|r| r.references).max();
+        let (series, shape) = series_and_shape(row);
         dots.push(Dot {
             x: value(row),
             y: row.mse_paint,
             share: 1.0,
-            series: index(&mut names, row.model.clone()),
-            shape: index(&mut shapes, shape(row)),
+            series: index(&mut names, series),
+            shape: index(&mut shapes, shape),
             name: None,
             is_default: row.model == Kind::default().name() && Some(row.references) == most,
         });
     }
-    let frames = rows.first().map_or(0, |row| row.frames);
     scatter(&Cloud {
         title: title.to_owned(),
-        note: format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better"),
+        note,
         x: Axis::around(x, Scale::Log, rows.iter().map(&value)),
         y: Axis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
         colours: names,
