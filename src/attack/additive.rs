@@ -60,6 +60,15 @@ impl Additive {
         Ok(additive)
     }
 
+    /// The same of other pictures, each made of one of these by a linear map, as parts and means of pixels are.
+    #[must_use]
+    pub fn mapped(self, map: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Self {
+        Self {
+            pictures: self.pictures.iter().map(|picture| map(picture)).collect(),
+            colours: self.colours,
+        }
+    }
+
     /// Colours it is made of.
     pub fn len(&self) -> usize {
         self.colours.len()

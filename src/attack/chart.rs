@@ -9,7 +9,7 @@ use super::additive::views;
 use super::frames::{Coverage, Frame, FrameSet, FramesError};
 use super::light;
 use super::projection::{Grid, Projection, Sampling, repeated, world};
-use super::renderer::{FitError, Kind, PerPixel, Renderer, Shot};
+use super::renderer::{FitError, Kind, Learned, PerPixel, Renderer, Shot};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 
 /// Why there is no chart.
@@ -23,6 +23,10 @@ pub enum ChartError {
         "the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours with --reference"
     )]
     NoReference { frame: String, colour: String },
+    #[error("the network {network} starts from {wanted}, which is not among the references; add it with --reference")]
+    OtherReference { network: String, wanted: String },
+    #[error("the network {network}: {reason}")]
+    Network { network: String, reason: String },
     #[error("no view has a flat colour besides the references; without one there is nothing to predict")]
     NothingToPredict,
 }
@@ -30,8 +34,14 @@ pub enum ChartError {
 /// One model with so many reference colours, over all views.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    pub model: Kind,
+    /// The name of a closed form or of a network.
+    pub model: String,
+    /// `None` for closed forms.
+    pub training_seconds: Option<f64>,
+    /// Pictures of the view it is given.
     pub references: usize,
+    /// Colours a network was trained to start from, any one of which it is given.
+    pub trained_references: Option<usize>,
     pub views: usize,
     /// Frames predicted: flat colours the model has not seen.
     pub frames: usize,
@@ -45,7 +55,7 @@ pub struct Row {
     /// The mean over the paint of frames with a pattern, world-aligned, and by Repeated Texture Projection.
     pub mse_pattern_world: Option<f64>,
     pub mse_pattern_repeated: Option<f64>,
-    /// One thread, per view and per frame.
+    /// Per view and per frame; closed forms use one thread. A network's fit is its pass through the view.
     pub fit_ms: f64,
     pub predict_ms: f64,
 }
@@ -96,27 +106,103 @@ struct PatternTest {
     repeated: Vec<[f64; 3]>,
 }
 
-/// Measures every model with the first two, three, … of the reference colours. `on_view` is called after each view.
+/// A model and what it is given.
+enum Method<'a> {
+    /// The first so many references.
+    ClosedForm(Kind, usize),
+    /// One reference, by its index.
+    Trained(&'a dyn Learned, usize),
+}
+
+impl<'a> Method<'a> {
+    fn all(references: &[[u8; 3]], networks: &'a [&'a dyn Learned]) -> Result<Vec<Self>, ChartError> {
+        let closed = Kind::ALL.into_iter().flat_map(|kind| {
+            (kind.least_shots()..=references.len()).map(move |count| Ok(Self::ClosedForm(kind, count)))
+        });
+        let trained = networks.iter().map(|network| {
+            let wanted = network.references();
+            let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
+            let names = || {
+                wanted
+                    .iter()
+                    .map(|rgb| light::to_hex(*rgb))
+                    .collect::<Vec<_>>()
+                    .join(" or ")
+            };
+            let missing = || ChartError::OtherReference {
+                network: network.name(),
+                wanted: names(),
+            };
+            Ok(Self::Trained(*network, found.ok_or_else(missing)?))
+        });
+        closed.chain(trained).collect()
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::ClosedForm(kind, _) => kind.name().to_owned(),
+            Self::Trained(network, _) => network.name(),
+        }
+    }
+
+    fn references(&self) -> usize {
+        match self {
+            Self::ClosedForm(_, count) => *count,
+            Self::Trained(..) => 1,
+        }
+    }
+
+    /// The model of a view, its tone curve's exponent, and the milliseconds it took.
+    fn fit(&self, view: &View) -> Result<(Box<dyn Renderer>, Option<f64>, f64), ChartError> {
+        match self {
+            Self::ClosedForm(kind, count) => {
+                let (model, ms) = fastest(|| PerPixel::fit(*kind, &view.shots[..*count]));
+                let model = model?;
+                let power = model.tone().map(|tone| tone.power);
+                Ok((Box::new(model), power, ms))
+            }
+            Self::Trained(network, reference) => {
+                let (model, ms) = fastest(|| network.of_view(&view.shots[*reference].picture, &view.mask));
+                let failed = |reason| ChartError::Network {
+                    network: network.name(),
+                    reason,
+                };
+                Ok((model.map_err(failed)?, None, ms))
+            }
+        }
+    }
+}
+
+/// Measures every closed form with the first two, three, … of the reference colours, and the networks with one of them. `on_view` is called
+/// after each view.
 ///
 /// # Errors
-/// A view without a reference colour, nothing to predict, pictures that cannot be read.
-pub fn measure(set: &FrameSet, references: &[[u8; 3]], on_view: impl Fn()) -> Result<Vec<Row>, ChartError> {
-    let methods: Vec<(Kind, usize)> = Kind::ALL
-        .into_iter()
-        .flat_map(|kind| (kind.least_shots()..=references.len()).map(move |count| (kind, count)))
-        .collect();
+/// A view without a reference colour, a network whose reference is none, nothing to predict, pictures that cannot be read.
+pub fn measure(
+    set: &FrameSet,
+    references: &[[u8; 3]],
+    networks: &[&dyn Learned],
+    on_view: impl Fn(),
+) -> Result<Vec<Row>, ChartError> {
+    let methods = Method::all(references, networks)?;
     let mut sums: Vec<Sums> = methods.iter().map(|_| Sums::default()).collect();
     for frames in views(&set.list.frames) {
         let view = load(set, &frames, references)?;
-        for ((kind, count), sums) in methods.iter().zip(&mut sums) {
-            add(*kind, &view, *count, sums)?;
+        for (method, sums) in methods.iter().zip(&mut sums) {
+            add(method, &view, sums)?;
         }
         on_view();
     }
-    let rows = methods.into_iter().zip(sums).map(|((model, references), s)| {
+    let rows = methods.into_iter().zip(sums).map(|(method, s)| {
+        let network = match &method {
+            Method::ClosedForm(..) => None,
+            Method::Trained(network, _) => Some(network),
+        };
         Some(Row {
-            model,
-            references,
+            model: method.name(),
+            training_seconds: network.map(|n| n.training_seconds()),
+            references: method.references(),
+            trained_references: network.map(|n| n.references().len()),
             views: s.views,
             frames: s.paint.count,
             mse_paint: s.paint.get()?,
@@ -182,13 +268,12 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
     })
 }
 
-fn add(kind: Kind, view: &View, count: usize, sums: &mut Sums) -> Result<(), ChartError> {
-    let (model, ms) = fastest(|| PerPixel::fit(kind, &view.shots[..count]));
-    let model = model?;
+fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), ChartError> {
+    let (model, power, ms) = method.fit(view)?;
     sums.fit_ms.add(ms);
     sums.views += 1;
-    if let Some(tone) = model.tone() {
-        sums.power.add(tone.power);
+    if let Some(power) = power {
+        sums.power.add(power);
     }
     for test in &view.tests {
         let paint = vec![light::linear_of(test.flat_rgb); view.mask.len()];
@@ -245,15 +330,15 @@ pub fn table(rows: &[Row]) -> String {
     let mut sorted: Vec<&Row> = rows.iter().collect();
     sorted.sort_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint));
     let mut text = format!(
-        "{:<16} {:>7} {:>10} {:>10} {:>10} {:>6} {:>10} {:>10} {:>8} {:>8}\n",
-        "model", "colours", "MSE paint", "worst", "picture", "power", "world", "repeated", "fit ms", "ms"
+        "{:<20} {:>7} {:>10} {:>10} {:>10} {:>6} {:>10} {:>10} {:>8} {:>8} {:>9}\n",
+        "model", "colours", "MSE paint", "worst", "picture", "power", "world", "repeated", "fit ms", "ms", "trained s"
     );
     let or_dash = |value: Option<f64>, digits: usize| value.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
     for row in sorted {
         text += &format!(
-            "{:<16} {:>7} {:>10.6} {:>10.6} {:>10.6} {:>6} {:>10} {:>10} {:>8.1} {:>8.2}\n",
-            row.model.name(),
-            row.references,
+            "{:<20} {:>7} {:>10.6} {:>10.6} {:>10.6} {:>6} {:>10} {:>10} {:>8.1} {:>8.2} {:>9}\n",
+            row.model,
+            given(row),
             row.mse_paint,
             row.mse_paint_worst,
             row.mse_picture,
@@ -262,40 +347,86 @@ pub fn table(rows: &[Row]) -> String {
             or_dash(row.mse_pattern_repeated, 5),
             row.fit_ms,
             row.predict_ms,
+            or_dash(row.training_seconds, 0),
         );
     }
     text
 }
 
-/// The chart: colours for models, shapes for the number of reference colours.
+/// Colours a model is given: `1`, or `1 of 3` for a network that takes any of three.
+fn given(row: &Row) -> String {
+    match row.trained_references {
+        Some(count) if count > 1 => format!("{} of {count}", row.references),
+        _ => row.references.to_string(),
+    }
+}
+
+/// A network's encoder and its depth, as its name has them; a closed form has its name and what it is given.
+fn series_and_shape(row: &Row) -> (String, String) {
+    let Some((encoder, rest)) = row.model.split_once(" k=") else {
+        return (row.model.clone(), format!("{} colours", row.references));
+    };
+    let (depth, formula) = rest.split_once(' ').unwrap_or((rest, ""));
+    let many = if given(row) == "1" { "" } else { " any reference" };
+    let series = format!("{encoder} {formula}{many}");
+    (series.trim_end().to_owned(), format!("k={depth}"))
+}
+
+/// The chart: colours for models and encoders, shapes for reference colours and depths.
 pub fn draw(rows: &[Row]) -> String {
-    let counts: Vec<usize> = {
-        let mut counts: Vec<usize> = rows.iter().map(|r| r.references).collect();
-        counts.sort_unstable();
-        counts.dedup();
-        counts
-    };
-    let dot = |row: &Row| Dot {
-        x: row.predict_ms,
-        y: row.mse_paint,
-        share: 1.0,
-        series: Kind::ALL.iter().position(|k| *k == row.model).unwrap_or(0),
-        shape: counts.iter().position(|n| *n == row.references).unwrap_or(0),
-        name: None,
-        is_default: row.model == Kind::default() && Some(&row.references) == counts.last(),
-    };
     let frames = rows.first().map_or(0, |row| row.frames);
+    let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
+    let title = "Renderer models: error in unseen colours against time";
+    cloud((title, note), "milliseconds a frame", rows, |row| row.predict_ms)
+}
+
+/// The networks' chart: error against the time of their training. `None` without a network.
+pub fn draw_training(rows: &[Row]) -> Option<String> {
+    let trained: Vec<Row> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
+    let closed = rows.iter().filter(|r| r.training_seconds.is_none());
+    let best = closed.min_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint))?;
+    let note = format!(
+        "{} frames, MSE over the paint; {}, without training: {:.5}",
+        best.frames, best.model, best.mse_paint
+    );
+    let title = "Networks: error in unseen colours against training";
+    (!trained.is_empty()).then(|| {
+        cloud((title, note), "seconds of training", &trained, |row| {
+            row.training_seconds.unwrap_or(0.0)
+        })
+    })
+}
+
+fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&Row) -> f64) -> String {
+    let (mut names, mut shapes) = (Vec::<String>::new(), Vec::<String>::new());
+    let index = |list: &mut Vec<String>, name: String| match list.iter().position(|known| *known == name) {
+        Some(at) => at,
+        None => {
+            list.push(name);
+            list.len() - 1
+        }
+    };
+    let most = rows.iter().map(|r| r.references).max();
+    let mut dots = Vec::new();
+    for row in rows {
+        let (series, shape) = series_and_shape(row);
+        dots.push(Dot {
+            x: value(row),
+            y: row.mse_paint,
+            share: 1.0,
+            series: index(&mut names, series),
+            shape: index(&mut shapes, shape),
+            name: None,
+            is_default: row.model == Kind::default().name() && Some(row.references) == most,
+        });
+    }
     scatter(&Cloud {
-        title: "Renderer models: error in unseen colours against time".to_owned(),
-        note: format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better"),
-        x: Axis::around(
-            "milliseconds a frame, one core",
-            Scale::Log,
-            rows.iter().map(|r| r.predict_ms),
-        ),
+        title: title.to_owned(),
+        note,
+        x: Axis::around(x, Scale::Log, rows.iter().map(&value)),
         y: Axis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
-        colours: Kind::ALL.map(|k| k.name().to_owned()).to_vec(),
-        shapes: counts.iter().map(|n| format!("{n} colours")).collect(),
-        groups: vec![(String::new(), rows.iter().map(dot).collect())],
+        colours: names,
+        shapes,
+        groups: vec![(String::new(), dots)],
     })
 }

@@ -1,4 +1,4 @@
-//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the networks, the
+//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the
 //! attack itself and its evaluation are to come.
 //!
 //! - [`frames`]: the one format of pictures whose truth is known;
@@ -6,12 +6,15 @@
 //! - [`additive`]: further colours from a few, because light adds up;
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
+//! - `dtn` (feature `attack`): those that are trained: DTN and NTR;
 //! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
 //! - [`chart`]: those models against each other;
 //! - [`evaluate`]: patterns rendered anew on the model, as photos with exact truth.
 
 pub mod additive;
 pub mod chart;
+#[cfg(feature = "attack")]
+pub mod dtn;
 pub mod evaluate;
 pub mod frames;
 pub mod import;

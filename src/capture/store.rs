@@ -188,7 +188,7 @@ impl Store {
             return Ok(files::remove(&path)?);
         }
         let photos = self.accepted.iter().map(|sidecar| sidecar.photo.clone()).collect();
-        let text = session::text(&path, SCENE, &self.camera, photos)?;
+        let text = session::text(&path, SCENE, Some(&self.camera), photos)?;
         Ok(files::write_atomically(&path, text.as_bytes())?)
     }
 }

@@ -5,6 +5,8 @@ mod colours;
 mod evaluate;
 mod import;
 mod render;
+#[cfg(feature = "attack")]
+mod train_dtn;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -29,6 +31,8 @@ enum What {
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
     Evaluate(Box<evaluate::EvaluateArgs>),
+    #[cfg(feature = "attack")]
+    TrainDtn(train_dtn::TrainArgs),
 }
 
 /// Read every picture of frames and hold them against their list
@@ -48,6 +52,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Colours(args) => colours::run(&args, out),
         What::Chart(args) => chart::run(&args, out),
         What::Evaluate(args) => evaluate::run(&args, out),
+        #[cfg(feature = "attack")]
+        What::TrainDtn(args) => train_dtn::run(&args, out),
     }
 }
 

@@ -20,6 +20,14 @@ pub fn frames(what: &str, count: usize) -> ProgressBar {
     )
 }
 
+/// A bar that counts the seconds or the steps of a training; its message is how well it goes.
+#[cfg(feature = "attack")]
+pub fn training(is_time: bool, length: u64) -> ProgressBar {
+    let unit = if is_time { "s" } else { "steps" };
+    let template = format!("training {{bar:30}} {{pos}}/{{len}} {unit}, {{msg}}");
+    bar(ProgressBar::new(length), "", &template)
+}
+
 /// A bar that counts the bytes of a download, whose length may become known later.
 pub fn bytes(what: &str) -> ProgressBar {
     bar(

@@ -19,6 +19,8 @@ pub use tone::Tone;
 
 use image::RgbImage;
 
+use super::frames::Coverage;
+
 /// A picture of the view in a flat colour.
 #[derive(Debug, Clone)]
 pub struct Shot {
@@ -35,6 +37,22 @@ pub trait Renderer {
     /// The derivative of each predicted value with respect to the reflectance in the same pixel and channel; it depends on no other. 0 where
     /// the prediction is clipped.
     fn slope(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;
+}
+
+/// A model that was trained beforehand, and needs one picture of a view.
+pub trait Learned {
+    fn name(&self) -> String;
+
+    /// 8-bit sRGB reflectances: the picture must be in one of them.
+    fn references(&self) -> &[[u8; 3]];
+
+    fn training_seconds(&self) -> f64;
+
+    /// The model of a view, from its picture in a reference colour and the paint's coverage, of one size.
+    ///
+    /// # Errors
+    /// A sentence, when it cannot be computed.
+    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String>;
 }
 
 /// Which model. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.

@@ -8,8 +8,9 @@ use serde::Serialize;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::additive::views;
-use crate::attack::chart::{Row, draw, measure, table};
+use crate::attack::chart::{Row, draw, draw_training, measure, table};
 use crate::attack::frames::{FrameSet, LIST};
+use crate::attack::renderer::Learned;
 use crate::files;
 
 /// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
@@ -21,7 +22,11 @@ pub struct ChartArgs {
     /// The colours models are fitted to, as hex: the first two, the first three, …
     #[arg(long, value_name = "HEX", num_args = 2..=8, default_values = ["000000", "ffffff", "808080"])]
     reference: Vec<String>,
-    /// Folder for the chart (SVG) and its numbers (JSON)
+    /// Trained networks to put beside them (attack train-dtn)
+    #[cfg(feature = "attack")]
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    network: Vec<PathBuf>,
+    /// Folder for the charts (SVG) and its numbers (JSON)
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -44,7 +49,9 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         .map(|text| hex(text))
         .collect::<Result<Vec<_>, _>>()?;
     let bar = progress::frames("measuring", views(&set.list.frames).len());
-    let rows = measure(&set, &references, || bar.inc(1))?;
+    let networks = networks(args)?;
+    let networks: Vec<&dyn Learned> = networks.iter().map(AsRef::as_ref).collect();
+    let rows = measure(&set, &references, &networks, || bar.inc(1))?;
     bar.finish_and_clear();
     write!(out, "{}", table(&rows))?;
     let numbers = Numbers {
@@ -54,16 +61,32 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         references: &args.reference,
         rows: &rows,
     };
-    let new = [
+    let mut new = vec![
         (
             args.out.join("renderers.json"),
             serde_json::to_string_pretty(&numbers)?.into_bytes(),
         ),
         (args.out.join("renderers.svg"), draw(&rows).into_bytes()),
     ];
+    new.extend(draw_training(&rows).map(|svg| (args.out.join("training.svg"), svg.into_bytes())));
     files::write_all_atomically(&new)?;
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;
     }
     Ok(Outcome::Done)
+}
+
+#[cfg(feature = "attack")]
+fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, crate::attack::dtn::DtnError> {
+    use crate::attack::dtn::file;
+    let open = |path: &PathBuf| {
+        let network = file::load(path)?.network(burn::tensor::Device::flex())?;
+        Ok(Box::new(network) as Box<dyn Learned>)
+    };
+    args.network.iter().map(open).collect()
+}
+
+#[cfg(not(feature = "attack"))]
+fn networks(_: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, std::convert::Infallible> {
+    Ok(Vec::new())
 }
