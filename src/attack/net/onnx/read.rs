@@ -71,7 +71,10 @@ impl<'a> Builder<'a> {
 
     fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, String> {
         let [picture] = &parsed.inputs[..] else {
-            return Err(format!("it takes {} inputs, and one picture is what there is", parsed.inputs.len()));
+            return Err(format!(
+                "it takes {} inputs, and one picture is what there is",
+                parsed.inputs.len()
+            ));
         };
         let input = self.named_place(&picture.name);
         let mut steps = Vec::new();
