@@ -52,7 +52,7 @@ fn photo(path: &Path) -> RgbImage {
 }
 
 fn environment() -> &'static Environment {
-    static ENVIRONMENT: OnceLock<std::sync::Arc<Environment>> = OnceLock::new();
+    static ENVIRONMENT: OnceLock<Environment> = OnceLock::new();
     ENVIRONMENT.get_or_init(|| {
         let file = std::env::var("ORT_DYLIB_PATH").unwrap_or("libonnxruntime.so".into());
         ort::init_from(file)
@@ -68,15 +68,15 @@ fn environment() -> &'static Environment {
 fn by_onnx_runtime(session: &mut Session, shape: &[usize], numbers: &[f32]) -> Vec<(String, Vec<usize>, Vec<f32>)> {
     let tensor = ort::value::Tensor::from_array((shape.to_vec(), numbers.to_vec())).unwrap();
     let outputs = session.run(ort::inputs![tensor]).unwrap();
-    let read = |(name, value): (&str, ort::value::ValueRef<'_>)| {
+    let read = outputs.iter().map(|(name, value)| {
         let (shape, data) = value.try_extract_tensor::<f32>().unwrap();
         (
             name.to_owned(),
             shape.iter().map(|d| *d as usize).collect(),
             data.to_vec(),
         )
-    };
-    outputs.iter().map(read).collect()
+    });
+    read.collect()
 }
 
 fn session(bytes: &[u8]) -> Session {
@@ -178,6 +178,7 @@ fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2
     let weights = best_claims(&confidences, 3);
     let gradient = look.pull_back(&weights);
     let length = dot(&gradient, &gradient).sqrt();
+    let before = loss(detector, picture, size, &weights);
     let differences = (0..2).map(|_| {
         // Half along the gradient, so that the derivative stands out of the noise of 32 bits, half anywhere.
         let noise: Vec<[f64; 3]> = gradient
@@ -189,7 +190,8 @@ fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2
             .map(|(g, n)| std::array::from_fn(|c| g[c] / length + n[c] / noise_length))
             .collect();
         let expected = dot(&gradient, &direction);
-        let step = 2e-3 / expected;
+        // The loss is to change by a hundredth.
+        let step = 0.01 * before / expected;
         let moved = |by: f64| -> Vec<[f64; 3]> {
             let pixels = picture.iter().zip(&direction);
             pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
@@ -853,7 +855,8 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let all: Vec<usize> = (0..80).collect();
         let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
         let look = detector.look(&picture, size).unwrap();
-        let best = look.claims().iter().map(|c| c.confidence).fold(0.0, f64::max);
+        let solid = look.claims().iter().filter(|c| c.box_px.is_solid());
+        let best = solid.map(|c| c.confidence).fold(0.0, f64::max);
         let found = Detector::open(Runtime::load().unwrap(), &manifest, &path)
             .unwrap()
             .detect(&photo)
