@@ -34,7 +34,9 @@ const FOLLOWED: [(&str, &str, usize); 3] = [
 fn photos() -> Vec<PathBuf> {
     let images = |folder: &Path| {
         let files = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path());
-        let mut files: Vec<PathBuf> = files.filter(|f| f.extension().is_some_and(|e| e == "jpg" || e == "png")).collect();
+        let mut files: Vec<PathBuf> = files
+            .filter(|f| f.extension().is_some_and(|e| e == "jpg" || e == "png"))
+            .collect();
         files.sort();
         files
     };
@@ -50,10 +52,15 @@ fn photo(path: &Path) -> RgbImage {
 }
 
 fn environment() -> &'static Environment {
-    static ENVIRONMENT: OnceLock<std::sync::Arc<Environment>> = OnceLock::new();
+    static ENVIRONMENT: OnceLock<Environment> = OnceLock::new();
     ENVIRONMENT.get_or_init(|| {
         let file = std::env::var("ORT_DYLIB_PATH").unwrap_or("libonnxruntime.so".into());
-        ort::init_from(file).unwrap().with_telemetry(false).with_name("attack_onnx").build().unwrap()
+        ort::init_from(file)
+            .unwrap()
+            .with_telemetry(false)
+            .with_name("attack_onnx")
+            .build()
+            .unwrap()
     })
 }
 
@@ -61,15 +68,22 @@ fn environment() -> &'static Environment {
 fn by_onnx_runtime(session: &mut Session, shape: &[usize], numbers: &[f32]) -> Vec<(String, Vec<usize>, Vec<f32>)> {
     let tensor = ort::value::Tensor::from_array((shape.to_vec(), numbers.to_vec())).unwrap();
     let outputs = session.run(ort::inputs![tensor]).unwrap();
-    let read = |(name, value): (&str, ort::value::ValueRef<'_>)| {
+    let read = outputs.iter().map(|(name, value)| {
         let (shape, data) = value.try_extract_tensor::<f32>().unwrap();
-        (name.to_owned(), shape.iter().map(|d| *d as usize).collect(), data.to_vec())
-    };
-    outputs.iter().map(read).collect()
+        (
+            name.to_owned(),
+            shape.iter().map(|d| *d as usize).collect(),
+            data.to_vec(),
+        )
+    });
+    read.collect()
 }
 
 fn session(bytes: &[u8]) -> Session {
-    Session::builder(environment()).unwrap().commit_from_memory(bytes).unwrap()
+    Session::builder(environment())
+        .unwrap()
+        .commit_from_memory(bytes)
+        .unwrap()
 }
 
 /// The largest difference between our outputs and ONNX Runtime's.
@@ -104,7 +118,9 @@ fn numbers(photo: &RgbImage, manifest: &Manifest) -> Vec<f32> {
 #[test]
 fn outputs_are_those_of_onnx_runtime() {
     for (name, file, side) in FOLLOWED {
-        let Some(path) = shared(&format!("detectors/{file}")) else { return };
+        let Some(path) = shared(&format!("detectors/{file}")) else {
+            return;
+        };
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
@@ -113,7 +129,9 @@ fn outputs_are_those_of_onnx_runtime() {
         let mut session = session(&bytes);
         let photos = photos();
         assert_eq!(photos.len(), 20);
-        let each = photos.iter().map(|p| worst_difference(&network, &mut session, &shape, &numbers(&photo(p), &manifest)));
+        let each = photos
+            .iter()
+            .map(|p| worst_difference(&network, &mut session, &shape, &numbers(&photo(p), &manifest)));
         let worst = each.fold(0.0, f32::max);
         println!("{name}: opened in {opened:.2?}; outputs of 20 photos within {worst:.1e} of ONNX Runtime");
         assert!(worst < 1e-4, "{name}: {worst}");
@@ -146,43 +164,61 @@ fn loss(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], weights: 
 }
 
 fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2]).sum()
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+        .sum()
+}
+
+/// By how much directional derivatives of the three best claims' losses differ from central differences, relatively; the worst of some
+/// directions.
+fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> f64 {
+    let look = detector.look(picture, size).unwrap();
+    let confidences: Vec<f64> = look.claims().iter().map(|c| c.confidence).collect();
+    let weights = best_claims(&confidences, 3);
+    let gradient = look.pull_back(&weights);
+    let length = dot(&gradient, &gradient).sqrt();
+    let before = loss(detector, picture, size, &weights);
+    let differences = (0..2).map(|_| {
+        // Half along the gradient, so that the derivative stands out of the noise of 32 bits, half anywhere.
+        let noise: Vec<[f64; 3]> = gradient
+            .iter()
+            .map(|_| std::array::from_fn(|_| rng.random::<f64>() - 0.5))
+            .collect();
+        let noise_length = dot(&noise, &noise).sqrt();
+        let direction: Vec<[f64; 3]> = (gradient.iter().zip(&noise))
+            .map(|(g, n)| std::array::from_fn(|c| g[c] / length + n[c] / noise_length))
+            .collect();
+        let expected = dot(&gradient, &direction);
+        // The loss is to change by a hundredth.
+        let step = 0.01 * before / expected;
+        let moved = |by: f64| -> Vec<[f64; 3]> {
+            let pixels = picture.iter().zip(&direction);
+            pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
+        };
+        let [up, down] = [step, -step].map(|by| loss(detector, &moved(by), size, &weights));
+        let found = (up - down) / (2.0 * step);
+        println!(
+            "{}: {expected:.5} by gradient, {found:.5} by differences",
+            detector.name()
+        );
+        (found / expected - 1.0).abs()
+    });
+    differences.fold(0.0, f64::max)
 }
 
 #[test]
 fn gradients_are_those_of_finite_differences() {
     let mut rng = Pcg32::seed_from_u64(5);
     for (name, file, _) in FOLLOWED {
-        let Some((detector, _)) = opened(name, file, &[CAR]) else { return };
-        let mut worst = 0.0_f64;
-        for path in photos().iter().step_by(5) {
-            let photo = photo(path);
-            let (width, height) = (photo.width().min(640), photo.height().min(480));
-            let (picture, size) = picture(&image::imageops::thumbnail(&photo, width, height));
-            let look = detector.look(&picture, size).unwrap();
-            let confidences: Vec<f64> = look.claims().iter().map(|c| c.confidence).collect();
-            let weights = best_claims(&confidences, 3);
-            let gradient = look.pull_back(&weights);
-            let length = dot(&gradient, &gradient).sqrt();
-            for _ in 0..2 {
-                // Half along the gradient, so that the derivative stands out of the noise of 32 bits, half anywhere.
-                let noise: Vec<[f64; 3]> = gradient.iter().map(|_| std::array::from_fn(|_| rng.random::<f64>() - 0.5)).collect();
-                let noise_length = dot(&noise, &noise).sqrt();
-                let direction: Vec<[f64; 3]> = (gradient.iter().zip(&noise))
-                    .map(|(g, n)| std::array::from_fn(|c| g[c] / length + n[c] / noise_length))
-                    .collect();
-                let expected = dot(&gradient, &direction);
-                let step = 2e-3 / expected;
-                let moved = |by: f64| -> Vec<[f64; 3]> {
-                    let pixels = picture.iter().zip(&direction);
-                    pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
-                };
-                let [up, down] = [step, -step].map(|by| loss(&detector, &moved(by), size, &weights));
-                let found = (up - down) / (2.0 * step);
-                println!("{name} {}: C {:.3}, {expected:.5} by gradient, {found:.5} by differences", path.file_name().unwrap().to_string_lossy(), confidences.iter().copied().fold(0.0, f64::max));
-                worst = worst.max((found / expected - 1.0).abs());
-            }
-        }
+        let Some((detector, _)) = opened(name, file, &[CAR]) else {
+            return;
+        };
+        let worst = photos().iter().step_by(5).map(|path| {
+            let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
+            worst_derivative(&detector, &picture, size, &mut rng)
+        });
+        let worst = worst.fold(0.0, f64::max);
         println!("{name}: directional derivatives within {:.2} %", 100.0 * worst);
         assert!(worst < 0.01, "{name}: {worst}");
     }
@@ -192,7 +228,9 @@ fn gradients_are_those_of_finite_differences() {
 fn confidences_are_those_of_scoring() {
     let all: Vec<usize> = (0..80).collect();
     for (name, file, side) in FOLLOWED {
-        let Some((detector, path)) = opened(name, file, &all) else { return };
+        let Some((detector, path)) = opened(name, file, &all) else {
+            return;
+        };
         let (cars, _) = opened(name, file, &[CAR]).unwrap();
         let mut scorer = Detector::open(Runtime::load().unwrap(), &Manifest::named(name).unwrap(), &path).unwrap();
         for (i, file) in photos().iter().enumerate().step_by(3) {
@@ -203,15 +241,24 @@ fn confidences_are_those_of_scoring() {
             let (picture, size) = picture(&photo);
             let found = scorer.detect(&photo).unwrap();
             let look = detector.look(&picture, size).unwrap();
-            let best = look.claims().iter().max_by(|a, b| a.confidence.total_cmp(&b.confidence)).unwrap();
+            let best = look
+                .claims()
+                .iter()
+                .max_by(|a, b| a.confidence.total_cmp(&b.confidence))
+                .unwrap();
             let tolerance = if own_size { (1e-4, 0.1) } else { (0.03, 8.0) };
-            assert!((best.confidence - found[0].score).abs() < tolerance.0, "{name} {i}: {best:?} {:?}", found[0]);
+            assert!(
+                (best.confidence - found[0].score).abs() < tolerance.0,
+                "{name} {i}: {best:?} {:?}",
+                found[0]
+            );
             let look = cars.look(&picture, size).unwrap();
             for car in found.iter().filter(|d| d.label == CAR && d.score > 0.2 && own_size) {
                 let corners: [f64; 4] = car.box_px.into();
                 let same = look.claims().iter().find(|claim| {
                     let b: [f64; 4] = claim.box_px.into();
-                    (claim.confidence - car.score).abs() < tolerance.0 && (0..4).all(|k| (b[k] - corners[k]).abs() < tolerance.1)
+                    (claim.confidence - car.score).abs() < tolerance.0
+                        && (0..4).all(|k| (b[k] - corners[k]).abs() < tolerance.1)
                 });
                 assert!(same.is_some(), "{name} {i}: no claim is {car:?}");
             }
@@ -222,7 +269,9 @@ fn confidences_are_those_of_scoring() {
 #[test]
 fn time_of_one_step() {
     for (name, file, _) in FOLLOWED {
-        let Some((detector, _)) = opened(name, file, &[CAR]) else { return };
+        let Some((detector, _)) = opened(name, file, &[CAR]) else {
+            return;
+        };
         let (picture, size) = picture(&image::imageops::thumbnail(&photo(&photos()[0]), 640, 480));
         let (mut forth, mut back) = (Vec::new(), Vec::new());
         for _ in 0..6 {
@@ -239,6 +288,665 @@ fn time_of_one_step() {
             v.sort_by(f64::total_cmp);
             v[v.len() / 2]
         };
-        println!("{name}: {:.0} ms forwards, {:.0} ms backwards", median(forth), median(back));
+        println!(
+            "{name}: {:.0} ms forwards, {:.0} ms backwards",
+            median(forth),
+            median(back)
+        );
+    }
+}
+
+/// A network of a few nodes, for an input of some shape.
+struct Small {
+    name: &'static str,
+    shape: Vec<usize>,
+    parts: Vec<Vec<u8>>,
+    outputs: Vec<&'static str>,
+    opset: u64,
+}
+
+impl Small {
+    fn bytes(&self) -> Vec<u8> {
+        let sides: Vec<i64> = self.shape.iter().map(|side| *side as i64).collect();
+        onnx::graph(
+            &onnx::Input::floats("x", &sides),
+            &self.parts,
+            &self.outputs,
+            self.opset,
+        )
+    }
+}
+
+fn small(name: &'static str, shape: &[usize], parts: Vec<Vec<u8>>) -> Small {
+    Small {
+        name,
+        shape: shape.to_vec(),
+        parts,
+        outputs: vec!["y"],
+        opset: 13,
+    }
+}
+
+/// y = operator(x), with attributes.
+fn unary(name: &'static str, attributes: &[Vec<u8>]) -> Small {
+    small(name, &[1, 2, 3, 4], vec![onnx::step(name, &["x"], &["y"], attributes)])
+}
+
+fn spread(count: usize, seed: u64) -> Vec<f32> {
+    let mut rng = Pcg32::seed_from_u64(seed);
+    (0..count).map(|_| rng.random::<f32>() * 2.0 - 1.0).collect()
+}
+
+fn activations() -> Vec<Small> {
+    use onnx::{constant, float_attribute, step};
+    let alpha = |v| float_attribute("alpha", v);
+    let mut found: Vec<Small> = [
+        "Sigmoid", "Relu", "Tanh", "Exp", "Softplus", "Neg", "Abs", "Identity", "Erf",
+    ]
+    .map(|name| unary(name, &[]))
+    .into();
+    found.push(unary("LeakyRelu", &[alpha(0.1)]));
+    found.push(unary("Elu", &[alpha(0.7)]));
+    found.push(unary("HardSigmoid", &[alpha(0.3), float_attribute("beta", 0.4)]));
+    found.push(Small {
+        opset: 14,
+        ..unary("HardSwish", &[])
+    });
+    found.push(Small {
+        opset: 18,
+        ..unary("Mish", &[])
+    });
+    // Roots and logarithms of x + 2, which is above 0.
+    for name in ["Sqrt", "Log", "Reciprocal"] {
+        let shifted = [
+            constant("two", &[], &[2.0]),
+            step("Add", &["x", "two"], &["shifted"], &[]),
+        ]
+        .concat();
+        found.push(small(
+            name,
+            &[1, 2, 3, 4],
+            vec![shifted, step(name, &["shifted"], &["y"], &[])],
+        ));
+    }
+    let limits = [constant("low", &[], &[-0.3]), constant("high", &[], &[0.4])].concat();
+    found.push(small(
+        "Clip",
+        &[1, 2, 3, 4],
+        vec![limits, step("Clip", &["x", "low", "high"], &["y"], &[])],
+    ));
+    let slopes = constant("slopes", &[2, 1, 1], &[0.2, 0.5]);
+    found.push(small(
+        "PRelu",
+        &[1, 2, 3, 4],
+        vec![slopes, step("PRelu", &["x", "slopes"], &["y"], &[])],
+    ));
+    // As YOLOv4 of the zoo writes Mish, and as all others write SiLU.
+    let mish = [
+        step("Softplus", &["x"], &["a"], &[]),
+        step("Tanh", &["a"], &["b"], &[]),
+        step("Mul", &["x", "b"], &["y"], &[]),
+    ];
+    found.push(small("Softplus + Tanh", &[1, 2, 3, 4], mish.into()));
+    let silu = [
+        step("Sigmoid", &["x"], &["s"], &[]),
+        step("Mul", &["x", "s"], &["y"], &[]),
+    ];
+    found.push(small("SiLU", &[1, 2, 3, 4], silu.into()));
+    found
+}
+
+fn arithmetic() -> Vec<Small> {
+    use onnx::{constant, step};
+    let mut found = Vec::new();
+    for name in ["Add", "Sub", "Mul", "Div", "Max", "Min"] {
+        let other = constant("c", &[3, 1], &[1.5, -0.7, 0.4]);
+        found.push(small(
+            name,
+            &[1, 2, 3, 4],
+            vec![other, step(name, &["x", "c"], &["y"], &[])],
+        ));
+    }
+    // Both operands follow the picture, of different ranks.
+    let two = [
+        constant("w", &[4, 1], &spread(4, 7)),
+        step("MatMul", &["x", "w"], &["a"], &[]),
+        step("Sub", &["a", "x"], &["y"], &[]),
+    ];
+    found.push(small("MatMul, Sub", &[1, 2, 3, 4], two.into()));
+    let power = [constant("e", &[], &[2.0]), step("Pow", &["x", "e"], &["y"], &[])];
+    found.push(small("Pow", &[1, 2, 3, 4], power.into()));
+    let product = [
+        constant("w", &[5, 4], &spread(20, 8)),
+        constant("b", &[5], &spread(5, 9)),
+        step("Gemm", &["x", "w", "b"], &["y"], &[onnx::whole_attribute("transB", 1)]),
+    ];
+    found.push(small("Gemm", &[3, 4], product.into()));
+    let product = [
+        constant("w", &[4, 5], &spread(20, 8)),
+        constant("b", &[5], &spread(5, 9)),
+        step("MatMul", &["x", "w"], &["p"], &[]),
+        step("Add", &["p", "b"], &["y"], &[]),
+    ];
+    found.push(small("MatMul, Add", &[2, 3, 4], product.into()));
+    // The distribution over bins of YOLOv8's boxes.
+    let bins = [
+        onnx::whole_constant("s", &[4], &[1, 4, 4, 6]),
+        step("Reshape", &["x", "s"], &["r"], &[]),
+        step(
+            "Transpose",
+            &["r"],
+            &["t"],
+            &[onnx::list_attribute("perm", &[0, 2, 1, 3])],
+        ),
+        step("Softmax", &["t"], &["p"], &[onnx::whole_attribute("axis", 1)]),
+        constant("w", &[1, 4, 1, 1], &[0.0, 1.0, 2.0, 3.0]),
+        step("Conv", &["p", "w"], &["y"], &[]),
+    ];
+    found.push(small("Softmax over bins", &[1, 16, 6], bins.into()));
+    let axes = onnx::whole_constant("axes", &[1], &[-1]);
+    let kept = onnx::whole_attribute("keepdims", 0);
+    found.push(small(
+        "ReduceSum",
+        &[1, 2, 3, 4],
+        vec![axes, step("ReduceSum", &["x", "axes"], &["y"], &[kept])],
+    ));
+    for name in ["ReduceMean", "ReduceMax", "ReduceMin"] {
+        found.push(unary(name, &[onnx::list_attribute("axes", &[1, 3])]));
+    }
+    found
+}
+
+fn convolutions() -> Vec<Small> {
+    use onnx::{constant, list_attribute as list, step, text_attribute, whole_attribute as whole};
+    let picture = [1, 4, 7, 6];
+    let conv = |name, weight: &[usize], attributes: &[Vec<u8>]| {
+        let count = weight.iter().product();
+        let weight = constant("w", weight, &spread(count, 11));
+        let bias = constant("b", &[4], &spread(4, 12));
+        small(
+            name,
+            &picture,
+            vec![weight, bias, step("Conv", &["x", "w", "b"], &["y"], attributes)],
+        )
+    };
+    let pool = |name, operator, attributes: &[Vec<u8>]| {
+        small(name, &picture, vec![step(operator, &["x"], &["y"], attributes)])
+    };
+    let three = || list("kernel_shape", &[3, 3]);
+    let norm = ["scale", "shift", "mean"].map(|name| constant(name, &[4], &spread(4, 13)));
+    let norm = [norm.concat(), constant("variance", &[4], &[0.5, 1.0, 2.0, 0.1])].concat();
+    let names = ["x", "scale", "shift", "mean", "variance"];
+    let up = [
+        constant("w", &[4, 2, 2, 2], &spread(32, 14)),
+        step("ConvTranspose", &["x", "w"], &["y"], &[list("strides", &[2, 2])]),
+    ];
+    vec![
+        conv("Conv", &[4, 4, 3, 3], &[list("pads", &[1, 1, 1, 1])]),
+        conv(
+            "Conv, stride 2, one-sided border",
+            &[4, 4, 3, 3],
+            &[list("pads", &[0, 0, 1, 1]), list("strides", &[2, 2])],
+        ),
+        conv(
+            "Conv, SAME_UPPER",
+            &[4, 4, 3, 3],
+            &[text_attribute("auto_pad", "SAME_UPPER"), list("strides", &[2, 2])],
+        ),
+        conv(
+            "Conv, dilated",
+            &[4, 4, 3, 3],
+            &[list("dilations", &[2, 2]), list("pads", &[2, 2, 2, 2])],
+        ),
+        conv(
+            "Conv, depthwise",
+            &[4, 1, 3, 3],
+            &[whole("group", 4), list("pads", &[1, 1, 1, 1])],
+        ),
+        conv("Conv, two groups", &[4, 2, 1, 1], &[whole("group", 2)]),
+        small("ConvTranspose", &picture, up.into()),
+        small(
+            "BatchNormalization",
+            &picture,
+            vec![norm, step("BatchNormalization", &names, &["y"], &[])],
+        ),
+        pool("MaxPool", "MaxPool", &[three(), list("pads", &[1, 1, 1, 1])]),
+        pool(
+            "MaxPool, stride 2, ceil",
+            "MaxPool",
+            &[three(), list("strides", &[2, 2]), whole("ceil_mode", 1)],
+        ),
+        pool(
+            "AveragePool",
+            "AveragePool",
+            &[three(), list("strides", &[2, 2]), list("pads", &[1, 1, 1, 1])],
+        ),
+        pool(
+            "AveragePool, border counts",
+            "AveragePool",
+            &[three(), list("pads", &[1, 1, 1, 1]), whole("count_include_pad", 1)],
+        ),
+        pool("GlobalAveragePool", "GlobalAveragePool", &[]),
+        pool("GlobalMaxPool", "GlobalMaxPool", &[]),
+    ]
+}
+
+fn resizes() -> Vec<Small> {
+    use onnx::{constant, step, text_attribute as text, whole_constant};
+    let mut found = Vec::new();
+    for (name, mode, coordinates, nearest, scales) in [
+        ("nearest ×2", "nearest", "asymmetric", "floor", [2.0, 2.0]),
+        (
+            "nearest ×1.5, half pixel",
+            "nearest",
+            "half_pixel",
+            "round_prefer_floor",
+            [1.5, 2.5],
+        ),
+        ("linear ×2, half pixel", "linear", "half_pixel", "floor", [2.0, 2.0]),
+        (
+            "linear ×2, aligned corners",
+            "linear",
+            "align_corners",
+            "floor",
+            [2.0, 2.0],
+        ),
+        (
+            "linear ×2, PyTorch",
+            "linear",
+            "pytorch_half_pixel",
+            "floor",
+            [2.0, 1.5],
+        ),
+        ("linear, smaller", "linear", "asymmetric", "floor", [0.5, 0.6]),
+    ] {
+        let attributes = [
+            text("mode", mode),
+            text("coordinate_transformation_mode", coordinates),
+            text("nearest_mode", nearest),
+        ];
+        let scales = constant("scales", &[4], &[1.0, 1.0, scales[0], scales[1]]);
+        found.push(small(
+            name,
+            &[1, 2, 4, 5],
+            vec![scales, step("Resize", &["x", "", "scales"], &["y"], &attributes)],
+        ));
+    }
+    let sizes = whole_constant("sizes", &[4], &[1, 2, 8, 10]);
+    let attributes = [
+        text("mode", "nearest"),
+        text("coordinate_transformation_mode", "asymmetric"),
+        text("nearest_mode", "floor"),
+    ];
+    found.push(small(
+        "Resize to a size",
+        &[1, 2, 4, 5],
+        vec![sizes, step("Resize", &["x", "", "", "sizes"], &["y"], &attributes)],
+    ));
+    for mode in ["constant", "reflect", "edge"] {
+        let pads = [
+            whole_constant("pads", &[8], &[0, 0, 1, 2, 0, 0, 0, 1]),
+            constant("v", &[], &[0.3]),
+        ]
+        .concat();
+        found.push(small(
+            "Pad",
+            &[1, 2, 4, 5],
+            vec![pads, step("Pad", &["x", "pads", "v"], &["y"], &[text("mode", mode)])],
+        ));
+    }
+    found
+}
+
+fn rearrangements() -> Vec<Small> {
+    use onnx::{list_attribute as list, step, whole_attribute as whole, whole_constant};
+    let shape = [1, 2, 3, 4];
+    let slice = |name, starts: &[i64], ends: &[i64], axes: &[i64], steps: &[i64]| {
+        let n = starts.len();
+        let numbers = [
+            whole_constant("starts", &[n], starts),
+            whole_constant("ends", &[n], ends),
+            whole_constant("axes", &[n], axes),
+            whole_constant("steps", &[n], steps),
+        ];
+        small(
+            name,
+            &shape,
+            vec![
+                numbers.concat(),
+                step("Slice", &["x", "starts", "ends", "axes", "steps"], &["y"], &[]),
+            ],
+        )
+    };
+    let gather = |name, shape_of_places: &[usize], places: &[i64], axis| {
+        let places = whole_constant("places", shape_of_places, places);
+        small(
+            name,
+            &shape,
+            vec![places, step("Gather", &["x", "places"], &["y"], &[whole("axis", axis)])],
+        )
+    };
+    let with = |operator: &'static str, numbers: &[i64]| {
+        let constant = whole_constant("n", &[numbers.len()], numbers);
+        small(
+            operator,
+            &shape,
+            vec![constant, step(operator, &["x", "n"], &["y"], &[])],
+        )
+    };
+    // The shape of the picture, reckoned with: rows · columns as the new last side.
+    let reckoned = [
+        step("Shape", &["x"], &["s"], &[]),
+        whole_constant("two", &[], &[2]),
+        whole_constant("three", &[], &[3]),
+        whole_constant("zero", &[1], &[0]),
+        step("Gather", &["s", "two"], &["rows"], &[]),
+        step("Gather", &["s", "three"], &["columns"], &[]),
+        step("Mul", &["rows", "columns"], &["cells"], &[]),
+        step("Unsqueeze", &["cells", "zero"], &["side"], &[]),
+        whole_constant("front", &[2], &[1, -1]),
+        step("Concat", &["front", "side"], &["target"], &[whole("axis", 0)]),
+        step("Reshape", &["x", "target"], &["y"], &[]),
+    ];
+    let split = [
+        whole_constant("sizes", &[2], &[1, 3]),
+        step("Split", &["x", "sizes"], &["a", "b"], &[whole("axis", 3)]),
+        step("Mul", &["a", "b"], &["y"], &[]),
+    ];
+    let halves = [
+        step("Split", &["x"], &["a", "b"], &[whole("axis", 1)]),
+        step("Concat", &["b", "x", "a"], &["y"], &[whole("axis", 1)]),
+    ];
+    vec![
+        with("Reshape", &[0, -1, 2]),
+        with("Expand", &[2, 1, 3, 4]),
+        with("Tile", &[1, 2, 1, 3]),
+        with("Squeeze", &[0]),
+        with("Unsqueeze", &[1, -1]),
+        unary("Flatten", &[whole("axis", 2)]),
+        unary("Transpose", &[list("perm", &[0, 3, 1, 2])]),
+        slice("Slice", &[0, -3], &[1, i64::MAX], &[1, 3], &[1, 1]),
+        slice("Slice, every second", &[1, 0], &[4, 3], &[3, 2], &[2, 2]),
+        slice("Slice, backwards", &[-1], &[i64::MIN], &[3], &[-1]),
+        gather("Gather, one", &[], &[-1], 2),
+        gather("Gather, in disorder", &[3], &[3, 0, 3], 3),
+        gather("Gather, a table", &[2, 2], &[0, 1, 2, 0], 2),
+        small("Split in halves, Concat", &shape, halves.into()),
+        small("Split by sizes", &shape, split.into()),
+        small("Shape arithmetic", &shape, reckoned.into()),
+    ]
+}
+
+#[test]
+fn every_operator_answers_and_derives_as_it_should() {
+    let mut count = 0;
+    for net in [activations(), arithmetic(), convolutions(), resizes(), rearrangements()]
+        .into_iter()
+        .flatten()
+    {
+        let bytes = net.bytes();
+        let network = Network::read(&bytes, net.name, &net.shape).unwrap_or_else(|e| panic!("{}: {e}", net.name));
+        let mut session = session(&bytes);
+        let x = spread(net.shape.iter().product(), 21);
+        let worst = worst_difference(&network, &mut session, &net.shape, &x);
+        assert!(worst < 1e-5, "{}: {worst}", net.name);
+        // Σ slope · output along a direction, both random.
+        let answer = network.answer(x.clone()).unwrap();
+        let slopes: Vec<Vec<f32>> = answer.outputs.iter().map(|o| spread(o.raw.len(), 22)).collect();
+        let sum = |x: &[f32]| -> f64 {
+            let outputs = network.answer(x.to_vec()).unwrap().outputs;
+            let pairs = outputs.iter().zip(&slopes).flat_map(|(o, s)| o.raw.iter().zip(s));
+            pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
+        };
+        let direction = spread(x.len(), 23);
+        let moved = |by: f32| -> Vec<f32> { x.iter().zip(&direction).map(|(x, d)| x + by * d).collect() };
+        let found = (sum(&moved(2e-3)) - sum(&moved(-2e-3))) / 4e-3;
+        let gradient = answer.pull_back(slopes.clone());
+        let expected: f64 = gradient
+            .iter()
+            .zip(&direction)
+            .map(|(g, d)| f64::from(*g) * f64::from(*d))
+            .sum();
+        assert!(
+            (found - expected).abs() < 2e-3 * (1.0 + expected.abs()),
+            "{}: {found} {expected}",
+            net.name
+        );
+        count += 1;
+    }
+    println!("{count} small networks answer as ONNX Runtime and derive as finite differences say");
+}
+
+/// A YOLOv5 head of one box whose objectness and labels have all the logit `bias` + the picture's mean.
+fn one_box(bias: f32) -> Vec<u8> {
+    use onnx::{constant, step, whole_attribute, whole_constant};
+    let parts = [
+        step(
+            "ReduceMean",
+            &["x"],
+            &["mean"],
+            &[onnx::list_attribute("axes", &[1, 2, 3])],
+        ),
+        whole_constant("s", &[3], &[1, 1, 1]),
+        step("Reshape", &["mean", "s"], &["m"], &[]),
+        constant("bias", &[1, 1, 81], &[bias; 81]),
+        step("Add", &["m", "bias"], &["logits"], &[]),
+        step("Sigmoid", &["logits"], &["scores"], &[]),
+        constant("box", &[1, 1, 4], &[20.0, 16.0, 8.0, 6.0]),
+        step("Concat", &["box", "scores"], &["y"], &[whole_attribute("axis", 2)]),
+    ];
+    onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13)
+}
+
+const ONE_BOX: &str = r#"
+name = "one_box"
+title = "One box"
+licence = "none"
+origin = "made in a test"
+labels = "coco80"
+[weights]
+file = "one_box.onnx"
+sha256 = "00"
+[input]
+size_px = [32, 32]
+resize = "stretch"
+kernel = "antialiased"
+channels = "rgb"
+mean = [0.0, 0.0, 0.0]
+std = [255.0, 255.0, 255.0]
+[head]
+kind = "yolov5"
+nms_iou = 0.45
+"#;
+
+fn one_box_manifest() -> Manifest {
+    Manifest::parse(ONE_BOX, "one_box.toml").unwrap()
+}
+
+/// Small networks that end as those of the families do, with random weights, for pictures of 64 × 64.
+fn families() -> [(&'static str, Vec<u8>, &'static str); 3] {
+    use onnx::{constant, list_attribute as list, step, whole_attribute as whole, whole_constant};
+    let conv = |side: usize, channels: usize, from: &str, to: &str| {
+        let weight = format!("w{side}");
+        let strides = [list("strides", &[side as i64; 2])];
+        let weights: Vec<f32> = spread(channels * 3 * side * side, side as u64)
+            .iter()
+            .map(|w| w * 12.0 / side as f32)
+            .collect();
+        [
+            constant(&weight, &[channels, 3, side, side], &weights),
+            step("Conv", &[from, &weight], &[to], &strides),
+        ]
+        .concat()
+    };
+    let v8 = [
+        conv(8, 84, "x", "c"),
+        whole_constant("s", &[3], &[1, 84, 64]),
+        step("Reshape", &["c", "s"], &["r"], &[]),
+        whole_constant("sizes", &[2], &[4, 80]),
+        step("Split", &["r", "sizes"], &["box", "labels"], &[whole("axis", 1)]),
+        step("Sigmoid", &["labels"], &["scores"], &[]),
+        step("Softplus", &["box"], &["sides"], &[]),
+        constant("eight", &[], &[8.0]),
+        step("Mul", &["sides", "eight"], &["pixels"], &[]),
+        step("Concat", &["pixels", "scores"], &["y"], &[whole("axis", 1)]),
+    ];
+    let v5 = [
+        conv(8, 255, "x", "c"),
+        whole_constant("s", &[5], &[1, 3, 85, 8, 8]),
+        step("Reshape", &["c", "s"], &["r"], &[]),
+        step("Transpose", &["r"], &["t"], &[list("perm", &[0, 1, 3, 4, 2])]),
+        step("Sigmoid", &["t"], &["o"], &[]),
+        whole_constant("sizes", &[3], &[2, 2, 81]),
+        step("Split", &["o", "sizes"], &["xy", "wh", "scores"], &[whole("axis", 4)]),
+        constant("sixteen", &[], &[16.0]),
+        step("Mul", &["xy", "sixteen"], &["centre"], &[]),
+        constant("two", &[], &[2.0]),
+        step("Mul", &["wh", "two"], &["twice"], &[]),
+        step("Pow", &["twice", "two"], &["squared"], &[]),
+        step("Mul", &["squared", "sixteen"], &["size"], &[]),
+        step("Concat", &["centre", "size", "scores"], &["rows"], &[whole("axis", 4)]),
+        whole_constant("all", &[3], &[1, -1, 85]),
+        step("Reshape", &["rows", "all"], &["y"], &[]),
+    ];
+    let mut v4 = vec![step("Transpose", &["x"], &["planes"], &[list("perm", &[0, 3, 1, 2])])];
+    for (side, [c, t, r, o, out]) in [
+        (8, ["c1", "t1", "r1", "o1", "y1"]),
+        (16, ["c2", "t2", "r2", "o2", "y2"]),
+        (32, ["c3", "t3", "r3", "o3", "y3"]),
+    ] {
+        let cells = 64 / side as i64;
+        let [shape, sizes, xy, rest, scores] = ["s", "z", "b", "k", "p"].map(|name| format!("{name}{side}"));
+        v4.extend([
+            conv(side, 255, "planes", c),
+            step("Transpose", &[c], &[t], &[list("perm", &[0, 2, 3, 1])]),
+            whole_constant(&shape, &[5], &[1, cells, cells, 3, 85]),
+            step("Reshape", &[t, &shape], &[r], &[]),
+            whole_constant(&sizes, &[2], &[4, 81]),
+            step("Split", &[r, &sizes], &[&xy, &rest], &[whole("axis", 4)]),
+            step("Sigmoid", &[&rest], &[&scores], &[]),
+            step("Concat", &[&xy, &scores], &[o], &[whole("axis", -1)]),
+            step("Identity", &[o], &[out], &[]),
+        ]);
+    }
+    let planar = onnx::Input::floats("x", &[1, 3, 64, 64]);
+    let last = onnx::Input::floats("x", &[1, 64, 64, 3]);
+    [
+        ("yolov8", onnx::graph(&planar, &v8, &["y"], 13), "nchw"),
+        ("yolov5", onnx::graph(&planar, &v5, &["y"], 13), "nchw"),
+        ("yolov4", onnx::graph(&last, &v4, &["y1", "y2", "y3"], 13), "nhwc"),
+    ]
+}
+
+#[test]
+fn networks_that_end_as_the_families_do_are_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Pcg32::seed_from_u64(9);
+    let photo = RgbImage::from_fn(64, 64, |x, y| {
+        image::Rgb([(x * 4) as u8, (y * 3 + 20) as u8, (x * y / 17) as u8])
+    });
+    let (picture, size) = picture(&photo);
+    for (head, bytes, layout) in families() {
+        let path = folder.path().join(format!("{head}.onnx"));
+        std::fs::write(&path, &bytes).unwrap();
+        let text = ONE_BOX.replace("yolov5", head).replace("[32, 32]", "[64, 64]");
+        let manifest =
+            Manifest::parse(&text.replace("resize", &format!("layout = \"{layout}\"\nresize")), head).unwrap();
+        let all: Vec<usize> = (0..80).collect();
+        let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
+        let look = detector.look(&picture, size).unwrap();
+        let solid = look.claims().iter().filter(|c| c.box_px.is_solid());
+        let best = solid.map(|c| c.confidence).fold(0.0, f64::max);
+        let found = Detector::open(Runtime::load().unwrap(), &manifest, &path)
+            .unwrap()
+            .detect(&photo)
+            .unwrap();
+        assert!(
+            (best - found[0].score).abs() < 1e-5 && best > 0.1,
+            "{head}: {best} {:?}",
+            found[0]
+        );
+        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7]).unwrap();
+        let worst = worst_derivative(&cars, &picture, size, &mut rng);
+        assert!(worst < 0.01, "{head}: {worst}");
+    }
+}
+
+#[test]
+fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("one_box.onnx");
+    for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
+        std::fs::write(&path, one_box(bias)).unwrap();
+        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
+        let picture = vec![[0.25; 3]; 64 * 64];
+        let look = detector.look(&picture, [64, 64]).unwrap();
+        let claim = look.claims()[0];
+        let z = f64::from(bias) + 0.25;
+        // C = σ(z)²; 1 − C = (1 − σ)(1 + σ), with 1 − σ = σ(−z).
+        let (sigma, rest) = (1.0 / (1.0 + (-z).exp()), 1.0 / (1.0 + z.exp()));
+        let loss = -(rest * (1.0 + sigma)).ln();
+        assert!(
+            (claim.loss - loss).abs() < 1e-6 * (1.0 + loss),
+            "{bias}: {claim:?}, not {loss}"
+        );
+        assert!(
+            (claim.confidence - sigma * sigma).abs() < 1e-6 && claim.box_px.width() == 16.0,
+            "{claim:?}"
+        );
+        // d loss / dz = 2 σ² / (1 + σ), spread over the mean of all values.
+        let gradient = look.pull_back(&[1.0]);
+        let slope: f64 = gradient.iter().flatten().sum();
+        let expected = 2.0 * sigma * sigma / (1.0 + sigma);
+        assert!(
+            (slope - expected).abs() < 1e-4 * expected + 1e-30,
+            "{bias}: {slope}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused_in_a_sentence() {
+    use onnx::step;
+    let parts = [
+        step("Sin", &["x"], &["a"], &[]),
+        step("Round", &["a"], &["b"], &[]),
+        step("Relu", &["b"], &["y"], &[]),
+    ];
+    let unknown = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("net.onnx");
+    let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
+        std::fs::write(&path, bytes).unwrap();
+        let error = OnnxDetector::open(manifest, &path, labels)
+            .err()
+            .expect("refused")
+            .to_string();
+        assert_eq!(error.lines().count(), 1, "{error}");
+        error
+    };
+    let manifest = one_box_manifest();
+    let error = refusal(&unknown, &manifest, &[2]);
+    assert!(error.contains("net.onnx") && error.contains("Round, Sin;"), "{error}");
+    let whole = one_box(0.0);
+    for share in [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99] {
+        let cut = &whole[..(whole.len() as f64 * share) as usize];
+        let error = refusal(cut, &manifest, &[2]);
+        assert!(error.contains("cannot be followed backwards"), "{share}: {error}");
+    }
+    let error = refusal(&whole, &Manifest::named("yolox_nano").unwrap(), &[2]);
+    assert!(
+        error.contains("cannot be followed backwards") && error.contains("does not fit this file"),
+        "{error}"
+    );
+    let error = refusal(&whole, &manifest, &[2, 80]);
+    assert!(error.contains("[2, 80] are not among its 80"), "{error}");
+    let deim = Manifest::named("deimv2_atto").unwrap();
+    let error = refusal(&whole, &deim, &[2]);
+    assert!(error.contains("chooses boxes by itself"), "{error}");
+    if let Some(file) = shared("detectors/deimv2_hgnetv2_atto_coco.onnx") {
+        let error = OnnxDetector::open(&deim, &file, &[2]).err().unwrap().to_string();
+        println!("{error}");
+        assert!(error.contains("GridSample") && error.contains("TopK"), "{error}");
     }
 }

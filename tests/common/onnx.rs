@@ -121,7 +121,10 @@ pub fn whole_constant(name: &str, shape: &[usize], data: &[i64]) -> Vec<u8> {
 
 fn initializer(name: &str, element: u64, shape: &[usize], raw: &[u8]) -> Vec<u8> {
     let dims: Vec<u8> = shape.iter().flat_map(|d| int(1, *d as u64)).collect();
-    bytes(5, &[dims, int(2, element), bytes(8, name.as_bytes()), bytes(9, raw)].concat())
+    bytes(
+        5,
+        &[dims, int(2, element), bytes(8, name.as_bytes()), bytes(9, raw)].concat(),
+    )
 }
 
 /// A node with several outputs.
@@ -144,7 +147,13 @@ pub fn list_attribute(name: &str, v: &[i64]) -> Vec<u8> {
 }
 
 pub fn float_attribute(name: &str, v: f32) -> Vec<u8> {
-    [bytes(1, name.as_bytes()), varint(2 << 3 | 5), v.to_le_bytes().to_vec(), int(20, 1)].concat()
+    [
+        bytes(1, name.as_bytes()),
+        varint(2 << 3 | 5),
+        v.to_le_bytes().to_vec(),
+        int(20, 1),
+    ]
+    .concat()
 }
 
 pub fn text_attribute(name: &str, v: &str) -> Vec<u8> {

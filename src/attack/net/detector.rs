@@ -63,7 +63,9 @@ impl OnnxDetector {
 fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, String> {
     let input = &manifest.input;
     if matches!(input.resize, Resize::ShortSide | Resize::Original) {
-        return Err("the size of its input depends on the picture; attack a detector with an input of its own size".into());
+        return Err(
+            "the size of its input depends on the picture; attack a detector with an input of its own size".into(),
+        );
     }
     if input.values == Values::U8 {
         return Err("it takes pictures of 8 bits, and no gradient passes their rounding".into());
@@ -90,12 +92,17 @@ impl WhiteBox for OnnxDetector {
         let answer = self.network.answer(way.forward(picture)).map_err(|e| e.to_string())?;
         let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
         if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
-            return Err(format!("{} answered with NaN in its output {}", self.manifest.name, output.name));
+            return Err(format!(
+                "{} answered with NaN in its output {}",
+                self.manifest.name, output.name
+            ));
         }
-        let Anchors { anchors, exponents } = anchors(&self.manifest, &tensors, way.placement().canvas)?.ok_or(
-            "its head chooses boxes by itself, and no gradient passes the choice; attack another detector",
-        )?;
-        let terms: Vec<Terms> = anchors.iter().map(|a| self.terms(a, exponents, &answer.outputs)).collect();
+        let Anchors { anchors, exponents } = anchors(&self.manifest, &tensors, way.placement().canvas)?
+            .ok_or("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")?;
+        let terms: Vec<Terms> = anchors
+            .iter()
+            .map(|a| self.terms(a, exponents, &answer.outputs))
+            .collect();
         let claims = anchors.iter().zip(&terms).map(|(anchor, terms)| Claim {
             box_px: way.placement().to_photo(anchor.b),
             confidence: terms.confidence(),
@@ -114,9 +121,19 @@ impl OnnxDetector {
     /// What an anchor's confidence is made of: its objectness and the best of the labels that count.
     fn terms(&self, anchor: &Anchor, [objectness, label]: [f32; 2], outputs: &[Output]) -> Terms {
         let term = |index: usize, exponent: f32| Term::new(&outputs[anchor.output], anchor.output, index, exponent);
-        let of_labels = self.labels.iter().map(|l| term(anchor.first_label + l * anchor.label_step, label));
+        let of_labels = self
+            .labels
+            .iter()
+            .map(|l| term(anchor.first_label + l * anchor.label_step, label));
         let best = of_labels.max_by(|a, b| a.ln.total_cmp(&b.ln));
-        Terms(anchor.objectness.map(|index| term(index, objectness)).into_iter().chain(best).collect())
+        Terms(
+            anchor
+                .objectness
+                .map(|index| term(index, objectness))
+                .into_iter()
+                .chain(best)
+                .collect(),
+        )
     }
 }
 
@@ -149,7 +166,11 @@ impl Term {
         let (x, exponent) = (f64::from(from.raw[index]), f64::from(exponent));
         let (ln, slope) = if from.is_logit[index] {
             // ln σ(z) = −ln(1 + e^−z), whose derivative is 1 − σ(z).
-            let ln = if x > 0.0 { -(-x).exp().ln_1p() } else { x - x.exp().ln_1p() };
+            let ln = if x > 0.0 {
+                -(-x).exp().ln_1p()
+            } else {
+                x - x.exp().ln_1p()
+            };
             (ln, 1.0 / (1.0 + x.exp()))
         } else {
             let p = x.clamp(FINEST, 1.0 - FINEST);

@@ -213,8 +213,16 @@ mod tests {
     fn the_way_back_is_the_transpose() {
         let mut rng = rand_pcg::Pcg32::seed_from_u64(3);
         for kernel in [Kernel::OpencvLinear, Kernel::Antialiased] {
-            for resize in [Resize::Stretch, Resize::LetterboxTopLeft, Resize::LetterboxCentreRounded] {
-                for (layout, size) in [(Layout::Nchw, [97, 61]), (Layout::Nhwc, [31, 40]), (Layout::Nchw, [640, 33])] {
+            for resize in [
+                Resize::Stretch,
+                Resize::LetterboxTopLeft,
+                Resize::LetterboxCentreRounded,
+            ] {
+                for (layout, size) in [
+                    (Layout::Nchw, [97, 61]),
+                    (Layout::Nhwc, [31, 40]),
+                    (Layout::Nchw, [640, 33]),
+                ] {
                     let way = Resampler::new(&input(kernel, resize, layout), size);
                     let pixels = (size[0] * size[1]) as usize;
                     let x: Vec<[f64; 3]> = (0..pixels).map(|_| std::array::from_fn(|_| rng.random())).collect();
@@ -223,8 +231,15 @@ mod tests {
                     let forth = way.forward(&x).into_iter().zip(black).zip(&y);
                     let forth: f64 = forth.map(|((a, b), y)| f64::from(a - b) * f64::from(*y)).sum();
                     let back = way.backward(&y);
-                    let back: f64 = x.iter().zip(&back).flat_map(|(x, b)| (0..3).map(move |c| x[c] * b[c])).sum();
-                    assert!((forth - back).abs() < 1e-3, "{kernel:?} {resize:?} {size:?}: {forth} {back}");
+                    let back: f64 = x
+                        .iter()
+                        .zip(&back)
+                        .flat_map(|(x, b)| (0..3).map(move |c| x[c] * b[c]))
+                        .sum();
+                    assert!(
+                        (forth - back).abs() < 1e-3,
+                        "{kernel:?} {resize:?} {size:?}: {forth} {back}"
+                    );
                 }
             }
         }
@@ -243,7 +258,11 @@ mod tests {
                 let way = Resampler::new(&input, [301, 203]);
                 let ours = way.forward(&picture);
                 let theirs = crate::detect::tensor(&photo, &input, way.placement()).unwrap();
-                let worst = ours.iter().zip(&theirs).map(|(a, b)| (a - b).abs() * 50.0).fold(0.0, f32::max);
+                let worst = ours
+                    .iter()
+                    .zip(&theirs)
+                    .map(|(a, b)| (a - b).abs() * 50.0)
+                    .fold(0.0, f32::max);
                 assert!(worst < 1.2, "{kernel:?} {resize:?}: {worst} grey levels apart");
             }
         }

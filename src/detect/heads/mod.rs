@@ -86,7 +86,10 @@ impl Anchors {
         let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
         let candidate = |anchor: &Anchor| {
             let data = outputs.get(anchor.output)?.floats()?;
-            let scores = data[anchor.first_label..].iter().step_by(anchor.label_step).take(labels);
+            let scores = data[anchor.first_label..]
+                .iter()
+                .step_by(anchor.label_step)
+                .take(labels);
             let (label, score) = best(scores.copied());
             let score = power(score, self.exponents[1]);
             let score = match anchor.objectness {

@@ -58,7 +58,10 @@ impl Arithmetic {
         match (a, b) {
             (Value::Floats(a), Value::Floats(b)) => self.of_floats(a, b).map(Value::Floats),
             (Value::Whole(a), Value::Whole(b)) => {
-                let apply = |a, b| self.of_whole(a, b).ok_or_else(|| format!("{self:?} of {a} and {b} is no number"));
+                let apply = |a, b| {
+                    self.of_whole(a, b)
+                        .ok_or_else(|| format!("{self:?} of {a} and {b} is no number"))
+                };
                 pairwise(&a, &b, apply).map(Value::Whole)
             }
             _ => Err("it mixes fractions with whole numbers".into()),

@@ -100,7 +100,10 @@ fn product(a: Floats, b: Floats) -> Result<Floats, String> {
         return Err(format!("matrices {left:?} and {right:?} do not go together"));
     }
     let rank = a.rank.max(b.rank);
-    Ok(Floats { x: a.x.matmul(b.x), rank })
+    Ok(Floats {
+        x: a.x.matmul(b.x),
+        rank,
+    })
 }
 
 /// α·A·B + β·C of matrices, A and B turned where said.
@@ -113,7 +116,10 @@ struct Gemm {
 impl Operator for Gemm {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
         let turned = |v: Floats, turn: bool| match turn {
-            true => Floats { x: v.x.swap_dims(RANK - 2, RANK - 1), rank: v.rank },
+            true => Floats {
+                x: v.x.swap_dims(RANK - 2, RANK - 1),
+                rank: v.rank,
+            },
             false => v,
         };
         let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);

@@ -56,7 +56,10 @@ impl Operator for Convolution {
         };
         let ([_, channels, rows, columns], [_, per_group, ..]) = (x.dims(), weight.dims());
         if channels != per_group * self.groups {
-            return Err(format!("it takes {} channels and gets {channels}", per_group * self.groups));
+            return Err(format!(
+                "it takes {} channels and gets {channels}",
+                per_group * self.groups
+            ));
         }
         let Window { stride, dilation, .. } = self.window;
         let padding = self.window.padding([rows, columns]);
@@ -168,7 +171,10 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
                 padding: c.padding.clone(),
                 auto_pad: c.auto_pad.clone(),
             };
-            Arc::new(Convolution { window, groups: c.groups })
+            Arc::new(Convolution {
+                window,
+                groups: c.groups,
+            })
         }
         // Other paddings than the plain one have not been seen in detectors.
         Node::ConvTranspose2d(n) if n.config.auto_pad == AutoPad::NotSet && n.config.output_shape.is_none() => {

@@ -73,7 +73,11 @@ impl Operator for Cast {
     }
 
     fn moves(&self) -> Moves {
-        if self.to_fractions { Moves::First } else { Moves::Nothing }
+        if self.to_fractions {
+            Moves::First
+        } else {
+            Moves::Nothing
+        }
     }
 }
 
@@ -101,7 +105,10 @@ impl Limit {
             Limit::Known(v) => Ok(*v),
             Limit::Input(i) => {
                 let values = inputs.floats(*i)?.values()?;
-                values.first().map(|v| f64::from(*v)).ok_or_else(|| "a limit is empty".into())
+                values
+                    .first()
+                    .map(|v| f64::from(*v))
+                    .ok_or_else(|| "a limit is empty".into())
             }
         }
     }
@@ -162,9 +169,7 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
             let alpha = n.config.alpha;
             each(Box::new(move |x| x.clone() * activation::sigmoid(x.mul_scalar(alpha))))
         }
-        Node::HardSwish(_) => each(Box::new(|x| {
-            x.clone() * activation::hard_sigmoid(x, 1.0 / 6.0, 0.5)
-        })),
+        Node::HardSwish(_) => each(Box::new(|x| x.clone() * activation::hard_sigmoid(x, 1.0 / 6.0, 0.5))),
         Node::Mish(_) => each(Box::new(activation::mish)),
         Node::Softplus(_) => each(Box::new(|x| activation::softplus(x, 1.0))),
         Node::Tanh(_) => each(Box::new(Tensor::tanh)),

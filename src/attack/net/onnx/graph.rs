@@ -63,7 +63,9 @@ impl Graph {
         let mut uses: Vec<BTreeSet<Place>> = Vec::new();
         for step in self.steps.iter().rev() {
             let read = step.inputs.iter().flatten();
-            let once = read.clone().filter(|p| step.inputs.iter().flatten().filter(|q| q == p).count() == 1);
+            let once = read
+                .clone()
+                .filter(|p| step.inputs.iter().flatten().filter(|q| q == p).count() == 1);
             uses.push(once.filter(|place| !needed.contains(place)).copied().collect());
             needed.extend(read);
         }
@@ -119,7 +121,10 @@ impl Graph {
 
 impl Step {
     fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), String> {
-        let outputs = self.operator.run(inputs).map_err(|e| format!("at {}: {e}", self.name))?;
+        let outputs = self
+            .operator
+            .run(inputs)
+            .map_err(|e| format!("at {}: {e}", self.name))?;
         for (place, value) in self.outputs.iter().zip(outputs) {
             values[*place] = Some(value);
         }

@@ -32,7 +32,13 @@ pub(super) fn uncover(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec
 
 /// Which step makes a place, and which of its outputs that is.
 fn makers(graph: &Graph) -> BTreeMap<Place, (usize, usize)> {
-    let outputs = |i: usize| graph.steps[i].outputs.iter().enumerate().map(move |(k, place)| (*place, (i, k)));
+    let outputs = |i: usize| {
+        graph.steps[i]
+            .outputs
+            .iter()
+            .enumerate()
+            .map(move |(k, place)| (*place, (i, k)))
+    };
     (0..graph.steps.len()).flat_map(outputs).collect()
 }
 
@@ -73,7 +79,12 @@ impl Twins<'_> {
 
     /// A sigmoid's input.
     fn before(&self, sigmoid: &Step, place: Place) -> Result<Twin, String> {
-        let logits = sigmoid.inputs.first().copied().flatten().ok_or("a sigmoid has no input")?;
+        let logits = sigmoid
+            .inputs
+            .first()
+            .copied()
+            .flatten()
+            .ok_or("a sigmoid has no input")?;
         Ok(Twin {
             place: logits,
             is_logit: Some(self.filled(place, 1.0)?),

@@ -56,7 +56,8 @@ impl Output {
     pub fn values(&self) -> Vec<f32> {
         let sigmoid = |z: f32| 1.0 / (1.0 + (-z).exp());
         let both = self.raw.iter().zip(&self.is_logit);
-        both.map(|(raw, is_logit)| if *is_logit { sigmoid(*raw) } else { *raw }).collect()
+        both.map(|(raw, is_logit)| if *is_logit { sigmoid(*raw) } else { *raw })
+            .collect()
     }
 }
 
@@ -127,7 +128,11 @@ impl Network {
 
     fn try_answer(&self, numbers: Vec<f32>) -> Result<Answer, String> {
         if numbers.len() != self.shape.iter().product::<usize>() {
-            return Err(format!("it takes a picture {:?}, not {} numbers", self.shape, numbers.len()));
+            return Err(format!(
+                "it takes a picture {:?}, not {} numbers",
+                self.shape,
+                numbers.len()
+            ));
         }
         let (picture, value) = self.picture(numbers)?;
         let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
@@ -174,7 +179,9 @@ impl Answer {
         }
         let count = self.picture.shape().num_elements();
         match sum.and_then(|sum| self.picture.grad(&sum.backward())) {
-            Some(gradient) => gradient.try_into_vec_as::<f32>().unwrap_or_else(|_| vec![f32::NAN; count]),
+            Some(gradient) => gradient
+                .try_into_vec_as::<f32>()
+                .unwrap_or_else(|_| vec![f32::NAN; count]),
             None => vec![0.0; count],
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use burn::tensor::Device;
-use onnx_ir::{Argument, Node, OnnxGraph, OnnxGraphBuilder};
+use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
 
 use super::graph::{Graph, Place, Step};
 use super::operator::AnyOperator;
@@ -31,7 +31,13 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, N
             names: unknown.into_iter().collect::<Vec<_>>().join(", "),
         });
     }
-    Builder::new(device).graph(&parsed, operators).map_err(unreadable)
+    let mut graph = Builder::new(device).graph(&parsed, operators).map_err(unreadable)?;
+    // The parser gives outputs names of its own.
+    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| unreadable(e.to_string()))?;
+    for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {
+        name.clone_from(&written.name);
+    }
+    Ok(graph)
 }
 
 fn operator(node: &Node) -> Option<AnyOperator> {
@@ -71,7 +77,10 @@ impl<'a> Builder<'a> {
 
     fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, String> {
         let [picture] = &parsed.inputs[..] else {
-            return Err(format!("it takes {} inputs, and one picture is what there is", parsed.inputs.len()));
+            return Err(format!(
+                "it takes {} inputs, and one picture is what there is",
+                parsed.inputs.len()
+            ));
         };
         let input = self.named_place(&picture.name);
         let mut steps = Vec::new();

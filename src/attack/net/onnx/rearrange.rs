@@ -86,8 +86,14 @@ impl Operator for Reshape {
             .enumerate()
             .map(|(i, side)| match side {
                 -1 => Ok(None),
-                0 => old.get(i).copied().map(Some).ok_or_else(|| format!("{old:?} has no side {i} to keep")),
-                side => usize::try_from(*side).map(Some).map_err(|_| format!("{side} is no side")),
+                0 => old
+                    .get(i)
+                    .copied()
+                    .map(Some)
+                    .ok_or_else(|| format!("{old:?} has no side {i} to keep")),
+                side => usize::try_from(*side)
+                    .map(Some)
+                    .map_err(|_| format!("{side} is no side")),
             })
             .collect();
         let sides = sides?;
@@ -135,7 +141,10 @@ impl Operator for Squeeze {
             None => Ok((0..shape.len()).filter(|i| shape[*i] == 1).collect()),
         };
         let gone = gone?;
-        let left: Vec<usize> = (0..shape.len()).filter(|i| !gone.contains(i)).map(|i| shape[i]).collect();
+        let left: Vec<usize> = (0..shape.len())
+            .filter(|i| !gone.contains(i))
+            .map(|i| shape[i])
+            .collect();
         Ok(vec![value.reshaped(&left)?])
     }
 
@@ -178,7 +187,10 @@ impl Operator for Transpose {
         let mut seen = self.0.clone();
         seen.sort_unstable();
         if seen != (0..rank).collect::<Vec<_>>() {
-            return Err(format!("{:?} is no order of the axes of a tensor of rank {rank}", self.0));
+            return Err(format!(
+                "{:?} is no order of the axes of a tensor of rank {rank}",
+                self.0
+            ));
         }
         let front = RANK - rank;
         let order: [usize; RANK] = std::array::from_fn(|i| match i.checked_sub(front) {
@@ -310,7 +322,10 @@ impl Operator for Split {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
         let sizes = self.sizes.as_ref().map(|sizes| sizes.of(&inputs)).transpose()?;
         let value = inputs.value(0)?;
-        let side = *value.shape().get(self.axis).ok_or("it splits an axis that is not there")?;
+        let side = *value
+            .shape()
+            .get(self.axis)
+            .ok_or("it splits an axis that is not there")?;
         let sizes = match sizes {
             Some(sizes) => sizes.iter().map(|s| usize::try_from(*s).unwrap_or(0)).collect(),
             None => vec![side.div_ceil(self.parts); self.parts],
@@ -404,7 +419,11 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
             UnsqueezeConfig::Runtime(r) => Numbers::input(r),
         })),
         Node::Transpose(n) => Arc::new(Transpose(
-            n.config.perm.iter().map(|axis| usize::try_from(*axis).unwrap_or(RANK)).collect(),
+            n.config
+                .perm
+                .iter()
+                .map(|axis| usize::try_from(*axis).unwrap_or(RANK))
+                .collect(),
         )),
         Node::Concat(n) => Arc::new(Concat(n.config.axis)),
         Node::Slice(n) => Arc::new(Cut {

@@ -48,7 +48,8 @@ impl Resize {
 
     /// New rows and columns, and by how much each is scaled.
     fn target(&self, old: [usize; 2], inputs: &mut Inputs) -> Result<[(usize, f32); 2], String> {
-        let by_scale = |scales: [f32; 2]| std::array::from_fn(|i| ((old[i] as f32 * scales[i]).floor() as usize, scales[i]));
+        let by_scale =
+            |scales: [f32; 2]| std::array::from_fn(|i| ((old[i] as f32 * scales[i]).floor() as usize, scales[i]));
         let by_side = |sides: &[i64]| -> Result<[(usize, f32); 2], String> {
             let last = sides.len().checked_sub(2).ok_or("its sizes are too few")?;
             let sides = [sides[last], sides[last + 1]].map(|side| usize::try_from(side).unwrap_or(0));
@@ -104,7 +105,12 @@ impl Resize {
 
 impl Operator for Resize {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
-        let shape = inputs.0.first().and_then(Option::as_ref).map(Value::shape).unwrap_or_default();
+        let shape = inputs
+            .0
+            .first()
+            .and_then(Option::as_ref)
+            .map(Value::shape)
+            .unwrap_or_default();
         let [_, _, rows, columns] = shape[..] else {
             return Err(format!("it resizes a tensor {shape:?}, which is no picture"));
         };
@@ -164,7 +170,10 @@ impl Operator for Pad {
             PadMode::Reflect => Mode::Reflect,
             PadMode::Edge => Mode::Edge,
         };
-        Ok(vec![Value::Floats(Floats { x: x.pad(pairs, mode), rank })])
+        Ok(vec![Value::Floats(Floats {
+            x: x.pad(pairs, mode),
+            rank,
+        })])
     }
 }
 
@@ -190,7 +199,12 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
                 ConstantValueInput::Runtime(r) => Border::Input(r.input_index),
             };
             let mode = n.config.mode.clone();
-            Some(Arc::new(Pad { pads, axes, mode, value }))
+            Some(Arc::new(Pad {
+                pads,
+                axes,
+                mode,
+                value,
+            }))
         }
         _ => None,
     }

@@ -41,7 +41,10 @@ impl Operator for ConstantOfShape {
         Ok(vec![match &self.value {
             Some(value) if !value.dtype().is_float() => {
                 let value = value.iter::<i64>().next().unwrap_or(0);
-                Value::Whole(Whole { shape, data: vec![value; count] })
+                Value::Whole(Whole {
+                    shape,
+                    data: vec![value; count],
+                })
             }
             value => {
                 let value = value.as_ref().and_then(|v| v.scalar_f32().ok()).unwrap_or(0.0);
@@ -56,7 +59,13 @@ struct Range([Numbers; 3]);
 
 impl Operator for Range {
     fn run(&self, inputs: Inputs) -> Result<Vec<Value>, String> {
-        let number = |i: usize| self.0[i].of(&inputs)?.first().copied().ok_or("a bound of it is empty".to_owned());
+        let number = |i: usize| {
+            self.0[i]
+                .of(&inputs)?
+                .first()
+                .copied()
+                .ok_or("a bound of it is empty".to_owned())
+        };
         let (mut at, limit, step) = (number(0)?, number(1)?, number(2)?);
         if step == 0 || (limit - at) / step > 1 << 24 {
             return Err("it counts without end".into());
@@ -66,7 +75,10 @@ impl Operator for Range {
             data.push(at);
             at += step;
         }
-        Ok(vec![Value::Whole(Whole { shape: vec![data.len()], data })])
+        Ok(vec![Value::Whole(Whole {
+            shape: vec![data.len()],
+            data,
+        })])
     }
 }
 
@@ -89,7 +101,11 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
                 RangeInput::Runtime(r) => Some(Numbers::input(r)),
                 _ => None,
             };
-            Arc::new(Range([bound(&n.config.start)?, bound(&n.config.limit)?, bound(&n.config.delta)?]))
+            Arc::new(Range([
+                bound(&n.config.start)?,
+                bound(&n.config.limit)?,
+                bound(&n.config.delta)?,
+            ]))
         }
         _ => return None,
     })

@@ -46,7 +46,9 @@ impl Value {
     pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value, String> {
         let shape = data.shape().to_vec();
         if data.dtype().is_float() {
-            let values = data.to_f32_vec().map_err(|e| format!("a constant of it cannot be read: {e}"))?;
+            let values = data
+                .to_f32_vec()
+                .map_err(|e| format!("a constant of it cannot be read: {e}"))?;
             return Floats::new(values, &shape, device).map(Value::Floats);
         }
         let data = data.iter::<i64>().collect();
