@@ -1,5 +1,5 @@
-//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the networks, the
-//! attack itself and its evaluation are to come.
+//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). Its evaluation is to
+//! come.
 //!
 //! - [`frames`]: the one format of pictures whose truth is known;
 //! - [`import`] and [`render`]: its two makers;
@@ -7,9 +7,12 @@
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
 //! - [`white_box`]: what the attack asks of a detector;
-//! - [`chart`]: those models against each other.
+//! - [`chart`]: those models against each other;
+//! - [`run`]: the attack itself;
+//! - [`baseline`]: its rivals.
 
 pub mod additive;
+pub mod baseline;
 pub mod chart;
 pub mod frames;
 pub mod import;
@@ -17,4 +20,5 @@ pub mod light;
 pub mod projection;
 pub mod render;
 pub mod renderer;
+pub mod run;
 pub mod white_box;

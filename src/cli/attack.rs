@@ -1,9 +1,13 @@
-//! `scaleproof attack`: frames, and the models that predict them.
+//! `scaleproof attack`: frames, the models that predict them, and patterns against detectors.
 
+mod baseline;
 mod chart;
 mod colours;
+mod history;
 mod import;
+mod on_frames;
 mod render;
+mod run;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -13,7 +17,7 @@ use clap::Subcommand;
 use super::{CommandResult, Outcome, print, progress};
 use crate::attack::frames::FrameSet;
 
-/// Frames of a painted model, and models that predict the model in any paint
+/// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -27,6 +31,9 @@ enum What {
     Check(CheckArgs),
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
+    Run(Box<run::RunArgs>),
+    Baseline(Box<baseline::BaselineArgs>),
+    History(history::HistoryArgs),
 }
 
 /// Read every picture of frames and hold them against their list
@@ -45,6 +52,9 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Check(args) => check(&args, out),
         What::Colours(args) => colours::run(&args, out),
         What::Chart(args) => chart::run(&args, out),
+        What::Run(args) => run::run(&args, out),
+        What::Baseline(args) => baseline::run(&args, out),
+        What::History(args) => history::run(&args, out),
     }
 }
 
