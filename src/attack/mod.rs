@@ -6,7 +6,7 @@
 //! - [`additive`]: further colours from a few, because light adds up;
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
-//! - [`white_box`]: what the attack asks of a detector;
+//! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
 //! - [`chart`]: those models against each other;
 //! - [`run`]: the attack itself;
 //! - [`baseline`]: its rivals.
@@ -17,6 +17,8 @@ pub mod chart;
 pub mod frames;
 pub mod import;
 pub mod light;
+#[cfg(feature = "attack")]
+pub mod net;
 pub mod projection;
 pub mod render;
 pub mod renderer;

@@ -3,6 +3,7 @@
 mod baseline;
 mod chart;
 mod colours;
+mod demo;
 mod history;
 mod import;
 mod on_frames;
@@ -34,6 +35,7 @@ enum What {
     Run(Box<run::RunArgs>),
     Baseline(Box<baseline::BaselineArgs>),
     History(history::HistoryArgs),
+    Demo(demo::DemoArgs),
 }
 
 /// Read every picture of frames and hold them against their list
@@ -55,6 +57,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Run(args) => run::run(&args, out),
         What::Baseline(args) => baseline::run(&args, out),
         What::History(args) => history::run(&args, out),
+        What::Demo(args) => demo::run(&args, out),
     }
 }
 

@@ -110,7 +110,13 @@ impl<'a> Oracle<'a> {
             let mut sum = 0.0;
             for detector in self.detectors {
                 let seen = (view, laid.taken.picture.as_slice(), &laid.outline);
-                sum += confidence(self.stage, detector.as_ref(), seen, MEETS_IOU)?;
+                match confidence(self.stage, detector.as_ref(), seen, MEETS_IOU) {
+                    Ok(confidence) => sum += confidence,
+                    Err(e) => {
+                        self.save()?;
+                        return Err(e);
+                    }
+                }
             }
             self.answers.push(sum / self.detectors.len().max(1) as f64);
             if self.saved.elapsed() > checkpoint::AT_MOST {

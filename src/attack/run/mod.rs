@@ -69,7 +69,7 @@ pub enum RunError {
     },
     #[error(
         "the loss of {detector} on the view of {view} is not a number (step {step}): the weights are damaged, or the frame is; nothing was moved, and \
-         the last checkpoint is whole"
+         what was reached is kept"
     )]
     NotANumber { detector: String, view: String, step: u32 },
     #[error("{path} is the checkpoint of a run with other settings, frames or detectors: give another folder, or remove it", path = path.display())]
@@ -117,7 +117,8 @@ pub struct Attack<'a> {
     stage: &'a Stage,
     detectors: &'a [Box<dyn WhiteBox>],
     config: &'a Config,
-    state: Checkpoint,
+    checkpoint: Checkpoint,
+    state: State,
     started: Instant,
 }
 
@@ -151,25 +152,30 @@ impl<'a> Attack<'a> {
         folder: &Path,
     ) -> Result<Self, RunError> {
         let key = checkpoint::key(config)?;
-        let new = || -> Result<State, RunError> {
-            let cells = clipped(of_pattern(&Pattern::random(config.cells, config.seed)?), config.range);
-            let adam = Adam::new(cells.len());
-            Ok(State { cells, adam })
-        };
-        let state = match Checkpoint::load(folder, &key)? {
-            Some(state) => state,
-            None => Checkpoint::new(key, postcard::to_allocvec(&new()?).map_err(encode)?),
+        let path = folder.join(checkpoint::FILE);
+        let (checkpoint, state) = match Checkpoint::load(folder, &key)? {
+            Some(found) => {
+                let state: Option<State> = postcard::from_bytes(&found.content).ok();
+                let whole = state.filter(|s| s.cells.len() == stage.grid.cells());
+                (found, whole.ok_or(RunError::Damaged { path })?)
+            }
+            None => {
+                let cells = clipped(of_pattern(&Pattern::random(config.cells, config.seed)?), config.range);
+                let adam = Adam::new(cells.len());
+                (Checkpoint::new(key, Vec::new()), State { cells, adam })
+            }
         };
         Ok(Self {
             stage,
             detectors,
             config,
+            checkpoint,
             state,
             started: Instant::now(),
         })
     }
 
-    /// Steps until it is done; saves at most half a minute apart. `on_step` gets the steps done and the last entry.
+    /// Steps until it is done; saves at most half a minute apart, and before it gives up. `on_step` gets the steps done and the last entry.
     ///
     /// # Errors
     /// A loss that is not a number, a detector that cannot look, a folder that takes no files.
@@ -178,36 +184,41 @@ impl<'a> Attack<'a> {
         folder: &Path,
         mut on_step: impl FnMut(u32, &Entry),
     ) -> Result<(Vec<Rgb>, Vec<Entry>), RunError> {
-        let path = folder.join(checkpoint::FILE);
-        let mut state: State =
-            postcard::from_bytes(&self.state.content).map_err(|_| RunError::Damaged { path: path.clone() })?;
-        if state.cells.len() != self.stage.grid.cells() {
-            return Err(RunError::Damaged { path });
-        }
-        let wall_before = self.state.history.last().map_or(0.0, |e| e.wall_s);
+        let wall_before = self.checkpoint.history.last().map_or(0.0, |e| e.wall_s);
         let mut saved = Instant::now();
-        for step in self.state.steps..self.config.steps {
-            let mut entry = self.step(step, &mut state)?;
+        for step in self.checkpoint.steps..self.config.steps {
+            // A step that fails has moved nothing.
+            let mut entry = match self.step(step) {
+                Ok(entry) => entry,
+                Err(e) => {
+                    self.save(folder)?;
+                    return Err(e);
+                }
+            };
             let is_last = step + 1 == self.config.steps;
             if is_last || step % (self.config.steps / JUDGED_TIMES).max(1) == 0 {
-                entry.held_out = Some(judge::judge(self.stage, self.detectors, &state.cells)?);
+                entry.held_out = Some(judge::judge(self.stage, self.detectors, &self.state.cells)?);
             }
             entry.wall_s = wall_before + self.started.elapsed().as_secs_f64();
             on_step(step + 1, &entry);
-            self.state.history.push(entry);
-            self.state.steps = step + 1;
+            self.checkpoint.history.push(entry);
+            self.checkpoint.steps = step + 1;
             if is_last || saved.elapsed() > checkpoint::AT_MOST {
-                self.state.content = postcard::to_allocvec(&state).map_err(encode)?;
-                self.state.save(folder)?;
+                self.save(folder)?;
                 saved = Instant::now();
             }
         }
-        Ok((finished(&state.cells, self.config), self.state.history))
+        Ok((finished(&self.state.cells, self.config), self.checkpoint.history))
+    }
+
+    fn save(&mut self, folder: &Path) -> Result<(), RunError> {
+        self.checkpoint.content = postcard::to_allocvec(&self.state).map_err(encode)?;
+        self.checkpoint.save(folder)
     }
 
     /// One minibatch, one step of Adam.
-    fn step(&self, step: u32, state: &mut State) -> Result<Entry, RunError> {
-        let config = self.config;
+    fn step(&mut self, step: u32) -> Result<Entry, RunError> {
+        let (config, state) = (self.config, &mut self.state);
         let mut rng = drawn_by(config.seed, step);
         let views = batch(&self.stage.trained(), config.batch, config.seed, step);
         let count = views.len() as f64;
