@@ -7,6 +7,7 @@
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
 //! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
+//! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
 //! - [`chart`]: those models against each other;
 //! - [`run`]: the attack itself;
 //! - [`baseline`]: its rivals.

@@ -11,22 +11,22 @@ use crate::geometry::BoxPx;
 
 /// Where the photo lies in the network's input.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Placement {
+pub(crate) struct Placement {
     /// Input pixels per photo pixel.
     scale: [f64; 2],
     /// Input pixel of the photo's top-left corner.
-    offset: [f64; 2],
+    pub(crate) offset: [f64; 2],
     /// Size of the resized photo in input pixels.
-    size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Width, height of the whole input, border included.
-    pub(super) canvas: [u32; 2],
+    pub(crate) canvas: [u32; 2],
     /// Size of the photo in pixels.
     pub(super) photo: [f64; 2],
 }
 
 impl Placement {
     /// Follows the arithmetic of the detectors' own pipelines, truncation included.
-    pub(super) fn new(input: &Input, photo_width: u32, photo_height: u32) -> Placement {
+    pub(crate) fn new(input: &Input, photo_width: u32, photo_height: u32) -> Placement {
         let [net_w, net_h] = input.size_px;
         let photo = [f64::from(photo_width), f64::from(photo_height)];
         let ratio = (f64::from(net_w) / photo[0]).min(f64::from(net_h) / photo[1]);
@@ -70,7 +70,7 @@ impl Placement {
     }
 
     /// A box in input pixels as a box in photo pixels, cut at the photo's border.
-    pub(super) fn to_photo(self, b: BoxPx) -> BoxPx {
+    pub(crate) fn to_photo(self, b: BoxPx) -> BoxPx {
         let x = |v: f64| (v - self.offset[0]) / self.scale[0];
         let y = |v: f64| (v - self.offset[1]) / self.scale[1];
         BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2)).clipped(self.photo[0], self.photo[1])
@@ -82,7 +82,7 @@ fn per_axis(size: [u32; 2], photo: [f64; 2]) -> [f64; 2] {
 }
 
 /// The input tensor's numbers, in the order of the manifest's layout. The photo may come reduced.
-pub(super) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> Result<Vec<f32>, String> {
+pub(crate) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> Result<Vec<f32>, String> {
     let resized = resize(photo, placement.size, input.kernel)?;
     let [net_w, net_h] = placement.canvas.map(|v| v as usize);
     let [left, top] = placement.offset.map(|v| v as usize);

@@ -18,7 +18,15 @@ use crate::geometry::BoxPx;
 
 pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use fetch::{FetchError, fetch};
+#[cfg(feature = "attack")]
+pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};
+#[cfg(feature = "attack")]
+pub(crate) use input::Placement;
+#[cfg(all(test, feature = "attack"))]
+pub(crate) use input::tensor;
 pub use labels::Labels;
+#[cfg(feature = "attack")]
+pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub use propose::{Family, Hints, Proposal, ProposeError, propose};
 pub use runtime::{DetectError, Detector, Runtime};

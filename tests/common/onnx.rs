@@ -1,4 +1,4 @@
-//! Just enough of ONNX's protobuf (onnx.proto3) to write a network that answers with constants, whatever the picture.
+//! Just enough of ONNX's protobuf (onnx.proto3) to write small networks: with constant answers whatever the picture, or node by node.
 #![allow(dead_code)] // each test file uses its part
 
 /// ONNX's numbers for element types.
@@ -91,6 +91,73 @@ pub fn network_blind_in_the_dark(input: &Input, outputs: &[Output], darkest: f32
     network_with(std::slice::from_ref(input), outputs, &|constant, output| {
         [steps.concat(), node("Add", &[constant, "nothing"], output, &[])].concat()
     })
+}
+
+/// A network written node by node, for one picture. Any output may be named; its shape is left open.
+pub fn graph(input: &Input, parts: &[Vec<u8>], outputs: &[&str], opset: u64) -> Vec<u8> {
+    let mut graph = bytes(2, b"graph");
+    graph.extend(parts.concat());
+    graph.extend(bytes(11, &value(&input.name, input.element, &input.shape)));
+    for output in outputs {
+        let floats = bytes(1, &int(1, FLOAT));
+        graph.extend(bytes(12, &[bytes(1, output.as_bytes()), bytes(2, &floats)].concat()));
+    }
+    [int(1, 8), bytes(7, &graph), bytes(8, &int(2, opset))].concat()
+}
+
+/// Weights of a network.
+pub fn constant(name: &str, shape: &[usize], data: &[f32]) -> Vec<u8> {
+    assert_eq!(data.len(), shape.iter().product::<usize>(), "{name}");
+    let raw: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()).collect();
+    initializer(name, FLOAT, shape, &raw)
+}
+
+/// Shapes, axes and the like.
+pub fn whole_constant(name: &str, shape: &[usize], data: &[i64]) -> Vec<u8> {
+    assert_eq!(data.len(), shape.iter().product::<usize>(), "{name}");
+    let raw: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()).collect();
+    initializer(name, INT64, shape, &raw)
+}
+
+fn initializer(name: &str, element: u64, shape: &[usize], raw: &[u8]) -> Vec<u8> {
+    let dims: Vec<u8> = shape.iter().flat_map(|d| int(1, *d as u64)).collect();
+    bytes(
+        5,
+        &[dims, int(2, element), bytes(8, name.as_bytes()), bytes(9, raw)].concat(),
+    )
+}
+
+/// A node with several outputs.
+pub fn step(operator: &str, inputs: &[&str], outputs: &[&str], attributes: &[Vec<u8>]) -> Vec<u8> {
+    let mut node: Vec<u8> = inputs.iter().flat_map(|i| bytes(1, i.as_bytes())).collect();
+    node.extend(outputs.iter().flat_map(|o| bytes(2, o.as_bytes())));
+    node.extend(bytes(3, format!("{operator}_{}", outputs[0]).as_bytes()));
+    node.extend(bytes(4, operator.as_bytes()));
+    node.extend(attributes.iter().flat_map(|a| bytes(5, a)));
+    bytes(1, &node)
+}
+
+pub fn whole_attribute(name: &str, v: i64) -> Vec<u8> {
+    [bytes(1, name.as_bytes()), int(3, v as u64), int(20, 2)].concat()
+}
+
+pub fn list_attribute(name: &str, v: &[i64]) -> Vec<u8> {
+    let values: Vec<u8> = v.iter().flat_map(|v| int(8, *v as u64)).collect();
+    [bytes(1, name.as_bytes()), values, int(20, 7)].concat()
+}
+
+pub fn float_attribute(name: &str, v: f32) -> Vec<u8> {
+    [
+        bytes(1, name.as_bytes()),
+        varint(2 << 3 | 5),
+        v.to_le_bytes().to_vec(),
+        int(20, 1),
+    ]
+    .concat()
+}
+
+pub fn text_attribute(name: &str, v: &str) -> Vec<u8> {
+    [bytes(1, name.as_bytes()), bytes(4, v.as_bytes()), int(20, 3)].concat()
 }
 
 /// A node of the graph, with attributes as their own messages.

@@ -3,10 +3,9 @@
 //! score = objectness^0.6 · label^0.4 (so not comparable with other detectors' scores); centre = cell + tanh(offset), size =
 //! sigmoid, both as a share of the input. Source: the FastestDet repository's `handle_preds`.
 
-use super::super::nms::Candidate;
-use super::{Tensor, best, from_centre, misfit, sigmoid};
+use super::{Anchor, Anchors, Tensor, centred, misfit, sigmoid};
 
-pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, String> {
     let (columns, rows) = ((width / 16) as usize, (height / 16) as usize);
     let data = outputs
         .first()
@@ -14,10 +13,8 @@ pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usiz
         .and_then(Tensor::floats)
         .ok_or_else(|| misfit("fastestdet", format!("1×{}×{rows}×{columns}", 5 + labels), outputs))?;
     let plane = columns * rows;
-    let cells = (0..plane).filter_map(|cell| {
+    let cells = (0..plane).map(|cell| {
         let at = |channel: usize| data[channel * plane + cell];
-        let scores: Vec<f32> = (0..labels).map(|label| at(5 + label)).collect();
-        let (label, score) = best(&scores);
         let (x, y) = ((cell % columns) as f32, (cell / columns) as f32);
         let (w, h) = (width as f32, height as f32);
         let centre_and_size = [
@@ -26,14 +23,28 @@ pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usiz
             sigmoid(at(3)) * w,
             sigmoid(at(4)) * h,
         ];
-        from_centre(label, at(0).powf(0.6) * score.powf(0.4), centre_and_size)
+        Anchor {
+            b: centred(centre_and_size),
+            output: 0,
+            objectness: Some(cell),
+            first_label: 5 * plane + cell,
+            label_step: plane,
+        }
     });
-    Ok(cells.collect())
+    Ok(Anchors {
+        anchors: cells.collect(),
+        exponents: [0.6, 0.4],
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detect::nms::Candidate;
+
+    fn decode(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+        Ok(anchors(outputs, size, labels)?.candidates(outputs, labels))
+    }
 
     #[test]
     fn an_encoded_box_comes_back() {

@@ -23,14 +23,14 @@ use crate::geometry::BoxPx;
 
 /// One output tensor, row-major.
 #[derive(Debug, Clone)]
-pub(super) struct Tensor {
+pub(crate) struct Tensor {
     pub name: String,
     pub shape: Vec<usize>,
     pub data: Data,
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum Data {
+pub(crate) enum Data {
     F32(Vec<f32>),
     I64(Vec<i64>),
 }
@@ -53,6 +53,71 @@ impl Tensor {
     }
 }
 
+/// A box, and where in the outputs its scores lie.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Anchor {
+    /// In input pixels; not always solid.
+    pub b: BoxPx,
+    /// Which output.
+    pub output: usize,
+    /// Index of its objectness, in heads that have one.
+    pub objectness: Option<usize>,
+    /// Index of its first label's score.
+    pub first_label: usize,
+    /// From one label's score to the next.
+    pub label_step: usize,
+}
+
+/// All boxes of a head whose anchors are the same for every picture.
+pub(crate) struct Anchors {
+    pub anchors: Vec<Anchor>,
+    /// score = objectness^exponents\[0\] · label^exponents\[1\]
+    pub exponents: [f32; 2],
+}
+
+impl Anchors {
+    fn new(anchors: Vec<Anchor>) -> Anchors {
+        let exponents = [1.0, 1.0];
+        Anchors { anchors, exponents }
+    }
+
+    /// Each anchor's best label, where it reaches the score floor.
+    fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<Candidate> {
+        let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
+        let candidate = |anchor: &Anchor| {
+            let data = outputs.get(anchor.output)?.floats()?;
+            let scores = data[anchor.first_label..]
+                .iter()
+                .step_by(anchor.label_step)
+                .take(labels);
+            let (label, score) = best(scores.copied());
+            let score = power(score, self.exponents[1]);
+            let score = match anchor.objectness {
+                Some(i) => power(data[i], self.exponents[0]) * score,
+                None => score,
+            };
+            from_corners(label, score, anchor.b)
+        };
+        self.anchors.iter().filter_map(candidate).collect()
+    }
+}
+
+/// The anchors of a detector's outputs for an input of width × height `size` in pixels; `None` for heads that choose their boxes by
+/// themselves.
+pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Option<Anchors>, String> {
+    let labels = manifest.labels.count();
+    Ok(Some(match &manifest.head {
+        Head::Yolox { .. } => yolox::anchors(outputs, size, labels)?,
+        Head::Nanodet { strides, .. } => nanodet::anchors(outputs, size, strides, labels)?,
+        Head::NanodetPlus { strides, .. } => nanodet_plus::anchors(outputs, size, strides, labels)?,
+        Head::Fastestdet { .. } => fastestdet::anchors(outputs, size, labels)?,
+        Head::Yolov4 { .. } => yolov4::anchors(outputs, size, labels)?,
+        Head::Yolov5 { .. } => yolov5::anchors(outputs, labels)?,
+        Head::Yolov8 { .. } => yolov8::anchors(outputs, labels)?,
+        _ => return Ok(None),
+    }))
+}
+
 /// Candidates in input pixels for most heads; DEIM answers in photo pixels.
 pub(super) struct Decoded {
     /// Best first.
@@ -63,29 +128,21 @@ pub(super) struct Decoded {
 /// Reads a detector's outputs for an input of width × height `size` in pixels.
 pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Decoded, String> {
     let labels = manifest.labels.count();
-    let (mut candidates, nms_iou) = match &manifest.head {
-        Head::Yolox { nms_iou } => (yolox::decode(outputs, size, labels)?, Some(nms_iou)),
-        Head::Nanodet { strides, nms_iou } => (nanodet::decode(outputs, size, strides, labels)?, Some(nms_iou)),
-        Head::NanodetPlus { strides, nms_iou } => {
-            (nanodet_plus::decode(outputs, size, strides, labels)?, Some(nms_iou))
-        }
-        Head::Fastestdet { nms_iou } => (fastestdet::decode(outputs, size, labels)?, Some(nms_iou)),
-        Head::Yolov4 { nms_iou } => (yolov4::decode(outputs, size, labels)?, Some(nms_iou)),
-        Head::Yolov5 { nms_iou } => (yolov5::decode(outputs, labels)?, Some(nms_iou)),
-        Head::Yolov8 { nms_iou } => (yolov8::decode(outputs, labels)?, Some(nms_iou)),
-        Head::Yolov10 {} => (yolov10::decode(outputs, labels)?, None),
-        Head::Deim {} => (deim::decode(outputs, labels)?, None),
-        Head::Rtdetr {} => (rtdetr::decode(outputs, size, labels)?, None),
-        Head::Rfdetr {} => (rfdetr::decode(outputs, size, labels)?, None),
-        Head::TfOd(first) => (tf_od::decode(outputs, size, first.first_label, labels)?, None),
-        Head::SsdResnet34(first) => (ssd_resnet34::decode(outputs, size, first.first_label, labels)?, None),
-        Head::Rcnn(first) => (rcnn::decode(outputs, first.first_label, labels)?, None),
+    let mut candidates = match &manifest.head {
+        Head::Yolov10 {} => yolov10::decode(outputs, labels)?,
+        Head::Deim {} => deim::decode(outputs, labels)?,
+        Head::Rtdetr {} => rtdetr::decode(outputs, size, labels)?,
+        Head::Rfdetr {} => rfdetr::decode(outputs, size, labels)?,
+        Head::TfOd(first) => tf_od::decode(outputs, size, first.first_label, labels)?,
+        Head::SsdResnet34(first) => ssd_resnet34::decode(outputs, size, first.first_label, labels)?,
+        Head::Rcnn(first) => rcnn::decode(outputs, first.first_label, labels)?,
+        _ => anchors(manifest, outputs, size)?.map_or_else(Vec::new, |a| a.candidates(outputs, labels)),
     };
     // Numbers in the gaps of a list mean nothing, and no file could keep them.
     candidates.retain(|c| manifest.labels.name(c.label).is_some());
     Ok(Decoded {
-        candidates: match nms_iou {
-            Some(iou) => nms::suppress(candidates, *iou),
+        candidates: match manifest.head.nms_iou() {
+            Some(iou) => nms::suppress(candidates, iou),
             None => nms::sorted(candidates),
         },
         in_photo_px: matches!(manifest.head, Head::Deim {}),
@@ -112,14 +169,15 @@ fn scaled(b: BoxPx, [width, height]: [u32; 2]) -> BoxPx {
     BoxPx::new(b.x1 * w, b.y1 * h, b.x2 * w, b.y2 * h)
 }
 
-/// A candidate by centre and size; `None` below the score floor or when a number is not finite.
-fn from_centre(label: usize, score: f32, [cx, cy, w, h]: [f32; 4]) -> Option<Candidate> {
+/// A box by centre and size.
+fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
     let [cx, cy, w, h] = [cx, cy, w, h].map(f64::from);
-    from_corners(
-        label,
-        score,
-        BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0),
-    )
+    BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)
+}
+
+/// A candidate by centre and size; `None` below the score floor or when a number is not finite.
+fn from_centre(label: usize, score: f32, centre_and_size: [f32; 4]) -> Option<Candidate> {
+    from_corners(label, score, centred(centre_and_size))
 }
 
 fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<Candidate> {
@@ -128,12 +186,10 @@ fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<Candidate> {
 }
 
 /// The best label and its score; the first of equals. NaN scores never win.
-fn best(scores: &[f32]) -> (usize, f32) {
+fn best(scores: impl Iterator<Item = f32>) -> (usize, f32) {
     let first = (0, f32::NEG_INFINITY);
-    scores
-        .iter()
-        .enumerate()
-        .fold(first, |best, (i, s)| if *s > best.1 { (i, *s) } else { best })
+    let better = |best: (usize, f32), (i, s)| if s > best.1 { (i, s) } else { best };
+    scores.enumerate().fold(first, better)
 }
 
 fn sigmoid(x: f32) -> f32 {

@@ -3,43 +3,41 @@
 //! Each side's distance is the mean of a softmax over bins, times the stride; cells are centred at i·s + (s − 1)/2. Source:
 //! Li et al. 2020 (generalised focal loss) and the NanoDet repository.
 
-use super::super::nms::Candidate;
-use super::{Tensor, best, from_corners, misfit};
+use super::{Anchor, Anchors, Tensor, misfit};
 use crate::geometry::BoxPx;
 
 pub(super) const BINS: usize = 8;
 
-pub(super) fn decode(
+pub(super) fn anchors(
     outputs: &[Tensor],
     [width, height]: [u32; 2],
     strides: &[u32],
     labels: usize,
-) -> Result<Vec<Candidate>, String> {
+) -> Result<Anchors, String> {
     let mut found = Vec::new();
     for &stride in strides {
         let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));
         let cells = (columns * rows) as usize;
-        let with = |row: usize| {
-            outputs
-                .iter()
-                .find(|t| t.shape == [1, cells, row])
-                .and_then(Tensor::floats)
-        };
-        let (Some(scores), Some(sides)) = (with(labels), with(4 * BINS)) else {
+        let fits = |t: &Tensor, row: usize| t.shape == [1, cells, row] && t.floats().is_some();
+        let with = |row: usize| outputs.iter().position(|t| fits(t, row));
+        let sides = with(4 * BINS).and_then(|i| outputs[i].floats());
+        let (Some(output), Some(sides)) = (with(labels), sides) else {
             let expected = format!("1×{cells}×{labels} and 1×{cells}×{} for stride {stride}", 4 * BINS);
             return Err(misfit("nanodet", expected, outputs));
         };
-        let cells = scores
-            .chunks_exact(labels)
-            .zip(sides.chunks_exact(4 * BINS))
-            .enumerate();
-        found.extend(cells.filter_map(|(i, (scores, sides))| {
-            let (label, score) = best(scores);
+        let cells = sides.chunks_exact(4 * BINS).enumerate();
+        found.extend(cells.map(|(i, sides)| {
             let cell = [i as u32 % columns, i as u32 / columns];
-            from_corners(label, score, box_of(cell, sides, stride))
+            Anchor {
+                b: box_of(cell, sides, stride),
+                output,
+                objectness: None,
+                first_label: i * labels,
+                label_step: 1,
+            }
         }));
     }
-    Ok(found)
+    Ok(Anchors::new(found))
 }
 
 fn box_of(cell: [u32; 2], sides: &[f32], stride: u32) -> BoxPx {
@@ -65,6 +63,11 @@ pub(super) fn expectation(logits: &[f32]) -> f64 {
 mod tests {
     use super::super::Data;
     use super::*;
+    use crate::detect::nms::Candidate;
+
+    fn decode(outputs: &[Tensor], size: [u32; 2], strides: &[u32], labels: usize) -> Result<Vec<Candidate>, String> {
+        Ok(anchors(outputs, size, strides, labels)?.candidates(outputs, labels))
+    }
 
     /// Logits whose softmax mean is `distance`: all weight on the two bins around it.
     fn logits(distance: f64) -> [f32; BINS] {

@@ -1,17 +1,16 @@
 //! NanoDet-Plus: one tensor 1×cells×(labels + 4·bins), sigmoid scores, then box logits as NanoDet's; cells of all strides in
 //! order, centred at i·s. Source: the NanoDet repository's `NanoDetPlusHead`.
 
-use super::super::nms::Candidate;
 use super::nanodet::{BINS, expectation};
-use super::{Tensor, best, from_corners, misfit};
+use super::{Anchor, Anchors, Tensor, misfit};
 use crate::geometry::BoxPx;
 
-pub(super) fn decode(
+pub(super) fn anchors(
     outputs: &[Tensor],
     [width, height]: [u32; 2],
     strides: &[u32],
     labels: usize,
-) -> Result<Vec<Candidate>, String> {
+) -> Result<Anchors, String> {
     let cells: Vec<[u32; 3]> = strides
         .iter()
         .flat_map(|s| {
@@ -20,17 +19,22 @@ pub(super) fn decode(
         })
         .collect();
     let row = labels + 4 * BINS;
-    let data = outputs
-        .iter()
-        .find(|t| t.shape == [1, cells.len(), row])
-        .and_then(Tensor::floats)
+    let fits = |t: &Tensor| t.shape == [1, cells.len(), row];
+    let found = outputs.iter().enumerate().find(|(_, t)| fits(t));
+    let (output, data) = found
+        .and_then(|(i, t)| Some((i, t.floats()?)))
         .ok_or_else(|| misfit("nanodet_plus", format!("1×{}×{row}", cells.len()), outputs))?;
-    let rows = cells.iter().zip(data.chunks_exact(row)).filter_map(|(cell, o)| {
-        let (label, score) = best(&o[..labels]);
+    let rows = cells.iter().zip(data.chunks_exact(row)).enumerate();
+    let anchors = rows.map(|(i, (cell, o))| {
         let [x, y, s] = cell.map(f64::from);
         let side = |i: usize| expectation(&o[labels + i * BINS..][..BINS]) * s;
-        let b = BoxPx::new(x * s - side(0), y * s - side(1), x * s + side(2), y * s + side(3));
-        from_corners(label, score, b)
+        Anchor {
+            b: BoxPx::new(x * s - side(0), y * s - side(1), x * s + side(2), y * s + side(3)),
+            output,
+            objectness: None,
+            first_label: i * row,
+            label_step: 1,
+        }
     });
-    Ok(rows.collect())
+    Ok(Anchors::new(anchors.collect()))
 }

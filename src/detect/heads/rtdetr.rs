@@ -13,7 +13,7 @@ pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usiz
         .ok_or_else(|| misfit("rtdetr", format!("1×n×{row}"), outputs))?;
     let (w, h) = (width as f32, height as f32);
     let rows = data.chunks_exact(row).filter_map(|o| {
-        let (label, score) = best(&o[4..]);
+        let (label, score) = best(o[4..].iter().copied());
         from_centre(label, score, [o[0] * w, o[1] * h, o[2] * w, o[3] * h])
     });
     Ok(rows.collect())

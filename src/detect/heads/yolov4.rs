@@ -4,8 +4,7 @@
 //! centre = (σ(output) · s − (s − 1)/2 + cell) · stride, size = exp(output) · anchor, score = objectness · label. Source:
 //! Bochkovskiy et al. 2020 and the zoo's page on the model, which has the anchors and s.
 
-use super::super::nms::Candidate;
-use super::{Tensor, best, from_centre, misfit, sigmoid};
+use super::{Anchor, Anchors, Tensor, centred, misfit, sigmoid};
 
 /// One of the three grids.
 struct Grid {
@@ -34,35 +33,35 @@ const GRIDS: [Grid; 3] = [
     },
 ];
 
-pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, String> {
     let row = 5 + labels;
     let mut found = Vec::new();
     for grid in &GRIDS {
         let (columns, rows) = ((width / grid.stride) as usize, (height / grid.stride) as usize);
-        let data = outputs
-            .iter()
-            .find(|t| t.shape == [1, rows, columns, 3, row])
-            .and_then(Tensor::floats)
-            .ok_or_else(|| {
-                misfit(
-                    "yolov4",
-                    format!("1×{rows}×{columns}×3×{row} for stride {}", grid.stride),
-                    outputs,
-                )
-            })?;
-        found.extend(data.chunks_exact(row).enumerate().filter_map(|(i, o)| {
+        let fits = |t: &Tensor| t.shape == [1, rows, columns, 3, row];
+        let tensor = outputs.iter().enumerate().find(|(_, t)| fits(t));
+        let (output, data) = tensor.and_then(|(i, t)| Some((i, t.floats()?))).ok_or_else(|| {
+            let expected = format!("1×{rows}×{columns}×3×{row} for stride {}", grid.stride);
+            misfit("yolov4", expected, outputs)
+        })?;
+        found.extend(data.chunks_exact(row).enumerate().map(|(i, o)| {
             let (cell, anchor) = (i / 3, grid.anchors[i % 3]);
             let (stride, s) = (grid.stride as f32, grid.s);
             let centre = |o: f32, cell: usize| (sigmoid(o) * s - (s - 1.0) / 2.0 + cell as f32) * stride;
-            let (label, score) = best(&o[5..]);
             let centre_and_size = [
                 centre(o[0], cell % columns),
                 centre(o[1], cell / columns),
                 o[2].exp() * anchor[0],
                 o[3].exp() * anchor[1],
             ];
-            from_centre(label, o[4] * score, centre_and_size)
+            Anchor {
+                b: centred(centre_and_size),
+                output,
+                objectness: Some(i * row + 4),
+                first_label: i * row + 5,
+                label_step: 1,
+            }
         }));
     }
-    Ok(found)
+    Ok(Anchors::new(found))
 }

@@ -3,12 +3,11 @@
 //! centre = (output + cell) · stride, size = exp(output) · stride, score = objectness · label. Source: Ge et al. 2021 and
 //! `demo_postprocess` of the YOLOX repository.
 
-use super::super::nms::Candidate;
-use super::{Tensor, best, from_centre, misfit};
+use super::{Anchor, Anchors, Tensor, centred, misfit};
 
 const STRIDES: [u32; 3] = [8, 16, 32];
 
-pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, String> {
     let cells: usize = STRIDES.iter().map(|s| ((width / s) * (height / s)) as usize).sum();
     let row = 5 + labels;
     let data = outputs
@@ -20,26 +19,35 @@ pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usiz
         let columns = width / s;
         (0..columns * (height / s)).map(move |i| (i % columns, i / columns, *s))
     });
-    Ok(grid
-        .zip(data.chunks_exact(row))
-        .filter_map(|((x, y, stride), o)| {
-            let (label, score) = best(&o[5..]);
-            let s = stride as f32;
-            let centre_and_size = [
-                (o[0] + x as f32) * s,
-                (o[1] + y as f32) * s,
-                o[2].exp() * s,
-                o[3].exp() * s,
-            ];
-            from_centre(label, o[4] * score, centre_and_size)
-        })
-        .collect())
+    let rows = grid.zip(data.chunks_exact(row)).enumerate();
+    let anchors = rows.map(|(i, ((x, y, stride), o))| {
+        let s = stride as f32;
+        let centre_and_size = [
+            (o[0] + x as f32) * s,
+            (o[1] + y as f32) * s,
+            o[2].exp() * s,
+            o[3].exp() * s,
+        ];
+        Anchor {
+            b: centred(centre_and_size),
+            output: 0,
+            objectness: Some(i * row + 4),
+            first_label: i * row + 5,
+            label_step: 1,
+        }
+    });
+    Ok(Anchors::new(anchors.collect()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::Data;
     use super::*;
+    use crate::detect::nms::Candidate;
+
+    fn decode(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+        Ok(anchors(outputs, size, labels)?.candidates(outputs, labels))
+    }
 
     /// Encodes a box as the network would answer it, at the cell its centre falls into.
     fn encoded(cx: f32, cy: f32, w: f32, h: f32, stride_index: usize) -> Tensor {

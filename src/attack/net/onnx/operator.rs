@@ -1,0 +1,105 @@
+//! What every operator of a network can do. One file per group of operators implements it.
+
+use std::sync::Arc;
+
+use onnx_ir::RuntimeInputRef;
+
+use super::value::{Floats, Value, Whole};
+
+/// An operator with its settings, its tensors not included.
+pub(super) trait Operator: Send + Sync {
+    /// The outputs for some inputs, in ONNX's order.
+    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, String>;
+
+    /// Which inputs' numbers come out unchanged, only elsewhere.
+    fn moves(&self) -> Moves {
+        Moves::Nothing
+    }
+
+    fn is_sigmoid(&self) -> bool {
+        false
+    }
+}
+
+pub(super) type AnyOperator = Arc<dyn Operator>;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Moves {
+    Nothing,
+    /// The first input's; the others say where to.
+    First,
+    All,
+}
+
+/// The inputs of one operator; those left out are `None`.
+pub(super) struct Inputs(pub Vec<Option<Value>>);
+
+impl Inputs {
+    /// How many there are, those left out at the end not counted.
+    pub(super) fn count(&self) -> usize {
+        self.0.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+    }
+
+    pub(super) fn take(&mut self, i: usize) -> Option<Value> {
+        self.0.get_mut(i)?.take()
+    }
+
+    pub(super) fn value(&mut self, i: usize) -> Result<Value, String> {
+        self.take(i).ok_or_else(|| format!("its input {i} is missing"))
+    }
+
+    pub(super) fn floats(&mut self, i: usize) -> Result<Floats, String> {
+        match self.value(i)? {
+            Value::Floats(v) => Ok(v),
+            Value::Whole(_) => Err(format!("its input {i} holds whole numbers where fractions belong")),
+        }
+    }
+
+    pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>, String> {
+        match self.0.get(i) {
+            Some(Some(_)) => self.floats(i).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    pub(super) fn whole(&self, i: usize) -> Result<&Whole, String> {
+        match self.0.get(i) {
+            Some(Some(Value::Whole(v))) => Ok(v),
+            Some(Some(Value::Floats(_))) => Err(format!("its input {i} holds fractions where whole numbers belong")),
+            _ => Err(format!("its input {i} is missing")),
+        }
+    }
+}
+
+/// Settings that older files state and newer ones compute.
+#[derive(Debug, Clone)]
+pub(super) enum Numbers {
+    Known(Vec<i64>),
+    Input(usize),
+}
+
+impl Numbers {
+    pub(super) fn input(of: &RuntimeInputRef) -> Numbers {
+        Numbers::Input(of.input_index)
+    }
+
+    pub(super) fn known<T: Copy + TryInto<i64>>(values: &[T]) -> Numbers {
+        Numbers::Known(values.iter().map(|v| (*v).try_into().unwrap_or(i64::MAX)).collect())
+    }
+
+    pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>, String> {
+        match self {
+            Numbers::Known(values) => Ok(values.clone()),
+            Numbers::Input(i) => Ok(inputs.whole(*i)?.data.clone()),
+        }
+    }
+}
+
+/// An axis that may count from the end.
+pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize, String> {
+    let from_start = if axis < 0 { axis + rank as i64 } else { axis };
+    usize::try_from(from_start)
+        .ok()
+        .filter(|a| *a < rank)
+        .ok_or_else(|| format!("a tensor of rank {rank} has no axis {axis}"))
+}

@@ -1,0 +1,133 @@
+//! What flows along the edges of a network: tensors, and the whole numbers that shapes are reckoned with.
+
+use burn::tensor::{Tensor, TensorData};
+use onnx_ir::TensorDataExt;
+
+/// So many axes every tensor has here, those in front of its own with length 1.
+///
+/// The framework's types carry the rank; one rank for all keeps each operator one function, and broadcasting as ONNX does it is the
+/// framework's own.
+pub(super) const RANK: usize = 6;
+
+#[derive(Debug, Clone)]
+pub(super) enum Value {
+    Floats(Floats),
+    Whole(Whole),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Floats {
+    pub x: Tensor<RANK>,
+    /// The ONNX tensor's own rank, at most [`RANK`].
+    pub rank: usize,
+}
+
+/// Whole numbers, row-major; truth values are 0 and 1.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Whole {
+    pub shape: Vec<usize>,
+    pub data: Vec<i64>,
+}
+
+impl Value {
+    /// Does it change with the picture?
+    pub(super) fn is_followed(&self) -> bool {
+        matches!(self, Value::Floats(v) if v.x.is_tracked())
+    }
+
+    pub(super) fn shape(&self) -> Vec<usize> {
+        match self {
+            Value::Floats(v) => v.shape(),
+            Value::Whole(v) => v.shape.clone(),
+        }
+    }
+
+    /// A constant of the file.
+    pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value, String> {
+        let shape = data.shape().to_vec();
+        if data.dtype().is_float() {
+            let values = data
+                .to_f32_vec()
+                .map_err(|e| format!("a constant of it cannot be read: {e}"))?;
+            return Floats::new(values, &shape, device).map(Value::Floats);
+        }
+        let data = data.iter::<i64>().collect();
+        Ok(Value::Whole(Whole { shape, data }))
+    }
+}
+
+impl Floats {
+    pub(super) fn new(values: Vec<f32>, shape: &[usize], device: &burn::tensor::Device) -> Result<Floats, String> {
+        let x = Tensor::from_data(TensorData::new(values, full(shape)?), device);
+        Ok(Floats { x, rank: shape.len() })
+    }
+
+    pub(super) fn shape(&self) -> Vec<usize> {
+        self.x.dims()[RANK - self.rank..].to_vec()
+    }
+
+    /// The framework's number of an axis of the ONNX tensor.
+    pub(super) fn axis(&self, axis: usize) -> Result<usize, String> {
+        match axis < self.rank {
+            true => Ok(RANK - self.rank + axis),
+            false => Err(format!("a tensor of rank {} has no axis {axis}", self.rank)),
+        }
+    }
+
+    pub(super) fn reshaped(self, shape: &[usize]) -> Result<Floats, String> {
+        let wanted: usize = shape.iter().product();
+        if self.x.shape().num_elements() != wanted {
+            return Err(format!("a tensor {:?} cannot become {shape:?}", self.shape()));
+        }
+        Ok(Floats {
+            x: self.x.reshape(full(shape)?),
+            rank: shape.len(),
+        })
+    }
+
+    /// With its own rank in its type; `R` must be that rank.
+    pub(super) fn of_rank<const R: usize>(self) -> Result<Tensor<R>, String> {
+        let shape = self.shape();
+        let sides: [usize; R] = shape
+            .as_slice()
+            .try_into()
+            .map_err(|_| format!("a tensor {shape:?} came where rank {R} belongs"))?;
+        Ok(self.x.reshape(sides))
+    }
+
+    pub(super) fn from_rank<const R: usize>(x: Tensor<R>) -> Result<Floats, String> {
+        let shape = full(&x.dims())?;
+        Ok(Floats {
+            x: x.reshape(shape),
+            rank: R,
+        })
+    }
+
+    /// The numbers, row-major.
+    pub(super) fn values(&self) -> Result<Vec<f32>, String> {
+        self.x.try_to_vec_as::<f32>().map_err(|e| e.to_string())
+    }
+}
+
+/// A shape with ones in front, [`RANK`] axes in all.
+pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], String> {
+    let mut sides = [1; RANK];
+    let from = RANK
+        .checked_sub(shape.len())
+        .ok_or_else(|| format!("a tensor {shape:?} has more than {RANK} axes"))?;
+    sides[from..].copy_from_slice(shape);
+    Ok(sides)
+}
+
+/// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
+pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>, String> {
+    let rank = a.len().max(b.len());
+    let side = |shape: &[usize], i: usize| (i + shape.len()).checked_sub(rank).map_or(1, |i| shape[i]);
+    (0..rank)
+        .map(|i| match (side(a, i), side(b, i)) {
+            (x, y) if x == y || y == 1 => Ok(x),
+            (1, y) => Ok(y),
+            _ => Err(format!("tensors {a:?} and {b:?} do not broadcast")),
+        })
+        .collect()
+}
