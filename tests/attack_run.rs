@@ -24,8 +24,8 @@ use scaleproof::attack::white_box::{Claim, Look, WhiteBox};
 use scaleproof::geometry::BoxPx;
 use scaleproof::pattern::world_aligned::Side;
 
-/// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like a fixed weave. Unsure of
-/// a grey model.
+/// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like
+/// a fixed weave. Unsure of a grey model.
 struct Weave {
     gain: f64,
     boxes: Vec<BoxPx>,

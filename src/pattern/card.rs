@@ -1,4 +1,5 @@
-//! The card of a pattern: a JSON file beside its PNG, of the same name, that says how large a repeat is meant to be and where the pattern comes from.
+//! The card of a pattern: a JSON file beside its PNG, of the same name, that says how large a repeat is meant to be and
+//! where the pattern comes from.
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
-//! CAMOU (Zhang et al., ICLR 2019): a clone network learns what renderer and detector say of patterns, and the pattern goes down the clone's
-//! gradient; the two alternate, and the patterns on the way are what the clone learns from next.
+//! CAMOU (Zhang et al., ICLR 2019): a clone network learns what renderer and detector say of patterns, and the pattern
+//! goes down the clone's gradient; the two alternate, and the patterns on the way are what the clone learns from next.
 //!
-//! The paper's clone sees the pattern tiled on a view; ours sees the pattern alone and imitates the mean score over a minibatch of views, which is the expectation
-//! that the paper's loss takes.
+//! The paper's clone sees the pattern tiled on a view; ours sees the pattern alone and imitates the mean score over a
+//! minibatch of views, which is the expectation that the paper's loss takes.
 
 use burn::module::Module;
 use burn::nn::conv::{Conv2d, Conv2dConfig};

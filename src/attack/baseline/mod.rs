@@ -42,8 +42,8 @@ pub struct Config {
 
 /// Answers what a detector says of a pattern in a view, and no more: renderer model and detector as one black box.
 ///
-/// Answers are kept. A search that is interrupted asks the same questions again, and gets those answers without waiting, so it needs no checkpoint of its
-/// own.
+/// Answers are kept. A search that is interrupted asks the same questions again, and gets those answers without
+/// waiting, so it needs no checkpoint of its own.
 pub struct Oracle<'a> {
     pub stage: &'a Stage,
     detectors: &'a [Box<dyn WhiteBox>],
@@ -97,7 +97,8 @@ impl<'a> Oracle<'a> {
         })
     }
 
-    /// The mean over detectors of the highest confidence of a box that meets the model; `None` when no more may be asked.
+    /// The mean over detectors of the highest confidence of a box that meets the model; `None` when no more may be
+    /// asked.
     ///
     /// # Errors
     /// A detector that cannot look, or whose answer is not a number.

@@ -1,4 +1,5 @@
-//! Finished patches in their places on a model of one colour: the paint of each pixel, from the positions of a frame's paint.
+//! Finished patches in their places on a model of one colour: the paint of each pixel, from the positions of a frame's
+//! paint.
 
 use image::RgbImage;
 
@@ -38,7 +39,8 @@ impl Patch {
     }
 }
 
-/// The paint in each pixel of a frame (linear reflectance); later patches lie over earlier ones. `None` for a frame without positions.
+/// The paint in each pixel of a frame (linear reflectance); later patches lie over earlier ones. `None` for a frame
+/// without positions.
 ///
 /// # Errors
 /// Pictures that cannot be read.

@@ -1,5 +1,5 @@
-//! Expectation over transformation (Athalye et al., ICML 2018): what the world may do between the pattern and the detector, drawn anew for every
-//! picture, each with its way back.
+//! Expectation over transformation (Athalye et al., ICML 2018): what the world may do between the pattern and the
+//! detector, drawn anew for every picture, each with its way back.
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -166,7 +166,8 @@ fn normal(rng: &mut impl Rng) -> f64 {
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
-/// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is the transposed map.
+/// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is
+/// the transposed map.
 pub fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
     if shift_tiles == [0.0, 0.0] {
         return cells.to_vec();

@@ -42,7 +42,8 @@ impl History {
     }
 }
 
-/// The chart: mean confidence on the held-out views against wall time, a colour for each method; the filled share of a mark is the hit rate.
+/// The chart: mean confidence on the held-out views against wall time, a colour for each method; the filled share of a
+/// mark is the hit rate.
 pub fn draw(histories: &[History]) -> String {
     let mut methods: Vec<String> = Vec::new();
     for history in histories {

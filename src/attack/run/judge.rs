@@ -1,4 +1,5 @@
-//! How often a pattern is still detected, by the renderer model's pictures of the views held out. This guides; what counts are pictures rendered or taken anew.
+//! How often a pattern is still detected, by the renderer model's pictures of the views held out. This guides; what
+//! counts are pictures rendered or taken anew.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,5 @@
-//! The attack (DTA, CVPR 2022, algorithm 1): a pattern's cells are moved against the confidence of detectors, through the projection, the
-//! renderer model and whatever the world may do.
+//! The attack (DTA, CVPR 2022, algorithm 1): a pattern's cells are moved against the confidence of detectors, through
+//! the projection, the renderer model and whatever the world may do.
 //!
 //! - [`stage`]: the views, each with its renderer model;
 //! - [`eot`]: what happens between the pattern and the detector;
@@ -175,7 +175,8 @@ impl<'a> Attack<'a> {
         })
     }
 
-    /// Steps until it is done; saves at most half a minute apart, and before it gives up. `on_step` gets the steps done and the last entry.
+    /// Steps until it is done; saves at most half a minute apart, and before it gives up. `on_step` gets the steps done
+    /// and the last entry.
     ///
     /// # Errors
     /// A loss that is not a number, a detector that cannot look, a folder that takes no files.

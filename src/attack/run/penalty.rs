@@ -1,12 +1,13 @@
-//! What a pattern is to be besides adversarial: smooth, and of colours that can be made. Values and derivatives, of cells as sRGB of 0 to 1.
+//! What a pattern is to be besides adversarial: smooth, and of colours that can be made. Values and derivatives, of
+//! cells as sRGB of 0 to 1.
 
 use super::Rgb;
 
 /// Keeps the root differentiable where neighbours are equal.
 const SOFT: f64 = 1e-6;
 
-/// Total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the neighbours on the right and below,
-/// round and round, for the pattern is repeated.
+/// Total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the
+/// neighbours on the right and below, round and round, for the pattern is repeated.
 pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
     let (rows, count) = (cells.len() / columns, cells.len() as f64);
     let mut gradient = vec![[0.0; 3]; cells.len()];
@@ -31,8 +32,9 @@ pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
     (sum / count, gradient)
 }
 
-/// The mean over cells of the distance to the nearest of some colours: with a printer's measured colours the non-printability score as
-/// `pattern check` states it, with a palette the camouflage loss of ACTIVE (ICCV 2023). 0 without colours.
+/// The mean over cells of the distance to the nearest of some colours: with a printer's measured colours the
+/// non-printability score as `pattern check` states it, with a palette the camouflage loss of ACTIVE (ICCV 2023). 0
+/// without colours.
 pub fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
     let count = cells.len() as f64;
     let mut sum = 0.0;

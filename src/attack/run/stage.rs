@@ -69,10 +69,12 @@ pub struct Laid<'a> {
 }
 
 impl Stage {
-    /// Fits the default renderer model to the flat colours of every view. `on_view` is called after each, from any thread.
+    /// Fits the default renderer model to the flat colours of every view. `on_view` is called after each, from any
+    /// thread.
     ///
     /// # Errors
-    /// Too few flat colours, no positions for the world-aligned laying, pictures that cannot be read, no view with the model in it.
+    /// Too few flat colours, no positions for the world-aligned laying, pictures that cannot be read, no view with the
+    /// model in it.
     pub fn open(set: &FrameSet, grid: Grid, laying: Laying, on_view: impl Fn() + Sync) -> Result<Self, RunError> {
         let all = views(&set.list.frames);
         let load = |(): &mut (), frames: &Vec<&Frame>| load(set, frames, &grid, laying);

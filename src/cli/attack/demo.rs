@@ -18,7 +18,8 @@ const DETECTOR: &str = "yolox_nano";
 const CELLS: u32 = 16;
 const TILE_MM: f64 = 240.0;
 
-/// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected: minutes on two cores
+/// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
+/// minutes on two cores
 #[derive(clap::Args)]
 pub struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template

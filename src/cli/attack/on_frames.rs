@@ -51,7 +51,8 @@ pub struct OnFrames {
     /// Width of one repeat on the model, in mm
     #[arg(long, value_name = "MM", default_value_t = 240.0, allow_negative_numbers = true)]
     pub tile_mm: f64,
-    /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera (DTA)
+    /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
+    /// (DTA)
     #[arg(long, value_enum, default_value_t = Laying::World)]
     pub laying: Laying,
     /// The same seed gives the same pattern
