@@ -64,7 +64,7 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
         .map(|f| if f.as_os_str().is_empty() { Path::new(".") } else { f })
         .find(|f| f.exists());
     match there {
-        Some(there) if there.is_dir() => Waiting::write(&there.join("probe"), b"").map(drop),
+        Some(there) if there.is_dir() => Waiting::write(&there.join(".scaleproof"), b"").map(drop),
         Some(file) => Err(failed(format!("{} is a file", file.display()))),
         None => Err(failed("no part of the path exists".into())),
     }

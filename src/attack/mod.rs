@@ -1,5 +1,4 @@
-//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022). So far: the pictures and what predicts them; the
-//! attack itself and its evaluation are to come.
+//! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022).
 //!
 //! - [`frames`]: the one format of pictures whose truth is known;
 //! - [`import`] and [`render`]: its two makers;
@@ -9,9 +8,12 @@
 //! - `dtn` (feature `attack`): those that are trained: DTN and NTR;
 //! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
 //! - [`chart`]: those models against each other;
+//! - [`run`]: the attack itself;
+//! - [`baseline`]: its rivals;
 //! - [`evaluate`]: patterns rendered anew on the model, as photos with exact truth.
 
 pub mod additive;
+pub mod baseline;
 pub mod chart;
 #[cfg(feature = "attack")]
 pub mod dtn;
@@ -24,4 +26,5 @@ pub mod net;
 pub mod projection;
 pub mod render;
 pub mod renderer;
+pub mod run;
 pub mod white_box;

@@ -1,12 +1,17 @@
-//! `scaleproof attack`: frames, and the models that predict them.
+//! `scaleproof attack`: frames, the models that predict them, and patterns against detectors.
 
+mod baseline;
 mod chart;
 mod colours;
 mod evaluate;
+mod demo;
+mod history;
 mod import;
+mod on_frames;
 mod render;
 #[cfg(feature = "attack")]
 mod train_dtn;
+mod run;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -16,7 +21,7 @@ use clap::Subcommand;
 use super::{CommandResult, Outcome, detectors, print, progress, score};
 use crate::attack::frames::FrameSet;
 
-/// Frames of a painted model, and models that predict the model in any paint
+/// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -33,6 +38,10 @@ enum What {
     Evaluate(Box<evaluate::EvaluateArgs>),
     #[cfg(feature = "attack")]
     TrainDtn(train_dtn::TrainArgs),
+    Run(Box<run::RunArgs>),
+    Baseline(Box<baseline::BaselineArgs>),
+    History(history::HistoryArgs),
+    Demo(demo::DemoArgs),
 }
 
 /// Read every picture of frames and hold them against their list
@@ -54,6 +63,10 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Evaluate(args) => evaluate::run(&args, out),
         #[cfg(feature = "attack")]
         What::TrainDtn(args) => train_dtn::run(&args, out),
+        What::Run(args) => run::run(&args, out),
+        What::Baseline(args) => baseline::run(&args, out),
+        What::History(args) => history::run(&args, out),
+        What::Demo(args) => demo::run(&args, out),
     }
 }
 

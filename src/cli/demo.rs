@@ -29,7 +29,11 @@ pub struct Args {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
-    let pdf = print_template(&args.out, out)?;
+    let pattern = Pattern::random(16, 1)?;
+    files::write_atomically(&args.out.join("random16.png"), &pattern.to_png()?)?;
+    let pdf = args.out.join("template.pdf");
+    // The published tile size, 16 cells over 118 mm at 1:10.
+    print_template(&pattern, "random16.png", 118.0, &pdf, out)?;
     writeln!(out, "\n2. Photos become camera poses and viewpoint bins")?;
     locate::table(&session, out)?;
     writeln!(out, "\n3. Detectors are scored on them")?;
@@ -43,10 +47,14 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// The published tile size, 16 cells over 118 mm at 1:10, for a panel as large as the model's side.
-fn print_template(folder: &Path, out: &mut dyn Write) -> Result<PathBuf, Box<dyn std::error::Error>> {
-    let pattern = Pattern::random(16, 1)?;
-    files::write_atomically(&folder.join("random16.png"), &pattern.to_png()?)?;
+/// For a panel as large as the model's side.
+pub fn print_template(
+    pattern: &Pattern,
+    name: &str,
+    tile_mm: f64,
+    pdf: &Path,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn std::error::Error>> {
     let layout = LayoutRequest {
         size_mm: (600.0, 300.0),
         paper: Paper::A4.into(),
@@ -57,21 +65,20 @@ fn print_template(folder: &Path, out: &mut dyn Write) -> Result<PathBuf, Box<dyn
         printer: Printer::EXACT,
     };
     let request = TemplateRequest {
-        tile_mm: 118.0,
+        tile_mm,
         scale: 10.0,
-        pattern_name: "random16.png".into(),
+        pattern_name: name.into(),
         front: Front::Left,
         date: None,
         layout,
     };
-    let pdf = folder.join("template.pdf");
-    let made = print::write_template(&pattern, &request, &pdf)?;
-    writeln!(out, "{}", print::summary(&pdf, &made))?;
-    Ok(pdf)
+    let made = print::write_template(pattern, &request, pdf)?;
+    writeln!(out, "{}", print::summary(pdf, &made))?;
+    Ok(())
 }
 
 /// The project's folder: named by `./run`, else where the program was compiled.
-fn home() -> PathBuf {
+pub fn home() -> PathBuf {
     std::env::var_os("SCALEPROOF_HOME").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from)
 }
 

@@ -28,6 +28,15 @@ pub fn training(is_time: bool, length: u64) -> ProgressBar {
     bar(ProgressBar::new(length), "", &template)
 }
 
+/// A bar that counts the steps of a search.
+pub fn steps(what: &str, count: usize) -> ProgressBar {
+    bar(
+        ProgressBar::new(count as u64),
+        what,
+        "{msg:<18} {bar:30} {pos}/{len} steps, {eta} left",
+    )
+}
+
 /// A bar that counts the bytes of a download, whose length may become known later.
 pub fn bytes(what: &str) -> ProgressBar {
     bar(

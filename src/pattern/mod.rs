@@ -1,5 +1,6 @@
 //! The repeated pattern: a small grid of coloured cells, stored as a PNG with one pixel per cell.
 
+pub mod card;
 pub mod colour;
 pub mod contrast;
 pub mod gamut;

@@ -67,6 +67,10 @@ impl Picture {
         })
     }
 
+    pub fn pixels(&self) -> &RgbImage {
+        &self.pixels
+    }
+
     /// Height for a width that keeps the picture's proportions.
     pub fn height_for(&self, width: f64) -> f64 {
         width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())

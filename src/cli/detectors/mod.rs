@@ -38,7 +38,7 @@ enum Command {
 }
 
 /// Where weights are.
-#[derive(clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub struct Folder {
     /// Folder with weights; looked up before $SCALEPROOF_DETECTORS, $SCALEPROOF_SHARED/detectors and the user's cache.
     #[arg(long = "detectors", value_name = "DIR")]

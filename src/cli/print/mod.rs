@@ -4,7 +4,7 @@ mod board;
 mod chart;
 mod check;
 mod paint;
-mod patch;
+pub mod patch;
 mod tags;
 mod template;
 mod verify;

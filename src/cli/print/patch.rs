@@ -15,6 +15,15 @@ use crate::print::{paper, wrap};
 pub struct PatchArgs {
     #[command(flatten)]
     model: ModelArgs,
+    #[command(flatten)]
+    places: PlaceArgs,
+    #[command(flatten)]
+    sheets: SheetArgs,
+}
+
+/// Patches in their places.
+#[derive(clap::Args)]
+pub struct PlaceArgs {
     /// A finished texture, PNG or JPEG; for several patches repeat this and the next three options
     #[arg(long, value_name = "FILE", required = true)]
     patch: Vec<PathBuf>,
@@ -28,8 +37,6 @@ pub struct PatchArgs {
     /// Its width, or width and height, in mm, as in 60 or 60x40
     #[arg(long, value_name = "W[xH]", required = true, allow_hyphen_values = true)]
     size_mm: Vec<String>,
-    #[command(flatten)]
-    sheets: SheetArgs,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -55,7 +62,7 @@ impl From<PanelName> for Side {
 
 /// Runs `scaleproof print patch`.
 pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
-    let wanted = asked(args)?;
+    let wanted = asked(&args.places)?;
     let model = args.model.load()?;
     let panels = wrap::Paint::of_materials(&model.mesh, &model.materials).panels();
     let sheets = &args.sheets;
@@ -64,7 +71,7 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let format = Format::of(sheets.format, &sheets.output);
     let title = format!("Patches of {}", wanted[0].name);
     let files = as_files(format, &sheets.output, &title, (&made.page_names, &made.pages))?;
-    let mut inputs: Vec<Option<&Path>> = args.patch.iter().map(|path| Some(path.as_path())).collect();
+    let mut inputs: Vec<Option<&Path>> = args.places.patch.iter().map(|path| Some(path.as_path())).collect();
     inputs.extend([
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
@@ -90,7 +97,7 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The patches as they were asked for: the options belong together in order.
-fn asked(args: &PatchArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+pub fn asked(args: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
     let count = args.patch.len();
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());

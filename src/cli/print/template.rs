@@ -8,7 +8,7 @@ use clap::ValueEnum;
 
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
-use crate::pattern::Pattern;
+use crate::pattern::{Pattern, card};
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
 use crate::print::{lettering, paper};
 
@@ -17,9 +17,9 @@ pub struct TemplateArgs {
     /// The pattern: a PNG with one pixel per cell
     #[arg(long, value_name = "PNG")]
     pattern: PathBuf,
-    /// Printed width of one repeat of the pattern, in mm
+    /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    tile_mm: f64,
+    tile_mm: Option<f64>,
     /// Width and height of the whole template, in mm, as in 600x300
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size_mm: String,
@@ -115,11 +115,18 @@ pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let format = Format::of(args.format, &args.output);
     if let Some(paints) = args.paint.paints()? {
         let inputs = [Some(&*args.pattern), args.printer.as_deref(), args.paint.palette_file()];
-        return paint::run(&pattern, request(args)?, &paints, (format, &args.output), &inputs, out);
+        return paint::run(
+            &pattern,
+            request(args, &pattern)?,
+            &paints,
+            (format, &args.output),
+            &inputs,
+            out,
+        );
     }
     let (made, first) = write(
         &pattern,
-        &request(args)?,
+        &request(args, &pattern)?,
         (format, &args.output),
         &[Some(&args.pattern), args.printer.as_deref()],
     )?;
@@ -154,7 +161,7 @@ fn write(
     Ok((made, first))
 }
 
-fn request(args: &TemplateArgs) -> Result<TemplateRequest, Box<dyn Error>> {
+fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Box<dyn Error>> {
     let layout = LayoutRequest {
         size_mm: paper::size_mm(&args.size_mm)?,
         paper: args.paper.parse()?,
@@ -170,7 +177,7 @@ fn request(args: &TemplateArgs) -> Result<TemplateRequest, Box<dyn Error>> {
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
     Ok(TemplateRequest {
-        tile_mm: args.tile_mm,
+        tile_mm: card::tile_mm(args.tile_mm, &args.pattern, pattern)?,
         scale: args.scale,
         pattern_name,
         front: args.front.into(),

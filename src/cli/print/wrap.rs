@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
 use crate::mesh::{Mesh, MeshError, Placement};
-use crate::pattern::Pattern;
+use crate::pattern::{Pattern, card};
 use crate::print::lettering;
 use crate::print::template::check_scale;
 use crate::print::wrap::{Kept, WrapRequest, check_size, wrap};
@@ -19,9 +19,9 @@ pub struct WrapArgs {
     /// The pattern: a PNG with one pixel per cell
     #[arg(long, value_name = "PNG")]
     pattern: PathBuf,
-    /// Printed width of one repeat of the pattern, in mm
+    /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    tile_mm: f64,
+    tile_mm: Option<f64>,
     /// Unroll what the panels would stretch by more than --max-stretch: as strips on pages of their own
     #[arg(long)]
     flatten: bool,
@@ -175,7 +175,11 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let sheets = &args.sheets;
     let request = WrapRequest {
         max_stretch: args.flatten.then_some(args.max_stretch),
-        ..sheets.request(args.tile_mm, model.scale, &args.pattern)?
+        ..sheets.request(
+            card::tile_mm(args.tile_mm, &args.pattern, &pattern)?,
+            model.scale,
+            &args.pattern,
+        )?
     };
     let made = wrap(&model.mesh, &model.materials, &pattern, &request)?;
     let title = format!(

@@ -1,0 +1,197 @@
+//! Expectation over transformation (Athalye et al., ICML 2018): what the world may do between the pattern and the
+//! detector, drawn anew for every picture, each with its way back.
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+use serde::Serialize;
+
+use super::Rgb;
+use super::resample::Resample;
+use crate::attack::projection::repeated::Jitter;
+use crate::geometry::BoxPx;
+
+/// Ranges to draw from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Eot {
+    /// Phase of the pattern on the model, to either side, in repeats.
+    pub shift_tiles: f64,
+    /// Size of the pattern against its true size, to either side of 1; only Repeated Texture Projection can.
+    pub tile_scale: f64,
+    /// Added to the picture, to either side, in sRGB of 0 to 1.
+    pub brightness: f64,
+    /// Factor about middle grey: from one less than 1 to its inverse.
+    pub contrast: f64,
+    /// Size of the picture about its middle: from one to another.
+    pub scale: [f64; 2],
+    /// The picture is moved by so many pixels at most: which of a detector's cells the model falls into is chance.
+    pub offset_px: f64,
+    /// Standard deviation of the noise of each value, in sRGB of 0 to 1.
+    pub noise: f64,
+}
+
+impl Eot {
+    /// Nothing happens.
+    pub const NONE: Self = Self {
+        shift_tiles: 0.0,
+        tile_scale: 0.0,
+        brightness: 0.0,
+        contrast: 1.0,
+        scale: [1.0, 1.0],
+        offset_px: 0.0,
+        noise: 0.0,
+    };
+
+    /// The usual: of the pattern's phase nothing (print says where it lies), of the picture what a camera does.
+    pub const USUAL: Self = Self {
+        shift_tiles: 0.0,
+        tile_scale: 0.0,
+        brightness: 0.08,
+        contrast: 0.85,
+        scale: [0.6, 1.15],
+        offset_px: 12.0,
+        noise: 0.01,
+    };
+}
+
+/// One draw of everything.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draw {
+    /// φ_rd of the pattern: its phase, and for Repeated Texture Projection its size.
+    pub jitter: Jitter,
+    pub brightness: f64,
+    pub contrast: f64,
+    pub scale: f64,
+    pub offset_px: [f64; 2],
+    noise: f64,
+    noise_seed: u64,
+}
+
+impl Draw {
+    /// Nothing happens.
+    pub const NONE: Self = Self {
+        jitter: Jitter::NONE,
+        brightness: 0.0,
+        contrast: 1.0,
+        scale: 1.0,
+        offset_px: [0.0, 0.0],
+        noise: 0.0,
+        noise_seed: 0,
+    };
+
+    pub fn random(eot: &Eot, rng: &mut impl Rng) -> Self {
+        let mut either = |by: f64| by * rng.random_range(-1.0..1.0);
+        let jitter = Jitter {
+            shift_tiles: [either(eot.shift_tiles), either(eot.shift_tiles)],
+            scale: 1.0 + either(eot.tile_scale),
+        };
+        let (brightness, contrast) = (either(eot.brightness), eot.contrast.powf(either(1.0)));
+        let offset_px = [either(eot.offset_px), either(eot.offset_px)];
+        let [low, high] = eot.scale;
+        Self {
+            jitter,
+            brightness,
+            contrast,
+            offset_px,
+            scale: low + (high - low) * rng.random::<f64>(),
+            noise: eot.noise,
+            noise_seed: rng.random(),
+        }
+    }
+
+    /// Where a box of the picture comes to lie.
+    pub fn moved(&self, b: &BoxPx, size_px: [u32; 2]) -> BoxPx {
+        let middle = size_px.map(|px| 0.5 * f64::from(px));
+        let x = |v: f64| (v - middle[0]) * self.scale + middle[0] + self.offset_px[0];
+        let y = |v: f64| (v - middle[1]) * self.scale + middle[1] + self.offset_px[1];
+        BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
+    }
+
+    /// What happens to a picture.
+    pub fn apply(&self, picture: &[Rgb], size_px: [u32; 2]) -> Taken {
+        let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
+        let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
+        let mut picture = resample
+            .as_ref()
+            .map_or_else(|| picture.to_vec(), |r| r.forward(picture));
+        let mut rng = Pcg32::seed_from_u64(self.noise_seed);
+        let mut is_open = vec![[true; 3]; picture.len()];
+        for (pixel, is_open) in picture.iter_mut().zip(&mut is_open) {
+            for (value, is_open) in pixel.iter_mut().zip(is_open) {
+                let noise = if self.noise > 0.0 {
+                    self.noise * normal(&mut rng)
+                } else {
+                    0.0
+                };
+                *value = self.contrast * (*value - 0.5) + 0.5 + self.brightness + noise;
+                *is_open = (0.0..=1.0).contains(value);
+                *value = value.clamp(0.0, 1.0);
+            }
+        }
+        Taken {
+            picture,
+            is_open,
+            contrast: self.contrast,
+            resample,
+        }
+    }
+}
+
+/// A picture after everything, and the way back.
+#[derive(Debug, Clone)]
+pub struct Taken {
+    pub picture: Vec<Rgb>,
+    /// Not clipped.
+    is_open: Vec<[bool; 3]>,
+    contrast: f64,
+    resample: Option<Resample>,
+}
+
+impl Taken {
+    /// From the derivative with respect to the taken picture to that with respect to the picture before.
+    pub fn back(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
+        for (pixel, is_open) in gradient.iter_mut().zip(&self.is_open) {
+            for (value, is_open) in pixel.iter_mut().zip(is_open) {
+                *value *= if *is_open { self.contrast } else { 0.0 };
+            }
+        }
+        self.resample
+            .as_ref()
+            .map_or_else(|| gradient.clone(), |r| r.transposed(&gradient))
+    }
+}
+
+/// A standard normal value (Box & Muller 1958).
+fn normal(rng: &mut impl Rng) -> f64 {
+    let (a, b): (f64, f64) = (rng.random(), rng.random());
+    (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+/// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is
+/// the transposed map.
+pub fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
+    if shift_tiles == [0.0, 0.0] {
+        return cells.to_vec();
+    }
+    let rows = cells.len() / columns;
+    let tap = |at: usize, count: usize, shift: f64| {
+        let from = at as f64 - shift * count as f64;
+        let (whole, part) = (from.floor(), from - from.floor());
+        let index = |i: f64| (i.rem_euclid(count as f64) as usize) % count;
+        [(index(whole), 1.0 - part), (index(whole + 1.0), part)]
+    };
+    let cell = |i: usize| {
+        let (across, down) = (
+            tap(i % columns, columns, shift_tiles[0]),
+            tap(i / columns, rows, shift_tiles[1]),
+        );
+        let mut sum = [0.0; 3];
+        for (row, wy) in down {
+            for (column, wx) in across {
+                let value = cells[row * columns + column];
+                sum = std::array::from_fn(|c| sum[c] + wx * wy * value[c]);
+            }
+        }
+        sum
+    };
+    (0..cells.len()).map(cell).collect()
+}

@@ -1,0 +1,86 @@
+//! What happened on the way, and several ways on one chart.
+
+use serde::{Deserialize, Serialize};
+
+use super::judge::Judgement;
+use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+
+/// The name of the file in the folder of a run.
+pub const FILE: &str = "history.json";
+
+/// After a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    pub step: u32,
+    /// Pictures looked at so far, those of judging not counted.
+    pub queries: u64,
+    /// On this machine, judging included.
+    pub wall_s: f64,
+    /// Mean over the minibatch of the sum over detectors; none for methods that see no loss.
+    pub loss: Option<f64>,
+    /// Mean over the minibatch and the detectors, where the method knows it.
+    pub confidence: Option<f64>,
+    pub held_out: Option<Judgement>,
+}
+
+/// One method's way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct History {
+    pub scaleproof: String,
+    /// As `dta` or `er`.
+    pub method: String,
+    pub seed: u64,
+    pub tile_mm: f64,
+    pub frames_sha256: String,
+    pub detectors: Vec<String>,
+    pub entries: Vec<Entry>,
+}
+
+impl History {
+    pub fn last_judged(&self) -> Option<(&Entry, Judgement)> {
+        self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
+    }
+}
+
+/// The chart: mean confidence on the held-out views against wall time, a colour for each method; the filled share of a
+/// mark is the hit rate.
+pub fn draw(histories: &[History]) -> String {
+    let mut methods: Vec<String> = Vec::new();
+    for history in histories {
+        if !methods.contains(&history.method) {
+            methods.push(history.method.clone());
+        }
+    }
+    let dots: Vec<Dot> = histories.iter().flat_map(|history| of_one(history, &methods)).collect();
+    let views = histories
+        .first()
+        .and_then(History::last_judged)
+        .map_or(0, |(_, j)| j.views);
+    scatter(&Cloud {
+        title: "Patterns: confidence on held-out views against time".to_owned(),
+        note: format!(
+            "{views} views by the renderer model; filled: share with a hit at confidence 0.5; ringed: the end; lower left is better"
+        ),
+        x: Axis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
+        y: Axis::around("mean confidence", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
+        colours: methods,
+        shapes: vec!["after so many seconds".to_owned()],
+        groups: vec![(String::new(), dots)],
+    })
+}
+
+fn of_one<'a>(history: &'a History, methods: &'a [String]) -> impl Iterator<Item = Dot> + 'a {
+    let series = methods.iter().position(|m| *m == history.method).unwrap_or(0);
+    let last = history.last_judged().map(|(entry, _)| entry.step);
+    let judged = history.entries.iter().filter_map(|e| Some((e, e.held_out?)));
+    judged.map(move |(entry, judgement)| Dot {
+        // A pattern that took no time stands at the left end.
+        x: entry.wall_s.max(1.0),
+        y: judgement.mean_confidence,
+        share: judgement.hit_rate,
+        series,
+        shape: 0,
+        name: None,
+        is_default: Some(entry.step) == last,
+    })
+}

@@ -1,0 +1,28 @@
+//! The attack loss of DTA (CVPR 2022, eq. 7), `−ln(1 − max C)`, over the boxes that meet the model.
+
+use crate::attack::white_box::Claim;
+use crate::geometry::BoxPx;
+
+/// A box meets the model from this overlap with the box around its mask. Less than a hit's 0.5, so that a box does not
+/// win by moving a little; others, such as those of cars in the background, never drive the loss.
+pub const MEETS_IOU: f64 = 0.3;
+/// A hit, as `score` counts it: this overlap, and this confidence.
+pub const HIT_IOU: f64 = 0.5;
+pub const HIT_CONFIDENCE: f64 = 0.5;
+
+/// The most confident claim that overlaps `outline` so much; `None` when no box does. A claim that is not a number is
+/// the most confident, so that it is found and refused instead of passed over.
+pub fn strongest(claims: &[Claim], outline: &BoxPx, least_iou: f64) -> Option<usize> {
+    let meets = |claim: &Claim| !claim.confidence.is_finite() || claim.box_px.iou(outline) >= least_iou;
+    let candidates = claims.iter().enumerate().filter(|(_, claim)| meets(claim));
+    let order = |claim: &Claim| {
+        if claim.confidence.is_nan() {
+            f64::INFINITY
+        } else {
+            claim.confidence
+        }
+    };
+    candidates
+        .max_by(|(_, a), (_, b)| order(a).total_cmp(&order(b)))
+        .map(|(i, _)| i)
+}

@@ -1,0 +1,400 @@
+//! The attack (DTA, CVPR 2022, algorithm 1): a pattern's cells are moved against the confidence of detectors, through
+//! the projection, the renderer model and whatever the world may do.
+//!
+//! - [`stage`]: the views, each with its renderer model;
+//! - [`eot`]: what happens between the pattern and the detector;
+//! - [`loss`], [`penalty`], [`adam`]: what is moved against what, and how;
+//! - [`judge`]: how often a pattern is still detected in the views held out;
+//! - [`history`], [`checkpoint`]: what is kept on the way.
+
+pub mod adam;
+pub mod checkpoint;
+pub mod eot;
+pub mod history;
+pub mod judge;
+pub mod loss;
+pub mod penalty;
+mod resample;
+pub mod stage;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use image::RgbImage;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_pcg::Pcg32;
+use serde::{Deserialize, Serialize};
+
+use adam::Adam;
+use checkpoint::Checkpoint;
+use eot::{Draw, Eot};
+use history::Entry;
+use stage::{Laying, Stage};
+
+use super::frames::FramesError;
+use super::renderer::FitError;
+use super::white_box::WhiteBox;
+use crate::files::FileError;
+use crate::pattern::{Pattern, PatternError};
+
+/// A value of each channel.
+pub type Rgb = [f64; 3];
+
+/// So many times in a run the pattern is judged.
+const JUDGED_TIMES: u32 = 12;
+
+/// Why there is no pattern.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    #[error("the view of {view}: {reason}")]
+    Fit { view: String, reason: FitError },
+    #[error(
+        "{view} does not say where its paint is on the model: make the frames with attack render, or lay the pattern with --laying repeated"
+    )]
+    NoPositions { view: String },
+    #[error("the paint is seen in none of the views: point the camera at the model")]
+    NothingSeen,
+    #[error("{detector} cannot look at the view of {view}: {reason}")]
+    Look {
+        detector: String,
+        view: String,
+        reason: String,
+    },
+    #[error(
+        "the loss of {detector} on the view of {view} is not a number (step {step}): the weights are damaged, or the frame is; nothing was moved, and \
+         what was reached is kept"
+    )]
+    NotANumber { detector: String, view: String, step: u32 },
+    #[error("{path} is the checkpoint of a run with other settings, frames or detectors: give another folder, or remove it", path = path.display())]
+    OtherRun { path: PathBuf },
+    #[error("{path} is damaged: remove it, and the run begins anew", path = path.display())]
+    Damaged { path: PathBuf },
+    #[error("the run could not be saved ({reason})")]
+    Encode { reason: String },
+}
+
+/// Colours that cells are drawn to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Drawn {
+    pub weight: f64,
+    pub rgb: Vec<[u8; 3]>,
+}
+
+/// Everything a run depends on besides the frames' and detectors' content, whose hashes are in it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Config {
+    pub cells: u32,
+    pub tile_mm: f64,
+    pub steps: u32,
+    /// Views a step.
+    pub batch: u32,
+    /// Adam's step size in sRGB of 0 to 1; it falls to a tenth along half a cosine.
+    pub rate: f64,
+    pub seed: u64,
+    pub laying: Laying,
+    pub eot: Eot,
+    /// Weights of the total variation, and of what can be printed.
+    pub smooth: f64,
+    pub printable: Drawn,
+    /// Cells end on these colours.
+    pub palette: Drawn,
+    /// Darkest and lightest value of a cell, 8-bit sRGB.
+    pub range: [u8; 2],
+    pub frames_sha256: String,
+    /// Names and hashes of weights.
+    pub detectors: Vec<String>,
+}
+
+/// An attack under way.
+pub struct Attack<'a> {
+    stage: &'a Stage,
+    detectors: &'a [Box<dyn WhiteBox>],
+    config: &'a Config,
+    checkpoint: Checkpoint,
+    state: State,
+    started: Instant,
+}
+
+/// The state of the cells.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    pub cells: Vec<Rgb>,
+    pub adam: Adam,
+}
+
+/// What detectors make of one picture: sums over the detectors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Looked {
+    /// `Σ −ln(1 − C)` of the most confident box that meets the model; 0 where none does.
+    pub loss: f64,
+    /// `Σ C` of it.
+    pub confidence: f64,
+    /// With respect to the cells.
+    pub gradient: Vec<Rgb>,
+}
+
+impl<'a> Attack<'a> {
+    /// Begins, or goes on from the checkpoint in `folder`.
+    ///
+    /// # Errors
+    /// A checkpoint that is damaged or of another run.
+    pub fn begin(
+        stage: &'a Stage,
+        detectors: &'a [Box<dyn WhiteBox>],
+        config: &'a Config,
+        folder: &Path,
+    ) -> Result<Self, RunError> {
+        let key = checkpoint::key(config)?;
+        let path = folder.join(checkpoint::FILE);
+        let (checkpoint, state) = match Checkpoint::load(folder, &key)? {
+            Some(found) => {
+                let state: Option<State> = postcard::from_bytes(&found.content).ok();
+                let whole = state.filter(|s| s.cells.len() == stage.grid.cells());
+                (found, whole.ok_or(RunError::Damaged { path })?)
+            }
+            None => {
+                let cells = clipped(of_pattern(&Pattern::random(config.cells, config.seed)?), config.range);
+                let adam = Adam::new(cells.len());
+                (Checkpoint::new(key, Vec::new()), State { cells, adam })
+            }
+        };
+        Ok(Self {
+            stage,
+            detectors,
+            config,
+            checkpoint,
+            state,
+            started: Instant::now(),
+        })
+    }
+
+    /// Steps until it is done; saves at most half a minute apart, and before it gives up. `on_step` gets the steps done
+    /// and the last entry.
+    ///
+    /// # Errors
+    /// A loss that is not a number, a detector that cannot look, a folder that takes no files.
+    pub fn run(
+        mut self,
+        folder: &Path,
+        mut on_step: impl FnMut(u32, &Entry),
+    ) -> Result<(Vec<Rgb>, Vec<Entry>), RunError> {
+        let wall_before = self.checkpoint.history.last().map_or(0.0, |e| e.wall_s);
+        let mut saved = Instant::now();
+        for step in self.checkpoint.steps..self.config.steps {
+            // A step that fails has moved nothing.
+            let mut entry = match self.step(step) {
+                Ok(entry) => entry,
+                Err(e) => {
+                    self.save(folder)?;
+                    return Err(e);
+                }
+            };
+            let is_last = step + 1 == self.config.steps;
+            if is_last || step % (self.config.steps / JUDGED_TIMES).max(1) == 0 {
+                entry.held_out = Some(judge::judge(self.stage, self.detectors, &self.state.cells)?);
+            }
+            entry.wall_s = wall_before + self.started.elapsed().as_secs_f64();
+            on_step(step + 1, &entry);
+            self.checkpoint.history.push(entry);
+            self.checkpoint.steps = step + 1;
+            if is_last || saved.elapsed() > checkpoint::AT_MOST {
+                self.save(folder)?;
+                saved = Instant::now();
+            }
+        }
+        Ok((finished(&self.state.cells, self.config), self.checkpoint.history))
+    }
+
+    fn save(&mut self, folder: &Path) -> Result<(), RunError> {
+        self.checkpoint.content = postcard::to_allocvec(&self.state).map_err(encode)?;
+        self.checkpoint.save(folder)
+    }
+
+    /// One minibatch, one step of Adam.
+    fn step(&mut self, step: u32) -> Result<Entry, RunError> {
+        let (config, state) = (self.config, &mut self.state);
+        let mut rng = drawn_by(config.seed, step);
+        let views = batch(&self.stage.trained(), config.batch, config.seed, step);
+        let count = views.len() as f64;
+        let (mut loss, mut confidence) = (0.0, 0.0);
+        let mut gradient = vec![[0.0; 3]; state.cells.len()];
+        for view in &views {
+            let draw = Draw::random(&config.eot, &mut rng);
+            let looked = look(self.stage, self.detectors, (*view, &state.cells, &draw), step)?;
+            loss += looked.loss / count;
+            confidence += looked.confidence / count / self.detectors.len() as f64;
+            add(&mut gradient, &looked.gradient, 1.0 / count);
+        }
+        let (_, penalties) = penalties(&state.cells, config);
+        add(&mut gradient, &penalties, 1.0);
+        let range = config.range.map(|v| f64::from(v) / 255.0);
+        state.adam.step(&mut state.cells, &gradient, rate(config, step), range);
+        Ok(Entry {
+            step: step + 1,
+            queries: u64::from(step + 1) * views.len() as u64,
+            wall_s: 0.0,
+            loss: Some(loss),
+            confidence: Some(confidence),
+            held_out: None,
+        })
+    }
+}
+
+/// The loss of one view, and its derivative with respect to the cells.
+///
+/// # Errors
+/// A detector that cannot look, or whose answer is not a number.
+pub fn look(
+    stage: &Stage,
+    detectors: &[Box<dyn WhiteBox>],
+    (view, cells, draw): (usize, &[Rgb], &Draw),
+    step: u32,
+) -> Result<Looked, RunError> {
+    let laid = stage.lay(view, cells, draw);
+    let name = || stage.views[view].frame.name.clone();
+    let mut on_picture: Option<Vec<Rgb>> = None;
+    let (mut loss, mut confidence) = (0.0, 0.0);
+    for detector in detectors {
+        let look = detector.look(&laid.taken.picture, stage.list.size_px);
+        let look = look.map_err(|reason| RunError::Look {
+            detector: detector.name().to_owned(),
+            view: name(),
+            reason,
+        })?;
+        let Some(worst) = loss::strongest(look.claims(), &laid.outline, loss::MEETS_IOU) else {
+            continue;
+        };
+        let not_a_number = || RunError::NotANumber {
+            detector: detector.name().to_owned(),
+            view: name(),
+            step: step + 1,
+        };
+        let claim = look.claims()[worst];
+        if !claim.loss.is_finite() || !claim.confidence.is_finite() {
+            return Err(not_a_number());
+        }
+        loss += claim.loss;
+        confidence += claim.confidence;
+        let mut weights = vec![0.0; look.claims().len()];
+        weights[worst] = 1.0;
+        let gradient = look.pull_back(&weights);
+        if gradient.iter().flatten().any(|v| !v.is_finite()) {
+            return Err(not_a_number());
+        }
+        match &mut on_picture {
+            Some(sum) => add(sum, &gradient, 1.0),
+            None => on_picture = Some(gradient),
+        }
+    }
+    let gradient = match on_picture {
+        Some(gradient) => laid.back(gradient, cells),
+        None => vec![[0.0; 3]; cells.len()],
+    };
+    Ok(Looked {
+        loss,
+        confidence,
+        gradient,
+    })
+}
+
+/// What a pattern is to be besides adversarial: the weighted sum, and its derivative.
+pub fn penalties(cells: &[Rgb], config: &Config) -> (f64, Vec<Rgb>) {
+    let mut value = 0.0;
+    let mut gradient = vec![[0.0; 3]; cells.len()];
+    let mut include = |weight: f64, (part, slope): (f64, Vec<Rgb>)| {
+        value += weight * part;
+        add(&mut gradient, &slope, weight);
+    };
+    if config.smooth > 0.0 {
+        include(config.smooth, penalty::smooth(cells, config.cells as usize));
+    }
+    for drawn in [&config.printable, &config.palette] {
+        if drawn.weight > 0.0 {
+            include(drawn.weight, penalty::off_colours(cells, &srgb(&drawn.rgb)));
+        }
+    }
+    (value, gradient)
+}
+
+/// The cells as they are kept: on the palette where there is one, in 8 bits.
+fn finished(cells: &[Rgb], config: &Config) -> Vec<Rgb> {
+    let palette = srgb(&config.palette.rgb);
+    let on_palette = |cell: &Rgb| penalty::nearest(*cell, &palette).unwrap_or(*cell);
+    cells.iter().map(|cell| on_palette(cell).map(eight_bits)).collect()
+}
+
+fn eight_bits(v: f64) -> f64 {
+    (255.0 * v).round() / 255.0
+}
+
+/// Views of a step: every view comes once before any comes again, in an order drawn anew each time.
+pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
+    let size = (size as usize).min(views.len());
+    let shuffled = |round: usize| {
+        let mut order = views.to_vec();
+        order.shuffle(&mut drawn_by(seed ^ 0x5eed, round as u32));
+        order
+    };
+    let first = step as usize * size;
+    let mut orders = std::collections::BTreeMap::new();
+    (first..first + size)
+        .map(|i| {
+            let round = i / views.len();
+            orders.entry(round).or_insert_with(|| shuffled(round))[i % views.len()]
+        })
+        .collect()
+}
+
+/// Chance that depends on the seed and the step alone, so that a run that goes on draws as one that never stopped.
+pub fn drawn_by(seed: u64, step: u32) -> Pcg32 {
+    Pcg32::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(u64::from(step)))
+}
+
+fn rate(config: &Config, step: u32) -> f64 {
+    let along = f64::from(step) / f64::from(config.steps.max(1));
+    config.rate * (0.55 + 0.45 * (std::f64::consts::PI * along).cos())
+}
+
+fn add(sum: &mut [Rgb], other: &[Rgb], weight: f64) {
+    for (sum, other) in sum.iter_mut().zip(other) {
+        *sum = std::array::from_fn(|c| sum[c] + weight * other[c]);
+    }
+}
+
+/// 8-bit colours as sRGB of 0 to 1.
+pub fn srgb(colours: &[[u8; 3]]) -> Vec<Rgb> {
+    colours.iter().map(|rgb| rgb.map(|v| f64::from(v) / 255.0)).collect()
+}
+
+/// A pattern's cells, row by row.
+pub fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
+    pattern
+        .cells()
+        .pixels()
+        .map(|p| p.0.map(|v| f64::from(v) / 255.0))
+        .collect()
+}
+
+/// Cells as a pattern of so many columns.
+pub fn to_picture(cells: &[Rgb], columns: u32) -> RgbImage {
+    RgbImage::from_fn(columns, cells.len() as u32 / columns, |x, y| {
+        image::Rgb(cells[(y * columns + x) as usize].map(|v| (255.0 * v).round() as u8))
+    })
+}
+
+fn clipped(mut cells: Vec<Rgb>, range: [u8; 2]) -> Vec<Rgb> {
+    let [low, high] = range.map(|v| f64::from(v) / 255.0);
+    cells.iter_mut().flatten().for_each(|v| *v = v.clamp(low, high));
+    cells
+}
+
+fn encode(e: postcard::Error) -> RunError {
+    RunError::Encode { reason: e.to_string() }
+}

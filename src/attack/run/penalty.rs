@@ -1,0 +1,69 @@
+//! What a pattern is to be besides adversarial: smooth, and of colours that can be made. Values and derivatives, of
+//! cells as sRGB of 0 to 1.
+
+use super::Rgb;
+
+/// Keeps the root differentiable where neighbours are equal.
+const SOFT: f64 = 1e-6;
+
+/// Total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the
+/// neighbours on the right and below, round and round, for the pattern is repeated.
+pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
+    let (rows, count) = (cells.len() / columns, cells.len() as f64);
+    let mut gradient = vec![[0.0; 3]; cells.len()];
+    let mut sum = 0.0;
+    for i in 0..cells.len() {
+        let (column, row) = (i % columns, i / columns);
+        let neighbours = [
+            row * columns + (column + 1) % columns,
+            (row + 1) % rows * columns + column,
+        ];
+        let squares: f64 = neighbours.iter().map(|j| squared(cells[*j], cells[i])).sum();
+        let length = (squares + SOFT).sqrt();
+        sum += length;
+        for j in neighbours {
+            for c in 0..3 {
+                let slope = (cells[j][c] - cells[i][c]) / length / count;
+                gradient[j][c] += slope;
+                gradient[i][c] -= slope;
+            }
+        }
+    }
+    (sum / count, gradient)
+}
+
+/// The mean over cells of the distance to the nearest of some colours: with a printer's measured colours the
+/// non-printability score as `pattern check` states it, with a palette the camouflage loss of ACTIVE (ICCV 2023). 0
+/// without colours.
+pub fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
+    let count = cells.len() as f64;
+    let mut sum = 0.0;
+    let gradient = cells.iter().map(|cell| match nearest(*cell, colours) {
+        Some(colour) => {
+            let distance = squared(*cell, colour).sqrt();
+            sum += distance;
+            std::array::from_fn(|c| {
+                if distance > 0.0 {
+                    (cell[c] - colour[c]) / distance / count
+                } else {
+                    0.0
+                }
+            })
+        }
+        None => [0.0; 3],
+    });
+    let gradient = gradient.collect();
+    (sum / count, gradient)
+}
+
+/// The nearest of some colours, the first of equals.
+pub fn nearest(cell: Rgb, colours: &[Rgb]) -> Option<Rgb> {
+    colours
+        .iter()
+        .copied()
+        .min_by(|a, b| squared(cell, *a).total_cmp(&squared(cell, *b)))
+}
+
+fn squared(a: Rgb, b: Rgb) -> f64 {
+    (0..3).map(|c| (a[c] - b[c]).powi(2)).sum()
+}

@@ -1,0 +1,127 @@
+//! A picture made larger or smaller about its middle and moved, as a linear map, forward and transposed.
+
+use super::Rgb;
+
+/// What surrounds a picture that was made smaller: the grey that detectors pad with.
+const AROUND: f64 = 114.0 / 255.0;
+
+/// Weights of input rows (or columns) in each output row: the first input, then its weights.
+type Axis = Vec<(usize, Vec<f64>)>;
+
+/// A separable map of a picture to one of the same size, with a triangle kernel as wide as it takes not to alias.
+#[derive(Debug, Clone)]
+pub struct Resample {
+    across: Axis,
+    down: Axis,
+}
+
+impl Resample {
+    /// `scale` above 1 enlarges; `offset_px` moves right and down.
+    pub fn new([width, height]: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
+        Self {
+            across: axis(width as usize, scale, offset_px[0]),
+            down: axis(height as usize, scale, offset_px[1]),
+        }
+    }
+
+    pub fn forward(&self, picture: &[Rgb]) -> Vec<Rgb> {
+        let width = self.across.len();
+        let rows: Vec<Vec<Rgb>> = picture
+            .chunks(width)
+            .map(|row| {
+                self.across
+                    .iter()
+                    .map(|tap| gathered(tap, |x| row[x].map(|v| v - AROUND)))
+                    .collect()
+            })
+            .collect();
+        let pixel = |tap: &(usize, Vec<f64>), x: usize| gathered(tap, |y| rows[y][x]).map(|v| v + AROUND);
+        self.down
+            .iter()
+            .flat_map(|tap| (0..width).map(move |x| pixel(tap, x)))
+            .collect()
+    }
+
+    /// The transposed map.
+    pub fn transposed(&self, picture: &[Rgb]) -> Vec<Rgb> {
+        let (width, height) = (self.across.len(), self.down.len());
+        let mut rows = vec![[0.0; 3]; width * height];
+        for (tap, row) in self.down.iter().zip(picture.chunks(width)) {
+            for (x, value) in row.iter().enumerate() {
+                scatter(tap, *value, &mut rows, |y| y * width + x);
+            }
+        }
+        let mut all = vec![[0.0; 3]; width * height];
+        for (into, row) in all.chunks_mut(width).zip(rows.chunks(width)) {
+            for (tap, value) in self.across.iter().zip(row) {
+                scatter(tap, *value, into, |x| x);
+            }
+        }
+        all
+    }
+}
+
+fn gathered((first, weights): &(usize, Vec<f64>), value: impl Fn(usize) -> Rgb) -> Rgb {
+    weights.iter().enumerate().fold([0.0; 3], |sum, (i, w)| {
+        let v = value(first + i);
+        std::array::from_fn(|c| sum[c] + w * v[c])
+    })
+}
+
+fn scatter((first, weights): &(usize, Vec<f64>), value: Rgb, into: &mut [Rgb], place: impl Fn(usize) -> usize) {
+    for (i, w) in weights.iter().enumerate() {
+        let into = &mut into[place(first + i)];
+        *into = std::array::from_fn(|c| into[c] + w * value[c]);
+    }
+}
+
+fn axis(size: usize, scale: f64, offset: f64) -> Axis {
+    let middle = 0.5 * size as f64;
+    let reach = (1.0 / scale).max(1.0);
+    let row = |out: usize| {
+        let at = middle + (out as f64 + 0.5 - middle - offset) / scale - 0.5;
+        let (low, high) = ((at - reach).ceil() as i64, (at + reach).floor() as i64);
+        let weight = |i: i64| (1.0 - (i as f64 - at).abs() / reach).max(0.0);
+        // Of the whole kernel: what hangs over the border is what surrounds the picture.
+        let sum: f64 = (low..=high).map(weight).sum();
+        let inside = low.max(0)..=high.min(size as i64 - 1);
+        let first = usize::try_from(*inside.start()).unwrap_or(0);
+        (first, inside.map(|i| weight(i) / sum).collect())
+    };
+    (0..size).map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn the_transposed_map_is_the_transposed_map() {
+        let mut rng = rand_pcg::Pcg32::seed_from_u64(4);
+        let size = [13, 9];
+        for (scale, offset) in [(1.0, [0.0, 0.0]), (0.4, [2.3, -1.0]), (1.7, [-3.0, 0.5])] {
+            let map = Resample::new(size, scale, offset);
+            let mut noise = || -> Vec<Rgb> { (0..13 * 9).map(|_| std::array::from_fn(|_| rng.random())).collect() };
+            let (x, y) = (noise(), noise());
+            let zero = map.forward(&vec![[0.0; 3]; 13 * 9]);
+            let product =
+                |a: &[Rgb], b: &[Rgb]| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum() };
+            let forward = product(&map.forward(&x), &y) - product(&zero, &y);
+            assert!((forward - product(&x, &map.transposed(&y))).abs() < 1e-9, "{scale}");
+        }
+        let flat = Resample::new(size, 0.5, [0.0, 0.0]).forward(&vec![[1.0; 3]; 13 * 9]);
+        assert!(
+            (flat[4 * 13 + 6][0] - 1.0).abs() < 1e-9,
+            "white stays white in the middle"
+        );
+        assert!((flat[0][0] - AROUND).abs() < 1e-9, "and grey is around it");
+    }
+
+    #[test]
+    fn size_one_is_no_change() {
+        let picture: Vec<Rgb> = (0..12).map(|i| [f64::from(i) / 12.0; 3]).collect();
+        let same = Resample::new([4, 3], 1.0, [0.0, 0.0]).forward(&picture);
+        assert!(same.iter().zip(&picture).all(|(a, b)| (a[0] - b[0]).abs() < 1e-12));
+    }
+}

@@ -1,0 +1,200 @@
+//! `scaleproof attack baseline`: the patterns an attack must beat, judged as it is.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Subcommand;
+
+use super::on_frames::{OnFrames, Opened, cells_of};
+use super::render::hex;
+use super::{CommandResult, Outcome, progress};
+use crate::attack::baseline::patches::{Patch, paint};
+use crate::attack::baseline::{self, Oracle, genetic};
+use crate::attack::run::history::Entry;
+use crate::attack::run::judge::{Judgement, judge, judge_pictures};
+use crate::attack::run::{Rgb, RunError, of_pattern, srgb};
+use crate::cli::print::patch::{self, PlaceArgs};
+use crate::files;
+use crate::pattern::Pattern;
+
+/// Make the patterns an attack must beat, and judge them by the same views
+#[derive(clap::Args)]
+pub struct BaselineArgs {
+    #[command(subcommand)]
+    method: Method,
+}
+
+#[derive(Subcommand)]
+enum Method {
+    /// Uniformly random cells
+    Random(PlainArgs),
+    /// One colour
+    Flat(FlatArgs),
+    /// ER: a genetic search that asks the detector, without looking into it
+    Er(SearchArgs),
+    /// CAMOU: a network that imitates renderer and detector, and is looked into in their place
+    Camou(SearchArgs),
+    /// A finished pattern: a PNG with one pixel per cell
+    Import(ImportArgs),
+    /// Finished patches on the hood, doors, roof or rear of a model of one colour (UPC, DAS)
+    Patches(PatchesArgs),
+}
+
+#[derive(clap::Args)]
+struct PlainArgs {
+    #[command(flatten)]
+    on: OnFrames,
+}
+
+#[derive(clap::Args)]
+struct FlatArgs {
+    #[command(flatten)]
+    on: OnFrames,
+    /// Hex sRGB, as in 808080
+    #[arg(long, value_name = "HEX")]
+    flat: String,
+}
+
+#[derive(clap::Args)]
+struct SearchArgs {
+    #[command(flatten)]
+    on: OnFrames,
+    /// Pictures it may look at
+    #[arg(long, default_value_t = 2400, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    queries: u64,
+}
+
+#[derive(clap::Args)]
+struct ImportArgs {
+    #[command(flatten)]
+    on: OnFrames,
+    #[arg(long, value_name = "PNG")]
+    pattern: PathBuf,
+}
+
+#[derive(clap::Args)]
+struct PatchesArgs {
+    #[command(flatten)]
+    on: OnFrames,
+    #[command(flatten)]
+    places: PlaceArgs,
+    /// The model's colour beside the patches, as hex sRGB
+    #[arg(long, value_name = "HEX", default_value = "808080")]
+    flat: String,
+}
+
+pub fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
+    match &args.method {
+        Method::Random(args) => {
+            let pattern = Pattern::random(args.on.cells, args.on.seed)?;
+            finished("random", &args.on, &of_pattern(&pattern), out)
+        }
+        Method::Flat(args) => {
+            let count = args.on.cells as usize * args.on.cells as usize;
+            finished("flat", &args.on, &srgb(&vec![hex(&args.flat)?; count]), out)
+        }
+        Method::Import(args) => {
+            let pattern = cells_of(&args.pattern)?;
+            let on = OnFrames {
+                cells: pattern.columns(),
+                ..args.on.clone()
+            };
+            finished("import", &on, &of_pattern(&pattern), out)
+        }
+        Method::Er(args) => searched("er", args, out),
+        Method::Camou(args) => searched("camou", args, out),
+        Method::Patches(args) => patches(args, out),
+    }
+}
+
+/// A pattern that needs no search.
+fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
+    let opened = on.open()?;
+    let judgement = judge(&opened.stage, &opened.detectors, cells)?;
+    on.write(&opened, (method, cells, vec![judged(judgement)]), out)?;
+    Ok(Outcome::Done)
+}
+
+fn judged(judgement: Judgement) -> Entry {
+    Entry {
+        step: 0,
+        queries: 0,
+        wall_s: 0.0,
+        loss: None,
+        confidence: None,
+        held_out: Some(judgement),
+    }
+}
+
+fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> CommandResult {
+    let on = &args.on;
+    // The clone's convolutions take four cells off.
+    if method == "camou" && on.cells < 6 {
+        return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
+    }
+    let opened = on.open()?;
+    let config = baseline::Config {
+        method,
+        cells: on.cells,
+        tile_mm: on.tile_mm,
+        queries: args.queries,
+        seed: on.seed,
+        laying: on.laying.into(),
+        eot: on.eot(),
+        frames_sha256: opened.frames_sha256.clone(),
+        detectors: opened.named.clone(),
+    };
+    let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
+    let on_query = |asked: u64| bar.set_position(asked);
+    let mut oracle = Oracle::begin(&opened.stage, &opened.detectors, &config, &on.output, &on_query)?;
+    let cells = search(method, &mut oracle, &config);
+    bar.finish_and_clear();
+    let cells = cells?;
+    let entries = oracle.finish()?;
+    on.write(&opened, (method, &cells, entries), out)?;
+    Ok(Outcome::Done)
+}
+
+fn search(method: &str, oracle: &mut Oracle, config: &baseline::Config) -> Result<Vec<Rgb>, RunError> {
+    match method {
+        #[cfg(feature = "attack")]
+        "camou" => baseline::camou::search(oracle, config),
+        _ => genetic::search(oracle, config),
+    }
+}
+
+/// Patches are no repeated pattern, so there is a history and no pattern.
+fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
+    let base = hex(&args.flat)?;
+    let patches = placed(&args.places)?;
+    let opened = args.on.open()?;
+    let picture = |view: usize| painted(&opened, view, &patches, base);
+    let judgement = judge_pictures(&opened.stage, &opened.detectors, picture)?;
+    let history = args.on.history(&opened, "patches", vec![judged(judgement)]);
+    let (path, content) = args.on.history_file(&history)?;
+    files::write_atomically(&path, &content)?;
+    writeln!(out, "{}", path.display())?;
+    super::on_frames::say_judgement(&opened, &history, out)?;
+    Ok(Outcome::Done)
+}
+
+fn painted(opened: &Opened, view: usize, patches: &[Patch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
+    let frame = &opened.stage.views[view].frame;
+    let paint = paint(&opened.set, frame, patches, base)?;
+    let paint = paint.ok_or_else(|| RunError::NoPositions {
+        view: frame.name.clone(),
+    })?;
+    Ok(opened.stage.painted(view, &paint))
+}
+
+fn placed(places: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+    let asked = patch::asked(places)?;
+    let of = |patch: crate::print::patch::Patch| Patch {
+        picture: patch.picture.pixels().clone(),
+        side: patch.side,
+        at_mm: patch.at_mm,
+        size_mm: patch.size_mm.into(),
+    };
+    Ok(asked.into_iter().map(of).collect())
+}

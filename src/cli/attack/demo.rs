@@ -1,0 +1,97 @@
+//! `scaleproof attack demo`: from stored frames to a pattern, its template and its score.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::on_frames::{Laying, OnFrames, Opened, PATTERN};
+use super::run::{Settings, optimise};
+use super::{CommandResult, Outcome};
+use crate::attack::run::judge::judge;
+use crate::attack::run::{Drawn, Rgb, of_pattern, srgb};
+use crate::cli::demo::{home, print_template};
+use crate::cli::detectors::Folder;
+use crate::pattern::Pattern;
+
+const FRAMES: &str = "captures/skyline_attack";
+const DETECTOR: &str = "yolox_nano";
+const CELLS: u32 = 16;
+const TILE_MM: f64 = 240.0;
+
+/// From stored frames to a pattern against YOLOX-Nano, its printable template, and how often it is still detected:
+/// minutes on two cores
+#[derive(clap::Args)]
+pub struct DemoArgs {
+    /// Folder for the pattern, its card, its history and its template
+    #[arg(long, default_value = "out/attack_demo")]
+    out: PathBuf,
+    #[command(flatten)]
+    folder: Folder,
+}
+
+pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
+    let on = OnFrames {
+        frames: home().join(FRAMES),
+        detector: vec![DETECTOR.to_owned()],
+        folder: args.folder.clone(),
+        class: "car".to_owned(),
+        cells: CELLS,
+        tile_mm: TILE_MM,
+        laying: Laying::World,
+        seed: 1,
+        output: args.out.clone(),
+    };
+    let opened = on.open()?;
+    let (views, held_out) = (opened.stage.views.len(), opened.stage.judged().len());
+    writeln!(
+        out,
+        "1. {} views of the model become a pattern against {DETECTOR}; {held_out} are held out",
+        views
+    )?;
+    let settings = Settings {
+        steps: 60,
+        batch: 5,
+        rate: 0.05,
+        smooth: 0.0,
+        printable: Drawn::default(),
+        palette: Drawn::default(),
+        range: [0, 255],
+    };
+    let config = settings.config(&on, &opened);
+    let (cells, entries) = optimise(&on, &opened, &config)?;
+    on.write(&opened, ("dta", &cells, entries), out)?;
+    writeln!(out, "\n2. The pattern becomes a printable sheet")?;
+    let png = args.out.join(PATTERN);
+    print_template(
+        &Pattern::load(&png)?,
+        PATTERN,
+        TILE_MM,
+        &args.out.join("template.pdf"),
+        out,
+    )?;
+    writeln!(out, "\n3. {DETECTOR} looks at the held-out views")?;
+    table(&opened, &cells, out)?;
+    writeln!(
+        out,
+        "\nThese are pictures as the renderer model predicts them. What counts are new ones: `attack render --pattern {}` needs the model's mesh, \
+         a camera needs the printed model.",
+        png.display()
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// The pattern beside a grey model and a random pattern.
+fn table(opened: &Opened, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    let grey = srgb(&vec![[128; 3]; cells.len()]);
+    let random = of_pattern(&Pattern::random(CELLS, 1)?);
+    writeln!(out, "{:<10} {:>9} {:>16}", "pattern", "hit rate", "mean confidence")?;
+    for (name, cells) in [("grey", grey.as_slice()), ("random", &random), ("attack", cells)] {
+        let judged = judge(&opened.stage, &opened.detectors, cells)?;
+        writeln!(
+            out,
+            "{name:<10} {:>9.2} {:>16.2}",
+            judged.hit_rate, judged.mean_confidence
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,77 @@
+//! `scaleproof attack history`: several methods on one chart.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{CommandResult, Outcome};
+use crate::attack::run::history::{FILE, History, draw};
+use crate::files;
+
+/// Confidence on the held-out views against wall time, of several results of `attack run` and `attack baseline`
+#[derive(clap::Args)]
+pub struct HistoryArgs {
+    /// Folders of results
+    #[arg(value_name = "DIR", required = true)]
+    results: Vec<PathBuf>,
+    /// Folder for the chart (SVG) and its numbers (JSON)
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
+    let histories = args
+        .results
+        .iter()
+        .map(|folder| open(folder))
+        .collect::<Result<Vec<_>, _>>()?;
+    if let Some(other) = histories
+        .iter()
+        .position(|h| h.frames_sha256 != histories[0].frames_sha256 || h.detectors != histories[0].detectors)
+    {
+        return Err(format!(
+            "{} and {} were made with other frames or detectors, so their figures cannot stand on one chart",
+            args.results[0].display(),
+            args.results[other].display()
+        )
+        .into());
+    }
+    writeln!(
+        out,
+        "{:<10} {:>5} {:>8} {:>9} {:>8} {:>9} {:>11}",
+        "method", "seed", "tile mm", "pictures", "seconds", "hit rate", "confidence"
+    )?;
+    for history in &histories {
+        if let Some((entry, judged)) = history.last_judged() {
+            writeln!(
+                out,
+                "{:<10} {:>5} {:>8} {:>9} {:>8.0} {:>9.2} {:>11.2}",
+                history.method,
+                history.seed,
+                history.tile_mm,
+                entry.queries,
+                entry.wall_s,
+                judged.hit_rate,
+                judged.mean_confidence
+            )?;
+        }
+    }
+    let new = [
+        (
+            args.output.join("attack.json"),
+            serde_json::to_string_pretty(&histories)?.into_bytes(),
+        ),
+        (args.output.join("attack.svg"), draw(&histories).into_bytes()),
+    ];
+    files::write_all_atomically(&new)?;
+    for (path, _) in &new {
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn open(folder: &Path) -> Result<History, Box<dyn Error>> {
+    let path = folder.join(FILE);
+    let history = serde_json::from_str(&files::read_text(&path)?);
+    history.map_err(|e| format!("{} is no history of a pattern ({e}): make it again", path.display()).into())
+}

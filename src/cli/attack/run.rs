@@ -1,0 +1,167 @@
+//! `scaleproof attack run`: a pattern against detectors.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::on_frames::{OnFrames, Opened};
+use super::{CommandResult, Outcome, progress};
+use crate::attack::run::history::Entry;
+use crate::attack::run::{Attack, Config, Drawn, Rgb};
+use crate::files;
+use crate::pattern::palette::Palette;
+use crate::print::printer::PrinterFile;
+
+/// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
+#[derive(clap::Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    on: OnFrames,
+    /// Steps of Adam
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: u32,
+    /// Views a step
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    batch: u32,
+    /// Step size of Adam, in sRGB of 0 to 1
+    #[arg(long, default_value_t = 0.03, allow_negative_numbers = true)]
+    rate: f64,
+    /// Weight of the differences between neighbouring cells
+    #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
+    smooth: f64,
+    /// Weight of what the printer cannot print (non-printability score)
+    #[arg(
+        long,
+        value_name = "WEIGHT",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        requires = "printer"
+    )]
+    nps: f64,
+    /// The printer file that `colour read` put the printer's colours in
+    #[arg(long, value_name = "TOML", requires = "nps")]
+    printer: Option<PathBuf>,
+    /// The pattern ends on the colours of this palette: a TOML file of [[paint]] tables
+    #[arg(long, value_name = "TOML")]
+    palette: Option<PathBuf>,
+    /// How strongly cells are drawn to the palette on the way
+    #[arg(long, value_name = "WEIGHT", default_value_t = 0.25, allow_negative_numbers = true)]
+    palette_weight: f64,
+    /// Darkest and lightest value of a cell, 8-bit sRGB
+    #[arg(long, num_args = 2, value_names = ["DARKEST", "LIGHTEST"], default_values = ["0", "255"])]
+    range: Vec<u8>,
+}
+
+pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
+    let settings = args.settings()?;
+    let opened = args.on.open()?;
+    let config = settings.config(&args.on, &opened);
+    let (cells, entries) = optimise(&args.on, &opened, &config)?;
+    args.on.write(&opened, ("dta", &cells, entries), out)?;
+    let text = serde_json::to_string_pretty(&config)?;
+    files::write_atomically(&args.on.output.join("config.json"), text.as_bytes())?;
+    Ok(Outcome::Done)
+}
+
+/// Runs the attack with a bar that shows where it stands.
+pub fn optimise(on: &OnFrames, opened: &Opened, config: &Config) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+    let bar = progress::steps("attacking", config.steps as usize);
+    let attack = Attack::begin(&opened.stage, &opened.detectors, config, &on.output)?;
+    let finished = attack.run(&on.output, |done, entry| {
+        bar.set_position(u64::from(done));
+        if let Some(confidence) = entry.confidence {
+            bar.set_message(format!("confidence {confidence:.2}"));
+        }
+    });
+    bar.finish_and_clear();
+    Ok(finished?)
+}
+
+/// What of a run frames and detectors do not say.
+pub struct Settings {
+    pub steps: u32,
+    pub batch: u32,
+    pub rate: f64,
+    pub smooth: f64,
+    pub printable: Drawn,
+    pub palette: Drawn,
+    pub range: [u8; 2],
+}
+
+impl Settings {
+    pub fn config(self, on: &OnFrames, opened: &Opened) -> Config {
+        Config {
+            cells: on.cells,
+            tile_mm: on.tile_mm,
+            steps: self.steps,
+            batch: self.batch,
+            rate: self.rate,
+            seed: on.seed,
+            laying: on.laying.into(),
+            eot: on.eot(),
+            smooth: self.smooth,
+            printable: self.printable,
+            palette: self.palette,
+            range: self.range,
+            frames_sha256: opened.frames_sha256.clone(),
+            detectors: opened.named.clone(),
+        }
+    }
+}
+
+impl RunArgs {
+    fn settings(&self) -> Result<Settings, Box<dyn Error>> {
+        if !(self.rate > 0.0 && self.rate <= 1.0) {
+            return Err(format!("--rate is {}: give a number above 0 and up to 1", self.rate).into());
+        }
+        for (name, weight) in [
+            ("smooth", self.smooth),
+            ("nps", self.nps),
+            ("palette-weight", self.palette_weight),
+        ] {
+            if !(0.0..=1e6).contains(&weight) {
+                return Err(format!("--{name} is {weight}: give a weight of 0 or more").into());
+            }
+        }
+        let range = match self.range[..] {
+            [low, high] if low < high => [low, high],
+            _ => return Err("--range must be a darkest value and a lighter one, as in 20 240".into()),
+        };
+        Ok(Settings {
+            steps: self.steps,
+            batch: self.batch,
+            rate: self.rate,
+            smooth: self.smooth,
+            printable: self.printable()?,
+            palette: self.palette()?,
+            range,
+        })
+    }
+
+    fn printable(&self) -> Result<Drawn, Box<dyn Error>> {
+        let Some(path) = &self.printer else {
+            return Ok(Drawn::default());
+        };
+        let Some(colours) = PrinterFile::load(path)?.colours else {
+            return Err(format!(
+                "{} has no colours: add them with `scaleproof colour read`",
+                path.display()
+            )
+            .into());
+        };
+        Ok(Drawn {
+            weight: self.nps,
+            rgb: colours.patches.iter().map(|patch| patch.measured_rgb).collect(),
+        })
+    }
+
+    fn palette(&self) -> Result<Drawn, Box<dyn Error>> {
+        let Some(path) = &self.palette else {
+            return Ok(Drawn::default());
+        };
+        Ok(Drawn {
+            weight: self.palette_weight,
+            rgb: Palette::load(path)?.paints().iter().map(|paint| paint.rgb).collect(),
+        })
+    }
+}

@@ -1,0 +1,81 @@
+//! The card of a pattern: a JSON file beside its PNG, of the same name, that says how large a repeat is meant to be and
+//! where the pattern comes from.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::Pattern;
+use crate::files::{self, FileError};
+
+/// What every card says; makers add what they know.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Card {
+    pub pattern_sha256: String,
+    /// Width of one repeat on the model.
+    pub tile_mm: f64,
+    /// Whatever else its maker tells.
+    #[serde(flatten)]
+    pub about: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Why a pattern has no tile size.
+#[derive(Debug, thiserror::Error)]
+pub enum CardError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{path} is no card of a pattern ({reason}): give --tile-mm, or remove the file", path = path.display())]
+    Content { path: PathBuf, reason: String },
+    #[error("{path} is the card of another pattern than {pattern}: give --tile-mm, or remove the file", path = path.display(), pattern = pattern.display())]
+    OtherPattern { path: PathBuf, pattern: PathBuf },
+    #[error("{pattern} has no card that says how wide a repeat is: give --tile-mm", pattern = pattern.display())]
+    None { pattern: PathBuf },
+}
+
+impl Card {
+    /// Where the card of a pattern lies.
+    pub fn path(pattern: &Path) -> PathBuf {
+        pattern.with_extension("json")
+    }
+
+    /// The card as a file.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_file(&self, pattern: &Path) -> Result<(PathBuf, Vec<u8>), serde_json::Error> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        Ok((Self::path(pattern), text.into_bytes()))
+    }
+}
+
+/// The width of a repeat: as given, else as the pattern's card says.
+///
+/// # Errors
+/// Nothing given, and no card, a damaged one, or one of another pattern.
+pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
+    if let Some(tile_mm) = given {
+        return Ok(tile_mm);
+    }
+    let card = Card::path(path);
+    if !card.is_file() {
+        return Err(CardError::None {
+            pattern: path.to_owned(),
+        });
+    }
+    let bad = |reason: String| CardError::Content {
+        path: card.clone(),
+        reason,
+    };
+    let found: Card = serde_json::from_str(&files::read_text(&card)?).map_err(|e| bad(e.to_string()))?;
+    if found.pattern_sha256 != pattern.sha256() {
+        return Err(CardError::OtherPattern {
+            path: card,
+            pattern: path.to_owned(),
+        });
+    }
+    match found.tile_mm > 0.0 && found.tile_mm.is_finite() {
+        true => Ok(found.tile_mm),
+        false => Err(bad(format!("its tile_mm is {}", found.tile_mm))),
+    }
+}

@@ -1,0 +1,530 @@
+//! The attack, its baselines and their files, against a detector made up in the test whose gradient is known.
+
+mod common;
+
+use std::cell::Cell;
+use std::path::Path;
+use std::rc::Rc;
+
+use common::{assert_refused, home, program};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+use scaleproof::attack::baseline::patches::{Patch, paint};
+use scaleproof::attack::baseline::{self, Oracle, genetic};
+use scaleproof::attack::frames::FrameSet;
+use scaleproof::attack::light;
+use scaleproof::attack::projection::Grid;
+use scaleproof::attack::run::eot::{Draw, Eot, rolled};
+use scaleproof::attack::run::judge::judge;
+use scaleproof::attack::run::loss::{MEETS_IOU, strongest};
+use scaleproof::attack::run::penalty::{off_colours, smooth};
+use scaleproof::attack::run::stage::{Laying, Stage};
+use scaleproof::attack::run::{Attack, Config, Drawn, Rgb, RunError, batch, look};
+use scaleproof::attack::white_box::{Claim, Look, WhiteBox};
+use scaleproof::geometry::BoxPx;
+use scaleproof::pattern::world_aligned::Side;
+
+/// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like
+/// a fixed weave. Unsure of a grey model.
+struct Weave {
+    gain: f64,
+    boxes: Vec<BoxPx>,
+    /// The picture of this number is answered with NaN.
+    bad_at: Option<usize>,
+    looks: Rc<Cell<usize>>,
+    base: f64,
+}
+
+impl Weave {
+    fn new(gain: f64, stage: &Stage) -> Self {
+        let cells = vec![[0.5; 3]; (CELLS * CELLS) as usize];
+        let of_grey = |view| woven(&stage.lay(view, &cells, &Draw::NONE).taken.picture);
+        let grey: Vec<f64> = (0..stage.views.len()).map(of_grey).collect();
+        Self {
+            gain,
+            boxes: stage.views.iter().map(|v| v.outline).collect(),
+            bad_at: None,
+            looks: Rc::default(),
+            base: grey.iter().sum::<f64>() / grey.len() as f64,
+        }
+    }
+}
+
+struct Woven {
+    claims: Vec<Claim>,
+    slope: Vec<Rgb>,
+}
+
+fn woven(picture: &[Rgb]) -> f64 {
+    let sum = |(i, p): (usize, &Rgb)| (0..3).map(|c| weave(i, c) * p[c]).sum::<f64>();
+    picture.iter().enumerate().map(sum).sum::<f64>() / picture.len() as f64
+}
+
+fn weave(i: usize, c: usize) -> f64 {
+    (i as f64 * 0.37 + c as f64).sin() + 0.4
+}
+
+impl WhiteBox for Weave {
+    fn name(&self) -> &str {
+        "weave"
+    }
+
+    fn look(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+        assert_eq!(picture.len() as u32, size_px[0] * size_px[1]);
+        let look = self.looks.get();
+        self.looks.set(look + 1);
+        let scale = self.gain / picture.len() as f64;
+        let z = self.gain * (woven(picture) - self.base);
+        let (mut confidence, mut loss) = (1.0 / (1.0 + (-z).exp()), z.max(0.0) + (-z.abs()).exp().ln_1p());
+        if self.bad_at == Some(look) {
+            (confidence, loss) = (f64::NAN, f64::NAN);
+        }
+        let claim = |box_px| Claim {
+            box_px,
+            confidence,
+            loss,
+        };
+        let mut claims: Vec<Claim> = self.boxes.iter().map(|b| claim(*b)).collect();
+        // Something in the background is always seen, and is nobody's business.
+        claims.push(Claim {
+            box_px: BoxPx::new(0.0, 0.0, 4.0, 4.0),
+            confidence: 0.999,
+            loss: 6.9,
+        });
+        let slope = 1.0 / (1.0 + (-z).exp());
+        let slope = (0..picture.len())
+            .map(|i| std::array::from_fn(|c| slope * scale * weave(i, c)))
+            .collect();
+        Ok(Box::new(Woven { claims, slope }))
+    }
+}
+
+impl Look for Woven {
+    fn claims(&self) -> &[Claim] {
+        &self.claims
+    }
+
+    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<Rgb> {
+        // The background's claim does not depend on the picture.
+        let weight: f64 = weights[..weights.len() - 1].iter().sum();
+        self.slope.iter().map(|p| p.map(|v| weight * v)).collect()
+    }
+}
+
+const CELLS: u32 = 6;
+
+fn stored() -> FrameSet {
+    FrameSet::open(&home().join("captures/skyline_frames")).unwrap()
+}
+
+fn stage(laying: Laying) -> Stage {
+    let grid = Grid {
+        columns: CELLS,
+        rows: CELLS,
+        cell_mm: 40.0,
+    };
+    Stage::open(&stored(), grid, laying, || {}).unwrap()
+}
+
+fn detectors(gain: f64, stage: &Stage) -> Vec<Box<dyn WhiteBox>> {
+    vec![Box::new(Weave::new(gain, stage))]
+}
+
+fn config(steps: u32) -> Config {
+    Config {
+        cells: CELLS,
+        tile_mm: 240.0,
+        steps,
+        batch: 2,
+        rate: 0.05,
+        seed: 7,
+        laying: Laying::World,
+        eot: Eot::USUAL,
+        smooth: 0.0,
+        printable: Drawn::default(),
+        palette: Drawn::default(),
+        range: [0, 255],
+        frames_sha256: String::new(),
+        detectors: vec!["weave".to_owned()],
+    }
+}
+
+fn random_cells(seed: u64) -> Vec<Rgb> {
+    let mut rng = Pcg32::seed_from_u64(seed);
+    (0..CELLS * CELLS)
+        .map(|_| std::array::from_fn(|_| rng.random_range(0.2..0.8)))
+        .collect()
+}
+
+/// The largest difference between a derivative and central differences of `value`, against the largest derivative.
+fn worst(cells: &[Rgb], gradient: &[Rgb], value: impl Fn(&[Rgb]) -> f64) -> f64 {
+    let largest = gradient.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+    assert!(largest > 0.0, "there is a gradient");
+    let step = 1e-5;
+    let mut worst = 0.0_f64;
+    for i in 0..cells.len() {
+        for c in 0..3 {
+            let at = |by: f64| {
+                let mut moved = cells.to_vec();
+                moved[i][c] += by;
+                value(&moved)
+            };
+            let numeric = (at(step) - at(-step)) / (2.0 * step);
+            worst = worst.max((numeric - gradient[i][c]).abs());
+        }
+    }
+    worst / largest
+}
+
+#[test]
+fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
+    let still = Eot {
+        noise: 0.02,
+        ..Eot::USUAL
+    };
+    for (laying, eot) in [
+        (Laying::World, Eot::NONE),
+        (
+            Laying::World,
+            Eot {
+                shift_tiles: 0.5,
+                ..still
+            },
+        ),
+        (
+            Laying::Repeated,
+            Eot {
+                shift_tiles: 0.5,
+                tile_scale: 0.25,
+                ..still
+            },
+        ),
+    ] {
+        let stage = stage(laying);
+        // Two detectors: their losses add up.
+        let detectors: Vec<Box<dyn WhiteBox>> =
+            vec![Box::new(Weave::new(4.0, &stage)), Box::new(Weave::new(-9.0, &stage))];
+        for seed in 0..2 {
+            let cells = random_cells(seed);
+            let draw = Draw::random(&eot, &mut Pcg32::seed_from_u64(seed + 40));
+            let view = seed as usize % stage.views.len();
+            let at = |cells: &[Rgb]| look(&stage, &detectors, (view, cells, &draw), 0).unwrap();
+            let off = worst(&cells, &at(&cells).gradient, |cells| at(cells).loss);
+            println!("{laying:?}, draw {seed}: gradients off by {off:.1e} of the largest");
+            assert!(off < 1e-4, "{laying:?} {seed} {off}");
+        }
+    }
+}
+
+#[test]
+fn penalties_have_the_gradients_of_finite_differences_and_mean_what_they_say() {
+    let cells = random_cells(3);
+    let columns = CELLS as usize;
+    assert!(worst(&cells, &smooth(&cells, columns).1, |c| smooth(c, columns).0) < 1e-5);
+    let paints = [[0.1, 0.2, 0.3], [0.9, 0.5, 0.4]];
+    assert!(worst(&cells, &off_colours(&cells, &paints).1, |c| off_colours(c, &paints).0) < 1e-5);
+    assert!(smooth(&[[0.4; 3]; 36], columns).0 < 2e-3, "one colour is smooth");
+    assert_eq!(
+        off_colours(&[paints[1]; 36], &paints).0,
+        0.0,
+        "a paint of the palette costs nothing"
+    );
+    assert_eq!(off_colours(&cells, &[]).0, 0.0);
+}
+
+#[test]
+fn cells_roll_round_and_back() {
+    let cells = random_cells(5);
+    let whole = rolled(&cells, 6, [1.0 / 6.0, 0.0]);
+    assert!((whole[1][0] - cells[0][0]).abs() < 1e-12 && (whole[0][0] - cells[5][0]).abs() < 1e-12);
+    let (other, by) = (random_cells(6), [0.23, -0.61]);
+    let product =
+        |a: &[Rgb], b: &[Rgb]| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum() };
+    let there = product(&rolled(&cells, 6, by), &other);
+    let back = product(&cells, &rolled(&other, 6, by.map(|v: f64| -v)));
+    assert!((there - back).abs() < 1e-9);
+}
+
+#[test]
+fn only_boxes_on_the_model_drive_the_loss() {
+    let model = BoxPx::new(10.0, 10.0, 50.0, 40.0);
+    let claim = |box_px, confidence: f64| Claim {
+        box_px,
+        confidence,
+        loss: -(1.0 - confidence).ln(),
+    };
+    let beside = claim(BoxPx::new(60.0, 10.0, 90.0, 40.0), 0.99);
+    let on = claim(BoxPx::new(12.0, 10.0, 50.0, 41.0), 0.2);
+    let weaker = claim(model, 0.1);
+    assert_eq!(strongest(&[beside, weaker, on], &model, MEETS_IOU), Some(2));
+    assert_eq!(strongest(&[beside], &model, MEETS_IOU), None);
+    assert_eq!(strongest(&[], &model, MEETS_IOU), None);
+    let damaged = claim(BoxPx::new(0.0, 0.0, 1.0, 1.0), f64::NAN);
+    assert_eq!(
+        strongest(&[on, damaged], &model, MEETS_IOU),
+        Some(1),
+        "what is not a number is not passed over"
+    );
+}
+
+#[test]
+fn the_attack_beats_the_genetic_search_and_that_beats_chance() {
+    let stage = stage(Laying::World);
+    let detectors = detectors(60.0, &stage);
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let config = config(60);
+    let attack = Attack::begin(&stage, &detectors, &config, folders[0].path()).unwrap();
+    let (cells, entries) = attack.run(folders[0].path(), |_, _| {}).unwrap();
+    let searching = search_config(2000);
+    let mut oracle = Oracle::begin(&stage, &detectors, &searching, folders[1].path(), &|_| {}).unwrap();
+    let er = genetic::search(&mut oracle, &searching).unwrap();
+    let noted = oracle.finish().unwrap();
+    let of = |cells: &[Rgb]| judge(&stage, &detectors, cells).unwrap().mean_confidence;
+    let chance: f64 = (0..8).map(|seed| of(&random_cells(seed))).sum::<f64>() / 8.0;
+    println!(
+        "mean confidence: chance {chance:.3}, er {:.3}, attack {:.3}",
+        of(&er),
+        of(&cells)
+    );
+    assert!(of(&er) < chance && of(&cells) < of(&er));
+    assert_eq!((entries.len(), entries[59].queries), (60, 120));
+    let in_history = entries[59].held_out.unwrap().mean_confidence;
+    assert!((in_history - of(&cells)).abs() < 0.01, "but for the rounding to 8 bits");
+    assert!(noted.last().unwrap().queries <= 2000);
+    assert!(
+        cells
+            .iter()
+            .flatten()
+            .all(|v| (255.0 * v - (255.0 * v).round()).abs() < 1e-9),
+        "cells of 8 bits"
+    );
+}
+
+fn search_config(queries: u64) -> baseline::Config {
+    baseline::Config {
+        method: "er",
+        cells: CELLS,
+        tile_mm: 240.0,
+        queries,
+        seed: 3,
+        laying: Laying::World,
+        eot: Eot::USUAL,
+        frames_sha256: String::new(),
+        detectors: Vec::new(),
+    }
+}
+
+#[test]
+fn a_run_that_goes_on_is_one_that_never_stopped() {
+    let stage = stage(Laying::World);
+    let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let config = config(12);
+    let run = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
+        Attack::begin(&stage, detectors, &config, folder)
+            .unwrap()
+            .run(folder, |_, _| {})
+    };
+    let good = detectors(20.0, &stage);
+    let (cells, entries) = run(&good, whole.path()).unwrap();
+    // It breaks off in the middle: at a number that is none, which also must leave the checkpoint whole.
+    let mut bad = Weave::new(20.0, &stage);
+    bad.bad_at = Some(17);
+    let broken: Vec<Box<dyn WhiteBox>> = vec![Box::new(bad)];
+    let error = run(&broken, halves.path()).unwrap_err();
+    assert!(matches!(error, RunError::NotANumber { .. }), "{error}");
+    assert!(error.to_string().contains("not a number"), "{error}");
+    assert!(halves.path().join("checkpoint").exists());
+    let looks = Rc::new(Cell::new(0));
+    let mut counted = Weave::new(20.0, &stage);
+    counted.looks = Rc::clone(&looks);
+    let (again, later) = run(&[Box::new(counted) as Box<dyn WhiteBox>], halves.path()).unwrap();
+    assert!(
+        looks.get() < 12 * 4 - 12,
+        "it does not begin anew: {} looks",
+        looks.get()
+    );
+    assert_eq!(again, cells);
+    assert_eq!(later.len(), entries.len());
+    assert!(
+        later
+            .iter()
+            .zip(&entries)
+            .all(|(a, b)| (a.loss, a.held_out) == (b.loss, b.held_out))
+    );
+    // Other settings do not go on with it.
+    let other = Config {
+        rate: 0.01,
+        ..config.clone()
+    };
+    let refused = Attack::begin(&stage, &good, &other, whole.path()).err().unwrap();
+    assert!(matches!(refused, RunError::OtherRun { .. }));
+    std::fs::write(whole.path().join("checkpoint"), b"half a file").unwrap();
+    let refused = Attack::begin(&stage, &good, &config, whole.path()).err().unwrap();
+    assert!(matches!(refused, RunError::Damaged { .. }));
+}
+
+#[test]
+fn a_search_that_goes_on_is_one_that_never_stopped_and_asks_nothing_twice() {
+    let stage = stage(Laying::World);
+    let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let config = search_config(400);
+    let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
+        let mut oracle = Oracle::begin(&stage, detectors, &config, folder, &|_| {})?;
+        let cells = genetic::search(&mut oracle, &config)?;
+        Ok::<_, RunError>((cells, oracle.finish()?))
+    };
+    let (cells, entries) = search(&detectors(20.0, &stage), whole.path()).unwrap();
+    let mut bad = Weave::new(20.0, &stage);
+    bad.bad_at = Some(250);
+    assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], halves.path()).is_err());
+    let looks = Rc::new(Cell::new(0));
+    let mut counted = Weave::new(20.0, &stage);
+    counted.looks = Rc::clone(&looks);
+    let (again, later) = search(&[Box::new(counted) as Box<dyn WhiteBox>], halves.path()).unwrap();
+    assert!(looks.get() < 250, "{} looks", looks.get());
+    assert_eq!(again, cells);
+    assert!(
+        later
+            .iter()
+            .zip(&entries)
+            .all(|(a, b)| (a.queries, a.held_out) == (b.queries, b.held_out))
+    );
+    assert_eq!(later.len(), entries.len());
+}
+
+#[test]
+fn steps_see_every_view_before_any_again() {
+    let views: Vec<usize> = (0..10).collect();
+    let mut seen: Vec<usize> = (0..5).flat_map(|step| batch(&views, 2, 1, step)).collect();
+    seen.sort_unstable();
+    assert_eq!(seen, views);
+    assert_ne!(batch(&views, 10, 1, 0), batch(&views, 10, 1, 1));
+    assert_eq!(batch(&views, 99, 1, 0).len(), 10, "no view twice in a step");
+}
+
+#[test]
+fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
+    for laying in [Laying::World, Laying::Repeated] {
+        let stage = stage(laying);
+        for gain in [1e4, -1e4, 0.0] {
+            let detectors = detectors(gain, &stage);
+            for value in [0.0, 1.0] {
+                let cells = vec![[value; 3]; (CELLS * CELLS) as usize];
+                let looked = look(&stage, &detectors, (0, &cells, &Draw::NONE), 0).unwrap();
+                assert!(
+                    looked.loss.is_finite() && looked.gradient.iter().flatten().all(|v| v.is_finite()),
+                    "{gain} {value}"
+                );
+            }
+        }
+        // No box is on the model: nothing to do, and nothing is done.
+        let mut blind = Weave::new(1.0, &stage);
+        blind.boxes.clear();
+        let blind: Vec<Box<dyn WhiteBox>> = vec![Box::new(blind)];
+        let looked = look(&stage, &blind, (0, &random_cells(1), &Draw::NONE), 0).unwrap();
+        assert_eq!((looked.loss, looked.confidence), (0.0, 0.0));
+        assert!(looked.gradient.iter().flatten().all(|v| *v == 0.0));
+        assert_eq!(judge(&stage, &blind, &random_cells(1)).unwrap().hit_rate, 0.0);
+    }
+}
+
+#[test]
+fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
+    let copy = tempfile::tempdir().unwrap();
+    let set = stored();
+    for frame in &set.list.frames {
+        for (_, file) in frame.files() {
+            let to = copy.path().join(file);
+            std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+            std::fs::copy(set.folder.join(file), to).unwrap();
+        }
+    }
+    std::fs::copy(set.folder.join("frames.json"), copy.path().join("frames.json")).unwrap();
+    let grid = Grid {
+        columns: CELLS,
+        rows: CELLS,
+        cell_mm: 40.0,
+    };
+    let open = || Stage::open(&FrameSet::open(copy.path()).unwrap(), grid, Laying::World, || {});
+    let mut masks: Vec<String> = set.list.frames.iter().map(|f| f.paint_mask.clone()).collect();
+    masks.dedup();
+    let [width, height] = set.list.size_px;
+    let hide = |mask: &String| {
+        image::GrayImage::new(width, height)
+            .save(copy.path().join(mask))
+            .unwrap()
+    };
+    hide(&masks[0]);
+    let stage = open().unwrap();
+    assert_eq!((stage.views.len(), stage.unseen), (1, 1));
+    masks.iter().for_each(hide);
+    assert!(matches!(open().err().unwrap(), RunError::NothingSeen));
+}
+
+#[test]
+fn patches_lie_where_they_are_put() {
+    let set = stored();
+    let frame = &set.list.frames[0];
+    let patch = Patch {
+        picture: image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })),
+        side: Side::Roof,
+        at_mm: [0.0, 0.0],
+        size_mm: [400.0, 100.0],
+    };
+    let painted = paint(&set, frame, &[patch], [128; 3]).unwrap().unwrap();
+    let (points, factor) = (
+        set.surface(frame).unwrap().unwrap(),
+        set.list.positions.unwrap().factor as usize,
+    );
+    let width = set.list.size_px[0] as usize;
+    let (mut left, mut right, mut beside) = (0, 0, 0);
+    for (i, colour) in painted.iter().enumerate() {
+        let part =
+            |p: usize| points[((i / width) * factor + p / factor) * width * factor + (i % width) * factor + p % factor];
+        let all: Vec<_> = (0..factor * factor).map(part).collect();
+        let roof =
+            |p: &scaleproof::attack::frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
+        // Seen from above with the front up, the model's left is on the left.
+        if all.iter().all(|p| roof(p) && p.place_mm[1] > 1.0) {
+            assert_eq!(*colour, [1.0, 0.0, 0.0]);
+            left += 1;
+        } else if all.iter().all(|p| roof(p) && p.place_mm[1] < -1.0) {
+            assert_eq!(*colour, [0.0, 0.0, 1.0]);
+            right += 1;
+        } else if all.iter().all(|p| p.side == Some(Side::Left)) {
+            let grey = light::linear_of([128; 3]);
+            assert!((0..3).all(|c| (colour[c] - grey[c]).abs() < 1e-12));
+            beside += 1;
+        }
+    }
+    assert!(left > 5 && right > 5 && beside > 20, "{left} {right} {beside}");
+}
+
+#[test]
+fn bad_arguments_are_one_sentence() {
+    let frames = home().join("captures/skyline_frames");
+    let out = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = program();
+        command
+            .arg("attack")
+            .args(arguments)
+            .arg(&frames)
+            .arg("-o")
+            .arg(out.path().join("x"));
+        command.output().unwrap()
+    };
+    if cfg!(feature = "attack") {
+        assert_refused(&run(&["run"]), &["no weights for yolox_nano", "detectors fetch"]);
+        assert_refused(&run(&["run", "--detector", "nothing"]), &["nothing"]);
+    } else {
+        for command in [&["run"][..], &["baseline", "random"]] {
+            assert_refused(&run(command), &["built without the attack", "--features attack"]);
+        }
+    }
+    assert_refused(&run(&["run", "--rate", "0"]), &["--rate"]);
+    assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
+    assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
+    assert_refused(&run(&["baseline", "flat", "--flat", "red"]), &["red"]);
+    assert!(!out.path().join("x").exists(), "nothing half-written");
+}
