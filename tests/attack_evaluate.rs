@@ -227,6 +227,18 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
     ] {
         assert!(bench.at("out").join(file).is_file(), "{file}");
     }
+    let page = std::fs::read_to_string(bench.at("out/evaluation.html")).unwrap();
+    for part in [
+        "Table 1",
+        "The made",
+        "Table 2",
+        "The other",
+        "Differences",
+        "<td>one</td>",
+        "<td>0.50</td>",
+    ] {
+        assert!(page.contains(part), "{part} is not on the page");
+    }
     // What was rendered is scored by the ordinary command, too.
     let mut score = program();
     score
