@@ -7,8 +7,8 @@ mod common;
 mod onnx;
 
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
+use std::process::Output;
 
 use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
 use scaleproof::attack::frames::FrameSet;
@@ -78,39 +78,18 @@ impl Bench {
     }
 
     /// The evaluation of both patterns from two distances.
-    fn command(&self) -> Command {
+    fn run(&self, more: &[&str]) -> Output {
+        let at = |name: &str| self.at(name).display().to_string();
         let mut command = program();
         command
             .env("SCALEPROOF_PYTHON", self.at("python"))
             .env("SCALEPROOF_HOME", self.folder.path());
-        command.args(["attack", "evaluate", "--normal", "808080", "--tile-mm", "60"]);
-        command.args([
-            "--size-px",
-            "64",
-            "--azimuth-deg",
-            "0",
-            "--pitch-deg",
-            "15",
-            "--light",
-            "forest",
-        ]);
-        command.arg("--mesh").arg(self.at("box.stl"));
-        command
-            .arg("-o")
-            .arg(self.at("out"))
-            .arg("--cache")
-            .arg(self.at("cache"));
-        command
-    }
-
-    fn run(&self, more: &[&str]) -> Output {
-        let patterns = [1, 2].map(|i| format!("{}={}", ["one", "two"][i - 1], self.at(&format!("p{i}.png")).display()));
-        let mut command = self.command();
-        command.arg("--pattern").args(patterns);
-        command.args(["--distance-mm", "400", "900"]);
-        for name in ["made", "other"] {
-            command.arg("--detector").arg(self.at(&format!("{name}.toml")));
-        }
+        let fixed = "attack evaluate --normal 808080 --tile-mm 60 --size-px 64 --field-of-view-deg 50 --light forest --azimuth-deg 0 \
+                     --pitch-deg 15 --distance-mm 400 900";
+        command.args(fixed.split_whitespace());
+        command.args(["--mesh", &at("box.stl"), "-o", &at("out"), "--cache", &at("cache")]);
+        command.args(["--detector", &at("made.toml"), &at("other.toml"), "--pattern"]);
+        command.args([format!("one={}", at("p1.png")), format!("two={}", at("p2.png"))]);
         command.args(more).output().unwrap()
     }
 
@@ -187,10 +166,8 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
         let view = photo.viewpoint.unwrap();
         let truth = photo.box_xyxy_px.unwrap();
         let own = seen_px(view.distance_mm);
-        let off = [truth.x1, truth.y1, truth.x2, truth.y2]
-            .iter()
-            .zip(own)
-            .map(|(a, b)| (a - b).abs());
+        let truth = [truth.x1, truth.y1, truth.x2, truth.y2];
+        let off = truth.iter().zip(own).map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-6, "{truth:?} and not {own:?}");
         assert_eq!((view.azimuth_deg, view.pitch_deg), (0.0, 15.0));
         assert_eq!(photo.place.as_deref(), Some("forest@0"));
@@ -249,6 +226,18 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
         "score/summary.json",
     ] {
         assert!(bench.at("out").join(file).is_file(), "{file}");
+    }
+    let page = std::fs::read_to_string(bench.at("out/evaluation.html")).unwrap();
+    for part in [
+        "Table 1",
+        "The made",
+        "Table 2",
+        "The other",
+        "Differences",
+        "<td>one</td>",
+        "<td>0.50</td>",
+    ] {
+        assert!(page.contains(part), "{part} is not on the page");
     }
     // What was rendered is scored by the ordinary command, too.
     let mut score = program();
@@ -396,36 +385,9 @@ fn stored_frames_are_scored_with_the_truth_that_their_masks_show() {
         .env("SCALEPROOF_PYTHON", bench.at("python"))
         .env("SCALEPROOF_HOME", bench.folder.path())
         .env("SCALEPROOF_SHARED", std::env::var_os("SCALEPROOF_SHARED").unwrap());
-    command.args([
-        "attack",
-        "evaluate",
-        "--length-mm",
-        "455",
-        "--material",
-        "Material.001",
-        "--normal",
-        "808080",
-    ]);
-    command.args([
-        "--light",
-        "studio",
-        "--azimuth-deg",
-        "45",
-        "200",
-        "--pitch-deg",
-        "15",
-        "--distance-mm",
-        "560",
-    ]);
-    command.args([
-        "--size-px",
-        "96x64",
-        "--tile-mm",
-        "480",
-        "--detector",
-        "yolox_nano",
-        "--pattern",
-    ]);
+    let fixed = "attack evaluate --length-mm 455 --material Material.001 --field-of-view-deg 50 --normal 808080 --light studio --azimuth-deg 45 200 \
+                 --pitch-deg 15 --distance-mm 560 --size-px 96x64 --tile-mm 480 --detector yolox_nano --pattern";
+    command.args(fixed.split_whitespace());
     command.arg(format!("random7={}", set.folder.join("patterns/random7.png").display()));
     command.arg("--mesh").arg(mesh).arg("-o").arg(bench.at("out"));
     let output = command.arg("--cache").arg(bench.at("cache")).output().unwrap();

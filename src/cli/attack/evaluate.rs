@@ -9,7 +9,7 @@ use super::print::wrap::ModelArgs;
 use super::render::{azimuths, cache, hex, size, viewpoints};
 use super::score::{Effort, caution, contestants, score_with_progress};
 use super::{CommandResult, Outcome, progress};
-use crate::attack::evaluate::Evaluation;
+use crate::attack::evaluate::{EvaluateError, Evaluation};
 use crate::attack::render::{Colour, Light, RenderRequest, blender};
 use crate::detect::Manifest;
 use crate::files;
@@ -44,20 +44,20 @@ pub struct EvaluateArgs {
     folder: Folder,
     /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90;
     /// take others than the patterns were made under
-    #[arg(long, value_name = "LIGHT", num_args = 1.., default_values = ["courtyard", "interior@200"])]
+    #[arg(long, value_name = "LIGHT", num_args = 1.., default_values = ["courtyard", "sunrise@60"])]
     light: Vec<String>,
     /// Azimuths in degrees, as in 0 45 90, or every so many degrees, as in every30
     #[arg(long, value_name = "DEG", num_args = 1.., default_value = "every30", allow_negative_numbers = true)]
     azimuth_deg: Vec<String>,
     #[arg(long, value_name = "DEG", num_args = 1.., default_values = ["0", "15", "30"], allow_negative_numbers = true)]
     pitch_deg: Vec<f64>,
-    #[arg(long, value_name = "MM", num_args = 1.., default_values = ["600", "900", "1300"], allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", num_args = 1.., default_values = ["900", "1200", "1500"], allow_negative_numbers = true)]
     distance_mm: Vec<f64>,
     /// Width and height of the photos in pixels, as in 320 or 320x240
     #[arg(long, value_name = "PX", default_value = "320x240")]
     size_px: String,
     /// Horizontal field of view
-    #[arg(long, value_name = "DEG", default_value_t = 50.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 40.0, allow_negative_numbers = true)]
     field_of_view_deg: f64,
     /// Light paths a pixel, before the noise is cleaned away
     #[arg(long, default_value_t = 8)]
@@ -83,38 +83,29 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let manifests = args.manifests()?;
     files::check_writable(&args.output)?;
     let folder = args.output.join("session");
-    let bar = progress::frames("rendering", evaluation.photos().len());
-    let python = || blender::find(&cache(), |sentence| eprintln!("{sentence}"));
-    let rendered = evaluation.render(&folder, python, |done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    rendered?;
+    render(&evaluation, &folder)?;
     args.write_session(&evaluation, &folder)?;
-
-    let sessions = vec![Session::open(&folder)?];
-    let contestants = contestants(&sessions, manifests, Some(&args.folder.folders()?))?;
-    let options = args.effort.options(&contestants)?;
-    let scores = score_with_progress(sessions, contestants, &options)?;
-    if let Some(photo) = scores.not_scored.first() {
-        let path = folder.join(&photo.file);
-        return Err(format!(
-            "{} was not scored, so that the tables would not be whole: {}",
-            path.display(),
-            photo.reason
-        )
-        .into());
-    }
-    let evaluation = report::Evaluation {
+    let scores = args.scores(&folder, manifests)?;
+    let tables = report::Evaluation {
         comparisons: comparisons(&scores, &variants)?,
         scores: &scores,
         patterns: variants,
         targets: args.target.clone(),
     };
     report::write(&args.output.join("score"), &scores, None)?;
-    let page = report::write_evaluation(&args.output, &evaluation)?;
+    let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
-    writeln!(out, "{}", report::evaluation_tables(&evaluation))?;
+    writeln!(out, "{}", report::evaluation_tables(&tables))?;
     writeln!(out, "page: {}", page.display())?;
     Ok(Outcome::Done)
+}
+
+fn render(evaluation: &Evaluation, folder: &Path) -> Result<(), EvaluateError> {
+    let bar = progress::frames("rendering", evaluation.photos().len());
+    let python = || blender::find(&cache(), |sentence| eprintln!("{sentence}"));
+    let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    rendered
 }
 
 /// Each variant against those after it.
@@ -181,6 +172,27 @@ impl EvaluateArgs {
                 Err(format!("the target '{target}' is not among the detectors that are scored: {names}").into())
             }
             None => Ok(manifests),
+        }
+    }
+
+    /// # Errors
+    /// A photo that cannot be scored: the tables would miss it on one side.
+    fn scores(&self, folder: &Path, manifests: Vec<Manifest>) -> Result<Scores, Box<dyn Error>> {
+        let sessions = vec![Session::open(folder)?];
+        let contestants = contestants(&sessions, manifests, Some(&self.folder.folders()?))?;
+        let options = self.effort.options(&contestants)?;
+        let scores = score_with_progress(sessions, contestants, &options)?;
+        match scores.not_scored.first() {
+            None => Ok(scores),
+            Some(photo) => {
+                let path = folder.join(&photo.file);
+                let reason = &photo.reason;
+                Err(format!(
+                    "{} was not scored, so that the tables would not be whole: {reason}",
+                    path.display()
+                )
+                .into())
+            }
         }
     }
 

@@ -11,8 +11,8 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
     let model = &scores.sessions[0].scene.model;
     let lead = format!(
-        "{} patterns on the 1:{} model of a {}, {} rendered photos; AP@0.5: {}.",
-        evaluation.patterns.len(),
+        "{} patterns and “{BASE_VARIANT}” on the 1:{} model of a {}, {} rendered photos; AP@0.5: {}.",
+        evaluation.patterns.len().saturating_sub(1),
         model.scale,
         model.class,
         scores.photos.len(),
