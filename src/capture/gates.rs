@@ -69,8 +69,9 @@ pub struct Judge {
     live: Option<Box<dyn TagDetector>>,
     scene: Scene,
     is_stream: bool,
-    /// Tags of the last frame of a stream.
+    /// Tags of the frame that was judged last, and of the one before it.
     last: Vec<SeenTag>,
+    before: Vec<SeenTag>,
 }
 
 impl Judge {
@@ -82,14 +83,14 @@ impl Judge {
         let families = scene.families();
         Ok(Judge {
             tags: detector.open(&families)?,
-            live: if is_stream {
-                detector.open_live(&families)?
-            } else {
-                None
+            live: match is_stream {
+                true => detector.open_live(&families)?,
+                false => None,
             },
             scene: scene.clone(),
             is_stream,
             last: Vec::new(),
+            before: Vec::new(),
         })
     }
 
@@ -103,13 +104,14 @@ impl Judge {
     /// A photo that somebody took on purpose is told first what would spoil it anywhere. Somebody who walks with a running camera is
     /// told the way first, as walking blurs.
     pub fn judge(&mut self, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+        self.before = std::mem::take(&mut self.last);
         let at_once = self.live.as_mut().map(|live| live.find(grey));
-        let at_once = at_once.map(|seen| self.weigh(seen, None, grey, camera, guidance));
+        let at_once = at_once.map(|seen| self.weigh(seen, grey, camera, guidance));
         let judgement = match at_once.filter(|judgement| judgement.located.is_some()) {
             Some(judgement) => judgement,
             None => {
                 let seen = self.tags.find(grey);
-                self.weigh(seen, None, grey, camera, guidance)
+                self.weigh(seen, grey, camera, guidance)
             }
         };
         self.last.clone_from(&judgement.seen);
@@ -122,18 +124,11 @@ impl Judge {
             return first;
         }
         let seen = self.tags.find(grey);
-        self.weigh(seen, first.measures.moved_px, grey, camera, guidance)
+        self.weigh(seen, grey, camera, guidance)
     }
 
-    /// What follows from the tags that were seen. `moved`: their way since the last frame, where it is known already.
-    fn weigh(
-        &self,
-        seen: Vec<SeenTag>,
-        moved: Option<f64>,
-        grey: &GrayImage,
-        camera: &Camera,
-        guidance: &Guidance,
-    ) -> Judgement {
+    /// What follows from the tags that were seen.
+    fn weigh(&self, seen: Vec<SeenTag>, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
         let located = locate::locate(&seen, &self.scene, camera);
         let appearance = Appearance::of(grey, &seen);
         let pose = located.as_ref().ok().map(|l| &l.pose);
@@ -141,17 +136,15 @@ impl Judge {
             blur_px: appearance.blur_px.filter(|px| px.is_finite()),
             white_level: appearance.white_level,
             clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, camera)),
-            moved_px: moved.or_else(|| self.is_stream.then(|| moved_px(&self.last, &seen)).flatten()),
+            moved_px: self.is_stream.then(|| moved_px(&self.before, &seen)).flatten(),
         };
         let light = light(&measures, &seen, grey);
         let focus = focus(&appearance, &seen, grey);
         let (place, first_fault) = match &located {
             Err(abstention) => {
-                let advice = light.or(focus);
-                (
-                    Err(advice.unwrap_or_else(|| self.not_located(abstention.clone(), &seen))),
-                    None,
-                )
+                let spoiled = light.or(focus);
+                let advice = spoiled.unwrap_or_else(|| self.not_located(abstention.clone(), &seen));
+                (Err(advice), None)
             }
             Ok(located) => {
                 let place = place(located, guidance);

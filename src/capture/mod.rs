@@ -149,7 +149,8 @@ impl Capture {
         self.look(frame, false)
     }
 
-    /// Takes a frame by hand: it need only be located and on a target, whatever its light, focus and steadiness; its sidecar says so.
+    /// Takes a frame by hand: it need only be located and on a target, whatever its light, focus and steadiness; its sidecar says so. Of a
+    /// stream, give one that [`Capture::see`] was not given: its way is measured from the frame before.
     ///
     /// # Errors
     /// As [`Capture::see`].
