@@ -14,12 +14,13 @@ enum Shape {
     Square,
     Diamond,
     Triangle,
+    Wedge,
 }
 
 impl Shape {
-    /// The n-th shape; a fifth starts over.
+    /// The n-th shape; a sixth starts over.
     fn nth(n: usize) -> Self {
-        [Self::Circle, Self::Square, Self::Diamond, Self::Triangle][n % 4]
+        [Self::Circle, Self::Square, Self::Diamond, Self::Triangle, Self::Wedge][n % 5]
     }
 }
 
@@ -131,6 +132,7 @@ fn symbol(series: usize, shape: usize, share: f64) -> Markup {
         Shape::Square => Some("-5.5,-5.5 5.5,-5.5 5.5,5.5 -5.5,5.5"),
         Shape::Diamond => Some("0,-7.5 7.5,0 0,7.5 -7.5,0"),
         Shape::Triangle => Some("0,-7.5 7,5.5 -7,5.5"),
+        Shape::Wedge => Some("0,7.5 7,-5.5 -7,-5.5"),
     };
     let outline = |fill: &str, opacity: &str| match points {
         None => html! { circle r=(RADIUS) fill=(fill) fill-opacity=(opacity) stroke=(paint) stroke-width="1.5" {} },
