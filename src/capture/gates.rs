@@ -54,6 +54,7 @@ pub struct Measures {
 #[derive(Debug, Clone)]
 pub struct Judgement {
     pub located: Option<Located>,
+    pub seen: Vec<SeenTag>,
     pub measures: Measures,
     /// The target the frame may fill, or what keeps it from that.
     pub verdict: Result<usize, Advice>,
@@ -113,9 +114,12 @@ impl Judge {
                 order.into_iter().flatten().next().map_or(place, Err)
             }
         };
-        self.last = seen;
+        if self.is_stream {
+            self.last.clone_from(&seen);
+        }
         Judgement {
             located: located.ok(),
+            seen,
             measures,
             verdict,
         }
@@ -147,9 +151,13 @@ impl Judge {
     }
 }
 
-/// How many times longer a picture is than the one the limits are for; small ones have the same limits.
 fn enlarged(grey: &GrayImage) -> f64 {
-    (f64::from(grey.width().max(grey.height())) / LONG_SIDE_PX).max(1.0)
+    enlargement([grey.width(), grey.height()])
+}
+
+/// How many times longer a picture is than the one the limits in px are for; small ones have the same limits.
+pub fn enlargement(size_px: [u32; 2]) -> f64 {
+    (f64::from(size_px[0].max(size_px[1])) / LONG_SIDE_PX).max(1.0)
 }
 
 /// The target that a viewpoint fills, or the way to one.

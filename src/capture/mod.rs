@@ -26,9 +26,12 @@ use crate::locate::{Abstention, Located};
 use crate::photo::PhotoFile;
 use crate::scene::{Bin, Scene, Viewpoint};
 use crate::session::PhotoEntry;
+use crate::tags::SeenTag;
 
 pub use advice::Advice;
-pub use gates::{Judge, Judgement, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
+pub use gates::{
+    Judge, Judgement, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
+};
 pub use guidance::{Guidance, Step, Target, Tolerance, usual, viewpoints_of};
 pub use replay::Replay;
 pub use source::{Frame, FrameSource, Original, SourceError, SourceName};
@@ -38,6 +41,9 @@ pub use watch::Watch;
 /// What became of a frame.
 #[derive(Debug, Clone)]
 pub struct Answer {
+    /// Width and height of the upright frame; zeros when it could not be read.
+    pub size_px: [u32; 2],
+    pub seen: Vec<SeenTag>,
     pub viewpoint: Option<Viewpoint>,
     pub measures: Measures,
     /// The name of the accepted photo and its target's index, or what to do.
@@ -49,6 +55,8 @@ pub struct Answer {
 impl Answer {
     fn refused(advice: Advice) -> Answer {
         Answer {
+            size_px: [0, 0],
+            seen: Vec::new(),
             viewpoint: None,
             measures: Measures::default(),
             verdict: Err(advice),
@@ -152,6 +160,8 @@ impl Capture {
             (Err(advice), _) => Err(advice),
         };
         Ok(Answer {
+            size_px: [grey.width(), grey.height()],
+            seen: judgement.seen,
             viewpoint: judgement.located.map(|located| located.viewpoint),
             measures: judgement.measures,
             verdict,

@@ -46,7 +46,7 @@ pub trait FrameSource {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use replay:DIR for a stored session, or watch:DIR for a folder that photos arrive in"
+        "the source '{text}' is not known: use replay:DIR for a stored session, watch:DIR for a folder that photos arrive in, or upload for what browsers send to --page"
     )]
     Unknown { text: String },
     #[error(transparent)]
@@ -72,12 +72,17 @@ pub enum SourceName {
     Replay(PathBuf),
     /// `watch:DIR`: photos that arrive in a folder.
     Watch(PathBuf),
+    /// `upload`: only what browsers send to the page.
+    Upload,
 }
 
 impl FromStr for SourceName {
     type Err = SourceError;
 
     fn from_str(text: &str) -> Result<SourceName, SourceError> {
+        if text == "upload" {
+            return Ok(SourceName::Upload);
+        }
         match text.split_once(':') {
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
@@ -87,10 +92,20 @@ impl FromStr for SourceName {
 }
 
 impl SourceName {
-    /// The folder it reads.
-    pub fn folder(&self) -> &Path {
+    /// The folder it reads, if any.
+    pub fn folder(&self) -> Option<&Path> {
         match self {
-            SourceName::Replay(folder) | SourceName::Watch(folder) => folder,
+            SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
+            SourceName::Upload => None,
+        }
+    }
+
+    /// Its kind, in a word.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            SourceName::Replay(_) => "replay",
+            SourceName::Watch(_) => "watch",
+            SourceName::Upload => "upload",
         }
     }
 }

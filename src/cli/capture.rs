@@ -1,5 +1,7 @@
 //! `scaleproof capture`: walk round the model once and have every view.
 
+mod page;
+
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -13,6 +15,7 @@ use crate::capture::{
     Answer, Capture, FrameSource, Guidance, Judge, Measures, Replay, SourceName, Store, Target, Tolerance, Watch, pair,
     usual, viewpoints_of,
 };
+use crate::page::{About, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
 use crate::tags::TagDetectorChoice;
 
@@ -22,8 +25,8 @@ use crate::tags::TagDetectorChoice;
 /// 0 when every view is there, else 2.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Where photos come from: replay:DIR (the photos of --variant in a stored session) or watch:DIR (a folder that a phone or camera
-    /// copies into)
+    /// Where photos come from: replay:DIR (the photos of --variant in a stored session) watch:DIR (a folder that a phone or camera
+    /// copies into), or upload (what browsers send to --page)
     #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
@@ -61,6 +64,8 @@ pub struct Args {
     /// Replay so many photos a second, instead of as fast as possible
     #[arg(long, value_name = "N", value_parser = pace)]
     fps: Option<Duration>,
+    #[command(flatten)]
+    browser: page::Args,
 }
 
 /// Which views are wanted: every azimuth bin at some pitches and distances, or another session's viewpoints.
@@ -122,14 +127,34 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
     let guidance = args.wanted.guidance(&scene.bins)?;
-    let mut source = args.source.as_ref().map(|name| open_source(name, &args)).transpose()?;
+    let mut source = match &args.source {
+        Some(name) => open_source(name, &args)?,
+        None => None,
+    };
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
+    let page = match args.browser.page {
+        true => Some(Page::open(args.browser.port, args.browser.lan, &args.output)?),
+        false => None,
+    };
     let store = Store::open(&args.output, &args.scene, &args.camera)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
     take_back(&args, &scene, &mut capture, out)?;
-    if let Some(source) = &mut source {
-        follow(source.as_mut(), &mut capture, args.json, out)?;
+    match (page, &mut source) {
+        (Some(page), _) => {
+            page::introduce(&page, args.json, out)?;
+            page::follow(
+                page,
+                &mut capture,
+                &scene,
+                source,
+                &about(&args, is_stream),
+                args.json,
+                out,
+            )?;
+        }
+        (None, Some(source)) => follow(source.as_mut(), &mut capture, args.json, out)?,
+        (None, None) => {}
     }
     finish(&capture, args.json, out)
 }
@@ -148,7 +173,7 @@ fn check_names(args: &Args) -> Result<(), String> {
         whole(folder).is_some() && whole(folder) == whole(&args.output)
     };
     match &args.source {
-        Some(name) if same(name.folder()) => Err(format!(
+        Some(name) if name.folder().is_some_and(same) => Err(format!(
             "{} is both the source and the session: capture into another folder",
             args.output.display()
         )),
@@ -156,16 +181,22 @@ fn check_names(args: &Args) -> Result<(), String> {
     }
 }
 
-fn open_source(name: &SourceName, args: &Args) -> Result<Box<dyn FrameSource>, Box<dyn std::error::Error>> {
+/// `None` for photos that only browsers send.
+fn open_source(
+    name: &SourceName,
+    args: &Args,
+) -> Result<Option<Box<dyn FrameSource + Send>>, Box<dyn std::error::Error>> {
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
-            Ok(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?))
+            Ok(Some(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?)))
         }
-        SourceName::Watch(_) if args.shuffle.is_some() || args.fps.is_some() => {
+        _ if args.shuffle.is_some() || args.fps.is_some() => {
             Err("--shuffle and --fps are for replay: sources: leave them out".into())
         }
-        SourceName::Watch(folder) => Ok(Box::new(Watch::open(folder, args.headless)?)),
+        SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
+        SourceName::Upload if args.browser.page => Ok(None),
+        SourceName::Upload => Err("photos are sent to the page: add --page, or --page --lan for phones".into()),
     }
 }
 
@@ -183,13 +214,58 @@ fn take_back(
     if photos.is_empty() {
         eprintln!("note: there is no photo of {} to take back", args.variant);
     }
-    for photo in photos {
-        match args.json {
-            true => writeln!(out, "{}", serde_json::json!({ "taken_back": photo }))?,
-            false => writeln!(out, "taken back: {photo}")?,
+    let mut teller = Teller::new(args.json, out);
+    photos.iter().try_for_each(|photo| teller.taken_back(photo))?;
+    Ok(())
+}
+
+fn about(args: &Args, is_stream: bool) -> About {
+    About {
+        variant: args.variant.clone(),
+        place: args.place.clone(),
+        source: args.source.as_ref().map_or("none", SourceName::kind),
+        is_stream,
+        is_paired: args.wanted.pair_with.is_some(),
+    }
+}
+
+/// Tells the terminal what happens, a line for each thing.
+struct Teller<'a> {
+    json: bool,
+    out: &'a mut dyn Write,
+    /// Cautions, each of which is said once.
+    said: BTreeSet<String>,
+}
+
+impl Teller<'_> {
+    fn new(json: bool, out: &mut dyn Write) -> Teller<'_> {
+        Teller {
+            json,
+            out,
+            said: BTreeSet::new(),
         }
     }
-    Ok(())
+
+    fn seen(&mut self, frame: &str, answer: &Answer, guidance: &Guidance) -> std::io::Result<()> {
+        for caution in &answer.cautions {
+            if self.said.insert(caution.clone()) {
+                eprintln!("note: {caution}");
+            }
+        }
+        match self.json {
+            true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
+            false => writeln!(self.out, "{}", sentence(frame, answer, guidance))?,
+        }
+        self.out.flush()
+    }
+
+    fn taken_back(&mut self, photo: &str) -> std::io::Result<()> {
+        match self.json {
+            true => writeln!(self.out, "{}", serde_json::json!({ "taken_back": photo }))?,
+            false => writeln!(self.out, "taken back: {photo}")?,
+        }
+        self.out.flush()
+    }
 }
 
 /// Shows the capture every frame until all views are there or the source ends.
@@ -199,22 +275,11 @@ fn follow(
     json: bool,
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let mut said = BTreeSet::new();
+    let mut teller = Teller::new(json, out);
     while !capture.guidance().is_finished() {
         let Some(frame) = source.next()? else { break };
         let answer = capture.see(&frame)?;
-        for caution in answer.cautions.iter().filter(|caution| said.insert((*caution).clone())) {
-            eprintln!("note: {caution}");
-        }
-        match json {
-            true => writeln!(
-                out,
-                "{}",
-                serde_json::to_string(&line(&frame.name, &answer, capture.guidance()))?
-            )?,
-            false => writeln!(out, "{}", sentence(&frame.name, &answer, capture.guidance()))?,
-        }
-        out.flush()?;
+        teller.seen(&frame.name, &answer, capture.guidance())?;
     }
     Ok(())
 }
