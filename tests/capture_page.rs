@@ -9,7 +9,7 @@ mod http;
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{Shutdown, TcpStream};
+use std::net::{IpAddr, Shutdown, TcpStream, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -313,6 +313,12 @@ fn small(format: image::ImageFormat) -> Vec<u8> {
     bytes.into_inner()
 }
 
+fn noise(rng: &mut Pcg64, most: usize) -> Vec<u8> {
+    let mut bytes = vec![0; rng.random_range(0..most)];
+    rng.fill_bytes(&mut bytes);
+    bytes
+}
+
 /// The `number`th malformed upload.
 fn malformed(number: usize, rng: &mut Pcg64) -> Request {
     let heads: [&[u8]; 4] = [
@@ -322,15 +328,10 @@ fn malformed(number: usize, rng: &mut Pcg64) -> Request {
         b"GIF89a",
     ];
     let formats = [image::ImageFormat::Jpeg, image::ImageFormat::Png];
-    let mut noise = |most: usize| {
-        let mut bytes = vec![0; rng.random_range(0..most)];
-        rng.fill_bytes(&mut bytes);
-        bytes
-    };
     match number % 10 {
         // A head, and then anything.
         0 | 1 => {
-            let rest = noise(3000);
+            let rest = noise(rng, 3000);
             upload("image/jpeg", &[heads.choose(rng).unwrap(), rest.as_slice()].concat())
         }
         // Some bytes of a picture, its head more often, are others.
@@ -415,7 +416,7 @@ fn malformed(number: usize, rng: &mut Pcg64) -> Request {
                 .head
                 .replace("Content-Length: 0", &format!("Content-Length: {length}"));
             if rng.random_bool(0.3) {
-                request.head = String::from_utf8_lossy(&noise(300)).replace(['\r', '\n'], "?");
+                request.head = String::from_utf8_lossy(&noise(rng, 300)).replace(['\r', '\n'], "?");
                 request.head += "\r\n";
             }
             request
@@ -470,7 +471,7 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
                     let mut statuses = Vec::new();
                     for number in 0..1250 {
                         let request = malformed(number, &mut rng);
-                        match client.try_once(&request) {
+                        match client.try_to_send(&request) {
                             Some(answer) => statuses.push(answer.status),
                             None => drop(closed.fetch_add(1, Ordering::Relaxed)),
                         }
@@ -566,8 +567,8 @@ fn what_another_site_asks_is_refused() {
 }
 
 /// The address of this machine in its network, if it is in one.
-fn in_network() -> Option<std::net::IpAddr> {
-    let socket = std::net::UdpSocket::bind("0.0.0.0:0").unwrap();
+fn in_network() -> Option<IpAddr> {
+    let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
     socket.connect("192.0.2.1:9").ok()?;
     Some(socket.local_addr().unwrap().ip()).filter(|ip| !ip.is_loopback())
 }

@@ -43,7 +43,7 @@ pub use watch::Watch;
 pub struct Answer {
     /// Width and height of the upright frame; zeros when it could not be read.
     pub size_px: [u32; 2],
-    pub seen: Vec<SeenTag>,
+    pub tags: Vec<SeenTag>,
     pub viewpoint: Option<Viewpoint>,
     pub measures: Measures,
     /// The name of the accepted photo and its target's index, or what to do.
@@ -56,7 +56,7 @@ impl Answer {
     fn refused(advice: Advice) -> Answer {
         Answer {
             size_px: [0, 0],
-            seen: Vec::new(),
+            tags: Vec::new(),
             viewpoint: None,
             measures: Measures::default(),
             verdict: Err(advice),
@@ -161,7 +161,7 @@ impl Capture {
         };
         Ok(Answer {
             size_px: [grey.width(), grey.height()],
-            seen: judgement.seen,
+            tags: judgement.seen,
             viewpoint: judgement.located.map(|located| located.viewpoint),
             measures: judgement.measures,
             verdict,

@@ -35,21 +35,22 @@ const MARKS = { ok: "✓", redo: "↻", empty: "" };
 const WORDS = { ok: "taken", redo: "to redo", empty: "empty" };
 
 function draw_dial(state, next) {
-  const names_fit = state.rings.length <= 2 && state.sectors.every((s) => s.width_deg >= 20);
   $("sectors").replaceChildren(...state.sectors.map((sector, index) => {
     const ring = state.rings[sector.ring];
     const is_next = next && next.sector === index;
     const group = make("g", { class: `${sector.state}${is_next ? " next" : ""}` });
-    group.append(make("path", { d: sector_path(sector, ring) }));
-    // Near the rim, so that the camera in the middle of a ring hides no words.
-    const [x, y] = at(sector.azimuth_deg, ring.outer_share - (names_fit ? 0.17 : 0.06));
-    if (names_fit) group.append(make("text", { x, y: y + 5.5 }, sector.name));
-    group.append(make("text", { x, y: names_fit ? y - 5.5 : y, class: "mark" }, MARKS[sector.state]));
+    // Near the rim, so that the camera in the middle of a ring does not hide it.
+    const [x, y] = at(sector.azimuth_deg, ring.outer_share - 0.08);
+    group.append(make("path", { d: sector_path(sector, ring) }), make("text", { x, y, class: "mark" }, MARKS[sector.state]));
     return group;
   }));
-  // The next sector's border lies above its neighbours'.
-  const next_group = $("sectors").querySelector(".next");
-  if (next_group) $("sectors").append(next_group);
+  const azimuths = [...new Set(state.sectors.map((s) => s.azimuth_deg))];
+  $("names").replaceChildren(...azimuths.filter((_, i) => i % Math.ceil(azimuths.length / 16) === 0).map((azimuth) => {
+    const [x, y] = at(azimuth, Math.abs(Math.sin(azimuth * Math.PI / 180)) > 0.3 ? 1.05 : 1.09);
+    return make("text", { x, y, class: x > 30 ? "right" : x < -30 ? "left" : "" }, `${Math.round(azimuth)}°`);
+  }));
+  // The borders of what is done, to redo and next lie above those of their neighbours.
+  for (const kind of [".ok", ".redo", ".next"]) $("sectors").append(...$("sectors").querySelectorAll(kind));
   $("ghosts").replaceChildren(...(state.about.is_paired ? state.views : []).map((view) => {
     const [cx, cy] = at(view.azimuth_deg, view.radius_share);
     const group = make("g", { class: view.state });

@@ -183,13 +183,15 @@ async fn jpeg(make: impl FnOnce() -> Option<Vec<u8>> + Send + 'static) -> Respon
 
 async fn receive(site: State<Site>, request: Request) -> Response {
     let (parts, body) = request.into_parts();
-    if let Err((status, sentence)) = upload::check_headers(&parts.headers) {
+    if let Err((status, sentence)) = upload::check_length(&parts.headers) {
         return told(Told::refused(status, sentence));
     }
     let Ok(place) = site.uploads.clone().acquire_owned().await else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
-    match upload::read(body).await {
+    // Read in any case: a browser shows no answer that comes while it is still sending.
+    let read = upload::read(body).await;
+    match upload::check_kind(&parts.headers).and(read) {
         Ok(bytes) => ask(site, |reply| Event::Upload(bytes, place, reply)).await,
         Err((status, sentence)) => told(Told::refused(status, sentence)),
     }

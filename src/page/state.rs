@@ -160,7 +160,7 @@ impl Shown {
             number,
             name: name.to_owned(),
             size_px: answer.size_px,
-            tags: answer.seen.iter().map(Outline::of).collect(),
+            tags: answer.tags.iter().map(Outline::of).collect(),
             viewpoint: answer.viewpoint,
             radius_share: answer.viewpoint.map(|from| rings.radius_share(&from)),
             closeness: off_by.map_or(0.0, |off_by| 1.0 / off_by.max(1.0)),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::body::Body;
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderName, StatusCode};
 use http_body_util::BodyExt;
 use tokio::time::{Instant, timeout, timeout_at};
 
@@ -26,32 +26,33 @@ const WHOLE: Duration = Duration::from_secs(120);
 
 pub(super) type Refusal = (StatusCode, String);
 
-/// Refuses by the headers alone what cannot be a photo.
-pub(super) fn check_headers(headers: &HeaderMap) -> Result<(), Refusal> {
-    let text = |name| {
-        headers
-            .get(name)
-            .and_then(|value| value.to_str().ok())
-            .unwrap_or_default()
-    };
-    let kind = text(CONTENT_TYPE).trim().to_ascii_lowercase();
-    if matches!(kind.as_str(), "image/heic" | "image/heif") {
-        return Err(refusal(
-            StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            "this is an HEIC picture: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)",
-        ));
-    }
-    // Of the types a form of another site could send without asking first, none is an image's.
-    if !kind.starts_with("image/") {
-        return Err(refusal(
-            StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            "this is no picture: send a JPEG or PNG straight from the camera",
-        ));
-    }
-    match text(CONTENT_LENGTH).parse::<u64>() {
+/// Refuses what says itself that it is too large.
+pub(super) fn check_length(headers: &HeaderMap) -> Result<(), Refusal> {
+    match text(headers, CONTENT_LENGTH).parse::<u64>() {
         Ok(length) if length > MAX_BYTES as u64 => Err(too_large()),
         _ => Ok(()),
     }
+}
+
+/// Refuses what says itself that it is no JPEG or PNG. What it is, its bytes tell.
+pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
+    let kind = text(headers, CONTENT_TYPE).trim().to_ascii_lowercase();
+    let sentence = match kind.as_str() {
+        "image/heic" | "image/heif" => {
+            "this is an HEIC picture: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)"
+        }
+        // Of the types a form of another site could send without asking first, none is an image's.
+        kind if !kind.starts_with("image/") => "this is no picture: send a JPEG or PNG straight from the camera",
+        _ => return Ok(()),
+    };
+    Err(refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, sentence))
+}
+
+fn text(headers: &HeaderMap, name: HeaderName) -> &str {
+    headers
+        .get(name)
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or_default()
 }
 
 /// The whole body, given up when it grows too large or too slowly.

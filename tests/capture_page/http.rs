@@ -71,17 +71,14 @@ impl Client {
         })
     }
 
-    /// The answer; a connection that the server had closed meanwhile is opened anew.
     pub fn send(&mut self, request: &Request) -> Answer {
-        let kept = self.stream.take().and_then(|stream| self.try_send(stream, request));
-        kept.or_else(|| self.try_send(connect(&self.host), request))
-            .expect("the server answers")
+        self.try_to_send(request).expect("the server answers")
     }
 
-    /// `None` when the connection ends without an answer.
-    pub fn try_once(&mut self, request: &Request) -> Option<Answer> {
-        let stream = self.stream.take().unwrap_or_else(|| connect(&self.host));
-        self.try_send(stream, request)
+    /// The answer; `None` when the connection ends without one. A kept connection that the server had closed is opened anew.
+    pub fn try_to_send(&mut self, request: &Request) -> Option<Answer> {
+        let kept = self.stream.take().and_then(|stream| self.try_send(stream, request));
+        kept.or_else(|| self.try_send(connect(&self.host), request))
     }
 
     fn try_send(&mut self, mut stream: BufReader<TcpStream>, request: &Request) -> Option<Answer> {
