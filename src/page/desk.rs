@@ -182,6 +182,10 @@ impl<'a> Desk<'a> {
                         let _ = more.try_send(()); // the source takes what is asked
                     }
                 }
+                // A running camera's calibration does not fit a phone's photos.
+                Event::Upload(_, _, reply) if self.about.is_stream => {
+                    let _ = reply.send(Told::refused(StatusCode::CONFLICT, "The running camera takes the photos"));
+                }
                 Event::Upload(bytes, _place, reply) => {
                     self.uploads += 1;
                     let told = self.see(upload::frame(self.uploads, bytes))?;
