@@ -11,7 +11,7 @@ use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use image::{GrayImage, Rgb, RgbImage};
 use rand::{RngExt, SeedableRng};
 use scaleproof::camera::Camera;
-use scaleproof::capture::{Capture, Frame, Guidance, Judge, Original, Store, Tolerance, usual, viewpoints_of};
+use scaleproof::capture::{Answer, Capture, Frame, Guidance, Judge, Original, Store, Tolerance, usual, viewpoints_of};
 use scaleproof::files::sha256_hex;
 use scaleproof::photo::Photo;
 use scaleproof::scene::Scene;
@@ -361,13 +361,13 @@ fn photos_are_taken_back_and_their_views_wanted_again() {
     assert_refused(&back(&["--redo", "east"]), &["name a bin by its azimuth"]);
 }
 
-/// Kills a replay at random moments; `SCALEPROOF_KILLS` says how often (30).
+/// Kills a replay at random moments; `SCALEPROOF_KILLS` says how often (20).
 #[test]
 fn a_killed_capture_loses_nothing_that_it_had_said_to_be_taken() {
     let kills: u32 = std::env::var("SCALEPROOF_KILLS")
         .ok()
         .and_then(|n| n.parse().ok())
-        .unwrap_or(30);
+        .unwrap_or(20);
     let mut rng = rand_pcg::Pcg64::seed_from_u64(7);
     // A whole run, for how long one takes here.
     let out = tempfile::tempdir().unwrap();
@@ -532,6 +532,48 @@ fn photos_count_once_they_are_whole_in_a_watched_folder() {
     );
 }
 
+/// Every file is older than the one before it, and one grows older while it is copied; the last photo is the one that was taken last.
+#[test]
+fn a_clock_that_goes_backwards_changes_nothing() {
+    let out = tempfile::tempdir().unwrap();
+    let (folder, session) = (out.path().join("phone"), out.path().join("session"));
+    std::fs::create_dir(&folder).unwrap();
+    let write = |name: &str, bytes: &[u8], year: u64| {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let when = std::time::UNIX_EPOCH + Duration::from_secs((year - 1970) * 31_556_952);
+        std::fs::File::options()
+            .write(true)
+            .open(&path)
+            .unwrap()
+            .set_modified(when)
+            .unwrap();
+    };
+    let bytes = |i| std::fs::read(photo(i)).unwrap();
+    for i in 0..7 {
+        write(&format!("{i}.jpg"), &bytes(i), 2037 - 9 * u64::from(i));
+    }
+    write("7.jpg", &bytes(7)[..5000], 2037);
+    let watched = format!("watch:{}", folder.display());
+    let mut command = capture_with(&skyline().join("scene.toml"), &watched, &session, &[]);
+    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(1200));
+    write("7.jpg", &bytes(7), 1971);
+    let output = running.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let lines = lines(&output);
+    let names: Vec<(&str, &str)> = lines[..8]
+        .iter()
+        .map(|line| (line["frame"].as_str().unwrap(), line["photo"].as_str().unwrap()))
+        .collect();
+    for (i, (frame, photo)) in names.iter().enumerate() {
+        assert_eq!((*frame, *photo), (&*format!("{i}.jpg"), &*format!("normal_{i:03}.jpg")));
+    }
+    assert_eq!(listed(&session).len(), 8);
+    let mut undo = capture_with(&skyline().join("scene.toml"), &watched, &session, &["--undo"]);
+    assert_eq!(self::lines(&undo.output().unwrap())[0]["taken_back"], "normal_007.jpg");
+}
+
 #[test]
 fn what_goes_missing_or_is_misnamed_is_one_sentence() {
     let out = tempfile::tempdir().unwrap();
@@ -649,20 +691,8 @@ fn two_captures_do_not_fill_one_session() {
 #[test]
 fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     let out = tempfile::tempdir().unwrap();
-    let scene_file = skyline().join("scene.toml");
-    let scene = Scene::open(&scene_file).unwrap();
-    let camera_file = skyline().join("camera.yaml");
-    let store = Store::open(out.path(), &scene_file, &camera_file).unwrap();
-    let (pitch, distance) = usual(&scene.bins);
-    let tolerance = Tolerance::of_bins(&scene.bins, &[distance]);
-    let guidance = Guidance::at(
-        &viewpoints_of(&scene.bins, &[pitch], &[distance]),
-        tolerance,
-        &scene.bins,
-    );
-    let judge = Judge::new(&scene, TagDetectorChoice::default(), true).unwrap();
-    let camera = Camera::open(&camera_file).unwrap();
-    let mut capture = Capture::new(guidance, judge, store, camera, "normal", "yard");
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    let mut capture = live_capture(out.path(), &scene, 850.0);
     let mut see = |rgb: &RgbImage| {
         let frame = Frame {
             name: "live".into(),
@@ -680,6 +710,11 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
         "the first frame has none to be compared with"
     );
     assert_eq!(see(&rgb), Err("hold still".into()));
+    // Three frames are told to stay, the fourth is taken; one that moves in between begins it anew.
+    let stay = || Err("good: stay like this".into());
+    assert_eq!([see(&rgb), see(&rgb)], [stay(), stay()]);
+    assert_eq!([see(&moved), see(&rgb)], [(); 2].map(|()| Err("hold still".into())));
+    assert_eq!([see(&rgb), see(&rgb), see(&rgb)], [stay(), stay(), stay()]);
     assert_eq!(see(&rgb), Ok("normal_000.png".into()));
     assert_eq!(
         see(&rgb),
@@ -688,40 +723,157 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     assert_eq!(Photo::open(&out.path().join("normal_000.png")).unwrap().rgb, rgb);
 }
 
-/// One core: everything from a photo's bytes to the sentence, at 1280 × 960.
+/// By hand a frame need not be steady, and one that is not on target is told the way all the same.
+#[test]
+fn a_photo_is_taken_by_hand_on_target_only() {
+    let out = tempfile::tempdir().unwrap();
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
+    capture.set_auto(false);
+    let shown = Photo::open(&photo(1)).unwrap().rgb;
+    let frame = |rgb: &RgbImage| Frame {
+        name: "live".into(),
+        taken: None,
+        original: Original::Pixels(rgb.clone()),
+    };
+    let said = |answer: Answer| {
+        answer
+            .verdict
+            .map(|(photo, _)| photo)
+            .map_err(|advice| advice.to_string())
+    };
+    for i in 0..6 {
+        let expected = if i == 0 { "hold still" } else { "good: take the photo" };
+        assert_eq!(said(capture.see(&frame(&shown)).unwrap()), Err(expected.into()), "{i}");
+    }
+    let bright = exposed(&shown, 1.5);
+    assert!(
+        said(capture.see(&frame(&bright)).unwrap())
+            .unwrap_err()
+            .starts_with("too bright")
+    );
+    let taken = capture.shoot(&frame(&bright)).unwrap();
+    assert!(taken.tags.len() > 2);
+    assert_eq!(said(taken), Ok("normal_000.png".into()));
+    assert_eq!(
+        read_json(&out.path().join("a/normal_000.capture.json"))["is_by_hand"],
+        true
+    );
+    // No second one of the same view, none of a view that nobody wants, none without tags.
+    assert!(
+        said(capture.shoot(&frame(&shown)).unwrap())
+            .unwrap_err()
+            .starts_with("this view is there")
+    );
+    assert_eq!(capture.undo().unwrap(), Some("normal_000.png".into()));
+    let mut far = live_capture(&out.path().join("b"), &scene, 3000.0);
+    assert!(said(far.shoot(&frame(&shown)).unwrap()).unwrap_err().ends_with(" back"));
+    let grey = RgbImage::from_pixel(1280, 960, Rgb([120; 3]));
+    assert!(
+        said(capture.shoot(&frame(&grey)).unwrap())
+            .unwrap_err()
+            .starts_with("I see no tag")
+    );
+    assert_eq!(
+        said(capture.shoot(&frame(&shown)).unwrap()),
+        Ok("normal_001.png".into())
+    );
+    drop(capture);
+    assert_eq!(listed(&out.path().join("a")).len(), 1);
+}
+
+/// A program that goes on after a write that failed, as the page does: what was written counts, what was not is wanted again.
+#[test]
+fn a_write_that_fails_takes_no_view_twice() {
+    let out = tempfile::tempdir().unwrap();
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    let session = out.path().join("session");
+    let mut capture = live_capture(&session, &scene, 850.0);
+    let filled = |capture: &Capture| 8 - capture.guidance().open().count();
+    let frame = |i| Frame {
+        name: format!("photo {i}"),
+        taken: None,
+        original: Original::Encoded(std::fs::read(photo(i)).unwrap()),
+    };
+    // The list cannot be written, then a sidecar: folders are in their places.
+    for (blocked, name, left) in [(0, "session.json", 1), (1, "normal_001.capture.json", 1)] {
+        std::fs::create_dir(session.join(name)).unwrap();
+        let sentence = capture.shoot(&frame(blocked)).unwrap_err().to_string();
+        assert!(
+            sentence.contains(name) && sentence.contains("a folder is in its place"),
+            "{sentence}"
+        );
+        std::fs::remove_dir(session.join(name)).unwrap();
+        assert_eq!(filled(&capture), left);
+    }
+    assert!(
+        capture.shoot(&frame(0)).unwrap().verdict.is_err(),
+        "it is there already"
+    );
+    assert_eq!(capture.shoot(&frame(1)).unwrap().verdict.unwrap().0, "normal_002.jpg");
+    drop(capture);
+    assert_eq!(filled(&live_capture(&session, &scene, 850.0)), 2);
+    assert_eq!(listed(&session).len(), 2);
+    assert!(session.join("taken_back/normal_001.jpg").exists());
+}
+
+/// A capture of a running camera, of the usual pitch at a distance.
+fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {
+    let (scene_file, camera_file) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
+    let tolerance = Tolerance::of_bins(&scene.bins, &[distance_mm]);
+    let views = viewpoints_of(&scene.bins, &[usual(&scene.bins).0], &[distance_mm]);
+    let guidance = Guidance::at(&views, tolerance, &scene.bins);
+    let judge = Judge::new(scene, TagDetectorChoice::default(), true).unwrap();
+    let store = Store::open(session, &scene_file, &camera_file).unwrap();
+    Capture::new(
+        guidance,
+        judge,
+        store,
+        Camera::open(&camera_file).unwrap(),
+        "normal",
+        "yard",
+    )
+}
+
+/// Everything from a frame's bytes to the sentence, at 1280 × 960, in processor time of this thread: what else the machine does is not ours.
+/// Frames in which no tag is found cost most, as they are searched twice; a tenth are of that kind.
+#[cfg(target_os = "linux")]
 #[test]
 fn latency_from_frame_to_advice() {
-    let scene_file = skyline().join("scene.toml");
-    let scene = Scene::open(&scene_file).unwrap();
-    let camera = Camera::open(&skyline().join("camera.yaml")).unwrap();
-    let bytes: Vec<Vec<u8>> = (0..8).map(|i| std::fs::read(photo(i)).unwrap()).collect();
-    for choice in TagDetectorChoice::ALL.into_iter().take(7) {
-        let out = tempfile::tempdir().unwrap();
-        let store = Store::open(out.path(), &scene_file, &skyline().join("camera.yaml")).unwrap();
-        // Views that no photo shows, so that nothing is written.
-        let tolerance = Tolerance::of_bins(&scene.bins, &[3000.0]);
-        let guidance = Guidance::at(&viewpoints_of(&scene.bins, &[15.0], &[3000.0]), tolerance, &scene.bins);
-        let judge = Judge::new(&scene, choice, false).unwrap();
-        let mut capture = Capture::new(guidance, judge, store, camera.clone(), "normal", "yard");
-        let mut ms: Vec<f64> = Vec::new();
-        for bytes in bytes.iter().cycle().take(40) {
-            let frame = Frame {
-                name: "frame".into(),
-                taken: None,
-                original: Original::Encoded(bytes.clone()),
-            };
-            let start = Instant::now();
-            let advice = capture.see(&frame).unwrap().verdict.unwrap_err().to_string();
-            ms.push(start.elapsed().as_secs_f64() * 1000.0);
-            assert!(
-                advice.ends_with(" back") || choice != TagDetectorChoice::default(),
-                "{advice}"
-            );
-        }
-        ms.sort_by(f64::total_cmp);
-        println!(
-            "{choice}: median {:.0} ms, 95 % {:.0} ms, least {:.0} ms",
-            ms[20], ms[37], ms[0]
+    let out = tempfile::tempdir().unwrap();
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    // Views that no photo shows, so that nothing is written.
+    let mut capture = live_capture(out.path(), &scene, 3000.0);
+    let mut frames: Vec<Vec<u8>> = (0..8).map(|i| std::fs::read(photo(i)).unwrap()).collect();
+    let rgb = Photo::open(&photo(0)).unwrap().rgb;
+    let tags = tags_of(&image::imageops::grayscale(&rgb));
+    frames.push(jpeg(&covered(&rgb, &tags, &[])));
+    let (mut ms, mut located) = (Vec::new(), 0);
+    for bytes in frames.iter().cycle().take(90) {
+        let frame = Frame {
+            name: "frame".into(),
+            taken: None,
+            original: Original::Encoded(bytes.clone()),
+        };
+        let start = thread_ms();
+        let answer = capture.see(&frame).unwrap();
+        let advice = answer.verdict.unwrap_err().to_string();
+        ms.push(thread_ms() - start);
+        located += usize::from(answer.viewpoint.is_some());
+        assert!(
+            advice.ends_with(" back") || advice.starts_with("I see no tag"),
+            "{advice}"
         );
     }
+    assert_eq!(located, 80);
+    ms.sort_by(f64::total_cmp);
+    println!("median {:.0} ms, 95 % {:.0} ms, most {:.0} ms", ms[45], ms[85], ms[89]);
+    assert!(ms[45] <= 60.0 && ms[85] <= 120.0, "{ms:?}");
+}
+
+/// Milliseconds that this thread has had a processor.
+#[cfg(target_os = "linux")]
+fn thread_ms() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+    text.split(' ').next().unwrap().parse::<f64>().unwrap() / 1e6
 }

@@ -25,6 +25,10 @@ pub enum Advice {
     /// The tags are too small in the picture to tell whether it is sharp.
     TooSmall,
     Moving,
+    /// All gates hold: it is taken when they still do in a moment.
+    Hold,
+    /// All gates hold, and photos are taken by hand only.
+    Ready,
     NoTags,
     OneTag {
         id: u32,
@@ -52,6 +56,8 @@ impl Advice {
             Advice::Blurred { .. } => "blurred",
             Advice::TooSmall => "too_small",
             Advice::Moving => "moving",
+            Advice::Hold => "hold",
+            Advice::Ready => "ready",
             Advice::NoTags => "no_tags",
             Advice::OneTag { .. } => "one_tag",
             Advice::NotLocated(abstention) => abstention.code(),
@@ -79,6 +85,8 @@ impl fmt::Display for Advice {
                 f.write_str("the tags are too small to tell whether it is sharp: closer, or a larger picture")
             }
             Advice::Moving => f.write_str("hold still"),
+            Advice::Hold => f.write_str("good: stay like this"),
+            Advice::Ready => f.write_str("good: take the photo"),
             Advice::NoTags => f.write_str("I see no tag: step back, or uncover the tags"),
             Advice::OneTag {
                 id,

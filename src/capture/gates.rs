@@ -53,9 +53,11 @@ pub struct Measures {
 /// What a frame shows, and what follows from it.
 #[derive(Debug, Clone)]
 pub struct Judgement {
-    pub located: Option<Located>,
     pub seen: Vec<SeenTag>,
+    pub located: Option<Located>,
     pub measures: Measures,
+    /// The target the frame stands at, whatever its light, focus and steadiness, or what keeps it from one.
+    pub place: Result<usize, Advice>,
     /// The target the frame may fill, or what keeps it from that.
     pub verdict: Result<usize, Advice>,
 }
@@ -63,6 +65,8 @@ pub struct Judgement {
 /// Judges frames. Holds a tag detector, so each thread needs its own.
 pub struct Judge {
     tags: Box<dyn TagDetector>,
+    /// A faster search for the frames of a stream. What it finds is told; what is taken was found by `tags`.
+    live: Option<Box<dyn TagDetector>>,
     scene: Scene,
     is_stream: bool,
     /// Tags of the last frame of a stream.
@@ -75,12 +79,23 @@ impl Judge {
     /// # Errors
     /// The tag detector does not start.
     pub fn new(scene: &Scene, detector: TagDetectorChoice, is_stream: bool) -> Result<Judge, StartError> {
+        let families = scene.families();
         Ok(Judge {
-            tags: detector.open(&scene.families())?,
+            tags: detector.open(&families)?,
+            live: if is_stream {
+                detector.open_live(&families)?
+            } else {
+                None
+            },
             scene: scene.clone(),
             is_stream,
             last: Vec::new(),
         })
+    }
+
+    /// Whether the frames are those of a stream.
+    pub fn is_stream(&self) -> bool {
+        self.is_stream
     }
 
     /// Judges an upright frame; `camera` fits it.
@@ -88,7 +103,37 @@ impl Judge {
     /// A photo that somebody took on purpose is told first what would spoil it anywhere. Somebody who walks with a running camera is
     /// told the way first, as walking blurs.
     pub fn judge(&mut self, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+        let at_once = self.live.as_mut().map(|live| live.find(grey));
+        let at_once = at_once.map(|seen| self.weigh(seen, None, grey, camera, guidance));
+        let judgement = match at_once.filter(|judgement| judgement.located.is_some()) {
+            Some(judgement) => judgement,
+            None => {
+                let seen = self.tags.find(grey);
+                self.weigh(seen, None, grey, camera, guidance)
+            }
+        };
+        self.last.clone_from(&judgement.seen);
+        judgement
+    }
+
+    /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
+    pub fn confirm(&mut self, first: Judgement, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+        if self.live.is_none() {
+            return first;
+        }
         let seen = self.tags.find(grey);
+        self.weigh(seen, first.measures.moved_px, grey, camera, guidance)
+    }
+
+    /// What follows from the tags that were seen. `moved`: their way since the last frame, where it is known already.
+    fn weigh(
+        &self,
+        seen: Vec<SeenTag>,
+        moved: Option<f64>,
+        grey: &GrayImage,
+        camera: &Camera,
+        guidance: &Guidance,
+    ) -> Judgement {
         let located = locate::locate(&seen, &self.scene, camera);
         let appearance = Appearance::of(grey, &seen);
         let pose = located.as_ref().ok().map(|l| &l.pose);
@@ -96,32 +141,34 @@ impl Judge {
             blur_px: appearance.blur_px.filter(|px| px.is_finite()),
             white_level: appearance.white_level,
             clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, camera)),
-            moved_px: self.is_stream.then(|| moved_px(&self.last, &seen)).flatten(),
+            moved_px: moved.or_else(|| self.is_stream.then(|| moved_px(&self.last, &seen)).flatten()),
         };
         let light = light(&measures, &seen, grey);
         let focus = focus(&appearance, &seen, grey);
-        let verdict = match &located {
-            Err(abstention) => Err(light
-                .or(focus)
-                .unwrap_or_else(|| self.not_located(abstention.clone(), &seen))),
+        let (place, first_fault) = match &located {
+            Err(abstention) => {
+                let advice = light.or(focus);
+                (
+                    Err(advice.unwrap_or_else(|| self.not_located(abstention.clone(), &seen))),
+                    None,
+                )
+            }
             Ok(located) => {
-                let still = self.unsteady(&measures, grey);
                 let place = place(located, guidance);
+                let still = self.unsteady(&measures, grey);
                 let order = match self.is_stream {
                     true => [light, place.clone().err(), focus, still],
                     false => [light, focus, place.clone().err(), None],
                 };
-                order.into_iter().flatten().next().map_or(place, Err)
+                (place, order.into_iter().flatten().next())
             }
         };
-        if self.is_stream {
-            self.last.clone_from(&seen);
-        }
         Judgement {
-            located: located.ok(),
             seen,
+            located: located.ok(),
             measures,
-            verdict,
+            verdict: first_fault.map_or_else(|| place.clone(), Err),
+            place,
         }
     }
 

@@ -7,6 +7,7 @@
 mod advice;
 mod gates;
 mod guidance;
+pub mod live;
 pub mod pair;
 mod recover;
 mod replay;
@@ -33,6 +34,7 @@ pub use gates::{
     Judge, Judgement, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
 };
 pub use guidance::{Guidance, Step, Target, Tolerance, usual, viewpoints_of};
+pub use live::{CameraSettings, LiveCamera};
 pub use replay::Replay;
 pub use source::{Frame, FrameSource, Original, SourceError, SourceName};
 pub use store::{Sidecar, Store, StoreError};
@@ -43,27 +45,35 @@ pub use watch::Watch;
 pub struct Answer {
     /// Width and height of the upright frame; zeros when it could not be read.
     pub size_px: [u32; 2],
-    pub tags: Vec<SeenTag>,
     pub viewpoint: Option<Viewpoint>,
     pub measures: Measures,
     /// The name of the accepted photo and its target's index, or what to do.
     pub verdict: Result<(String, usize), Advice>,
     /// What to know before believing the pose, as sentences.
     pub cautions: Vec<String>,
+    /// The tags that were seen, in the upright frame.
+    pub tags: Vec<SeenTag>,
 }
 
 impl Answer {
     fn refused(advice: Advice) -> Answer {
         Answer {
             size_px: [0, 0],
-            tags: Vec::new(),
             viewpoint: None,
             measures: Measures::default(),
             verdict: Err(advice),
             cautions: Vec::new(),
+            tags: Vec::new(),
         }
     }
 }
+
+/// What is said of a damaged picture of a running camera.
+const DAMAGED: &str = "the camera sent a damaged picture: check its cable";
+
+/// In a stream, so many frames in a row must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
+/// second.
+const HELD_FRAMES: u32 = 4;
 
 /// A capture of one variant at one place.
 pub struct Capture {
@@ -73,6 +83,11 @@ pub struct Capture {
     camera: Camera,
     variant: String,
     place: String,
+    /// Whether frames of a stream are taken by themselves.
+    is_auto: bool,
+    /// The target that the last frames of a stream were fit for, and how many were.
+    held: Option<(usize, u32)>,
+    camera_settings: Option<CameraSettings>,
 }
 
 impl Capture {
@@ -85,6 +100,9 @@ impl Capture {
             camera,
             variant: variant.to_owned(),
             place: place.to_owned(),
+            is_auto: true,
+            held: None,
+            camera_settings: None,
         };
         capture.fill_from_store();
         capture
@@ -117,26 +135,89 @@ impl Capture {
         }
     }
 
-    /// Judges a frame and takes it when all gates hold.
+    /// Whether frames of a stream are taken by themselves once all gates have held for a moment (they are at first), or only by
+    /// [`Capture::shoot`]. Photos that come one by one are taken either way: somebody took them on purpose.
+    pub fn set_auto(&mut self, is_auto: bool) {
+        self.is_auto = is_auto;
+    }
+
+    /// What the camera was set to, for the sidecars of the photos that follow.
+    pub fn set_camera_settings(&mut self, settings: Option<CameraSettings>) {
+        self.camera_settings = settings;
+    }
+
+    /// Judges a frame and takes it when all gates hold; of a stream, when they have held for a moment.
     ///
     /// # Errors
     /// The photo cannot be written. Frames are never errors.
     pub fn see(&mut self, frame: &Frame) -> Result<Answer, StoreError> {
-        let (grey, turned_deg) = match &frame.original {
-            Original::Unreadable(sentence) => return Ok(Answer::refused(Advice::Unreadable(sentence.clone()))),
-            Original::Pixels(rgb) => (image::imageops::grayscale(rgb), 0),
-            Original::Encoded(bytes) => {
-                if let Some(advice) = self.known(&files::sha256_hex(bytes)) {
-                    return Ok(Answer::refused(advice));
-                }
-                let photo = PhotoFile::of_bytes(Path::new(&frame.name), bytes.clone());
-                match photo.and_then(|photo| Ok((photo.grey()?, photo.turned_deg))) {
-                    Ok(seen) => seen,
-                    Err(e) => return Ok(Answer::refused(Advice::Unreadable(e.to_string()))),
-                }
-            }
+        self.look(frame, false)
+    }
+
+    /// Takes a frame by hand: it need only be located and on a target, whatever its light, focus and steadiness; its sidecar says so.
+    ///
+    /// # Errors
+    /// As [`Capture::see`].
+    pub fn shoot(&mut self, frame: &Frame) -> Result<Answer, StoreError> {
+        self.look(frame, true)
+    }
+
+    fn look(&mut self, frame: &Frame, is_by_hand: bool) -> Result<Answer, StoreError> {
+        let (grey, turned_deg) = match self.picture(frame) {
+            Ok(picture) => picture,
+            Err(advice) => return Ok(self.refused(advice)),
         };
-        self.take(frame, &grey, turned_deg)
+        let fitted = match self.camera.for_photo(grey.width(), grey.height(), turned_deg) {
+            Ok(fitted) => fitted,
+            Err(e) => return Ok(self.refused(Advice::NotLocated(Abstention::from(e)))),
+        };
+        let mut judgement = self.judge.judge(&grey, &fitted.camera, &self.guidance);
+        let held = self.hold(&judgement.verdict);
+        if is_by_hand || held.is_ok() {
+            judgement = self.judge.confirm(judgement, &grey, &fitted.camera, &self.guidance);
+        }
+        let target = match (is_by_hand, held) {
+            (true, _) => judgement.place,
+            (false, Ok(())) => judgement.verdict,
+            (false, Err(advice)) => Err(advice),
+        };
+        let verdict = match (target, &judgement.located) {
+            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
+            (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
+            (Err(advice), _) => Err(advice),
+        };
+        Ok(Answer {
+            size_px: [grey.width(), grey.height()],
+            viewpoint: judgement.located.map(|located| located.viewpoint),
+            measures: judgement.measures,
+            verdict,
+            cautions: Fitted::cautions(&fitted),
+            tags: judgement.seen,
+        })
+    }
+
+    fn refused(&mut self, advice: Advice) -> Answer {
+        self.held = None;
+        Answer::refused(advice)
+    }
+
+    /// The brightness of a frame that may be judged, and how far EXIF turned it, degrees.
+    fn picture(&self, frame: &Frame) -> Result<(GrayImage, u32), Advice> {
+        match &frame.original {
+            Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
+            Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
+            Original::Encoded(bytes) => {
+                let photo = PhotoFile::of_bytes(Path::new(&frame.name), bytes.clone());
+                if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
+                    return Err(known);
+                }
+                let grey = photo.and_then(|photo| Ok((photo.grey()?, photo.turned_deg)));
+                grey.map_err(|e| match self.judge.is_stream() {
+                    true => Advice::Unreadable(DAMAGED.into()),
+                    false => Advice::Unreadable(e.to_string()),
+                })
+            }
+        }
     }
 
     fn known(&self, sha256: &str) -> Option<Advice> {
@@ -148,25 +229,22 @@ impl Capture {
         self.store.was_taken_back(sha256).then_some(Advice::TakenBack)
     }
 
-    fn take(&mut self, frame: &Frame, grey: &GrayImage, turned_deg: u32) -> Result<Answer, StoreError> {
-        let fitted = match self.camera.for_photo(grey.width(), grey.height(), turned_deg) {
-            Ok(fitted) => fitted,
-            Err(e) => return Ok(Answer::refused(Advice::NotLocated(Abstention::from(e)))),
-        };
-        let judgement = self.judge.judge(grey, &fitted.camera, &self.guidance);
-        let verdict = match (judgement.verdict, &judgement.located) {
-            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures)?,
-            (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
-            (Err(advice), _) => Err(advice),
-        };
-        Ok(Answer {
-            size_px: [grey.width(), grey.height()],
-            tags: judgement.seen,
-            viewpoint: judgement.located.map(|located| located.viewpoint),
-            measures: judgement.measures,
-            verdict,
-            cautions: Fitted::cautions(&fitted),
-        })
+    /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.
+    fn hold(&mut self, verdict: &Result<usize, Advice>) -> Result<(), Advice> {
+        let before = self.held.take();
+        let target = *verdict.as_ref().map_err(Advice::clone)?;
+        if !self.judge.is_stream() {
+            return Ok(());
+        }
+        if !self.is_auto {
+            return Err(Advice::Ready);
+        }
+        let frames = 1 + before.filter(|(of, _)| *of == target).map_or(0, |(_, frames)| frames);
+        if frames >= HELD_FRAMES {
+            return Ok(());
+        }
+        self.held = Some((target, frames));
+        Err(Advice::Hold)
     }
 
     fn accept(
@@ -175,11 +253,13 @@ impl Capture {
         target: usize,
         located: &Located,
         gates: Measures,
+        is_by_hand: bool,
     ) -> Result<Result<(String, usize), Advice>, StoreError> {
         let (bytes, extension) = match file_of(&frame.original) {
             Ok(file) => file,
             Err(sentence) => return Ok(Err(Advice::Unreadable(sentence))),
         };
+        let sha256 = files::sha256_hex(&bytes);
         let sidecar = Sidecar {
             photo: PhotoEntry {
                 file: String::new(),
@@ -189,7 +269,7 @@ impl Capture {
                 box_xyxy_px: None,
                 viewpoint: None,
             },
-            sha256: files::sha256_hex(&bytes),
+            sha256: sha256.clone(),
             source: frame.name.clone(),
             target: self.guidance.targets()[target].viewpoint,
             viewpoint: located.viewpoint,
@@ -198,10 +278,15 @@ impl Capture {
             tags: located.tags.clone(),
             rms_px: located.rms_px,
             gates,
+            is_by_hand,
+            camera: self.camera_settings.clone(),
         };
-        let photo = self.store.accept(&bytes, extension, sidecar)?;
-        self.guidance.fill(target, &photo);
-        Ok(Ok((photo, target)))
+        let written = self.store.accept(&bytes, extension, sidecar);
+        // Once photo and sidecar are written it counts, even when the list could not be.
+        if let Some(photo) = self.store.named(&sha256) {
+            self.guidance.fill(target, photo);
+        }
+        Ok(Ok((written?, target)))
     }
 
     /// Takes back the photo of this variant that was accepted last; its name, if there is one.
@@ -230,9 +315,12 @@ impl Capture {
     }
 
     fn take_back(&mut self, photo: &str) -> Result<(), StoreError> {
-        self.store.take_back(photo)?;
-        self.guidance.reopen(photo);
-        Ok(())
+        let taken_back = self.store.take_back(photo);
+        // Without its sidecar it no longer counts, even when the rest could not be written.
+        if !self.of_variant().any(|sidecar| sidecar.photo.file == photo) {
+            self.guidance.reopen(photo);
+        }
+        taken_back
     }
 }
 

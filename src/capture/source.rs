@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use image::RgbImage;
 
+use super::live::CameraSettings;
 use crate::files::FileError;
 use crate::session::SessionError;
 
@@ -40,13 +41,18 @@ pub trait FrameSource {
     /// Whether a frame follows the last one so closely that their difference tells whether the camera moves. Otherwise each is a photo
     /// that somebody took on purpose.
     fn is_stream(&self) -> bool;
+
+    /// What a camera was set to; `None` for sources that are none, and while it still settles.
+    fn settings(&self) -> Option<CameraSettings> {
+        None
+    }
 }
 
 /// Why a source gives no (more) frames.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use replay:DIR for a stored session, watch:DIR for a folder that photos arrive in, or upload for what browsers send to --page"
+        "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to --page"
     )]
     Unknown { text: String },
     #[error(transparent)]
@@ -63,6 +69,12 @@ pub enum SourceError {
         "the watched folder {folder} cannot be read ({reason}): bring it back and run this again; what was accepted is kept", folder = folder.display()
     )]
     Gone { folder: PathBuf, reason: String },
+    #[error("the camera {number} cannot be used ({reason}): see `scaleproof capture list-cameras`")]
+    NoCamera { number: u32, reason: String },
+    #[error(
+        "the camera {number} gives no more pictures ({reason}): plug it in again and run this again; what was accepted is kept"
+    )]
+    CameraGone { number: u32, reason: String },
 }
 
 /// A source as it is named on the command line.
@@ -72,6 +84,8 @@ pub enum SourceName {
     Replay(PathBuf),
     /// `watch:DIR`: photos that arrive in a folder.
     Watch(PathBuf),
+    /// `camera:N`, or `camera` for the first.
+    Camera(u32),
     /// `upload`: only what browsers send to the page.
     Upload,
 }
@@ -80,23 +94,24 @@ impl FromStr for SourceName {
     type Err = SourceError;
 
     fn from_str(text: &str) -> Result<SourceName, SourceError> {
-        if text == "upload" {
-            return Ok(SourceName::Upload);
-        }
+        let unknown = || SourceError::Unknown { text: text.to_owned() };
         match text.split_once(':') {
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
-            _ => Err(SourceError::Unknown { text: text.to_owned() }),
+            Some(("camera", number)) => number.parse().map(SourceName::Camera).map_err(|_| unknown()),
+            None if text == "camera" => Ok(SourceName::Camera(0)),
+            None if text == "upload" => Ok(SourceName::Upload),
+            _ => Err(unknown()),
         }
     }
 }
 
 impl SourceName {
-    /// The folder it reads, if any.
+    /// The folder it reads, if it reads one.
     pub fn folder(&self) -> Option<&Path> {
         match self {
             SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
-            SourceName::Upload => None,
+            SourceName::Camera(_) | SourceName::Upload => None,
         }
     }
 
@@ -104,7 +119,8 @@ impl SourceName {
     pub fn kind(&self) -> &'static str {
         match self {
             SourceName::Replay(_) => "replay",
-            SourceName::Watch(_) => "watch",
+            SourceName::Watch(_) => "watched folder",
+            SourceName::Camera(_) => "camera",
             SourceName::Upload => "upload",
         }
     }

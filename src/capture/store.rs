@@ -11,6 +11,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::gates::Measures;
+use super::live::CameraSettings;
 use crate::camera::Camera;
 use crate::files::{self, FileError};
 use crate::locate::Sigma;
@@ -57,6 +58,12 @@ pub struct Sidecar {
     pub tags: Vec<u32>,
     pub rms_px: f64,
     pub gates: Measures,
+    /// Taken by hand: light, focus and steadiness need not have held.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_by_hand: bool,
+    /// What the camera was set to, where the source knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraSettings>,
 }
 
 pub(super) const SIDECAR: &str = ".capture.json";

@@ -1,6 +1,7 @@
 //! Methods against each other, measured on the same photos: the charts that choose the defaults, and the sweeps that show where
 //! each method breaks.
 
+pub mod capture;
 pub mod envelope;
 pub mod locate;
 mod spoil;

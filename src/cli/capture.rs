@@ -1,19 +1,20 @@
 //! `scaleproof capture`: walk round the model once and have every view.
 
 mod page;
+mod teller;
 
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use serde::Serialize;
 
+use self::teller::Teller;
 use super::{CommandResult, Outcome};
 use crate::camera::Camera;
 use crate::capture::{
-    Answer, Capture, FrameSource, Guidance, Judge, Measures, Replay, SourceName, Store, Target, Tolerance, Watch, pair,
-    usual, viewpoints_of,
+    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store, Target, Tolerance, Watch,
+    live::list_cameras, pair, usual, viewpoints_of,
 };
 use crate::page::{About, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
@@ -24,9 +25,29 @@ use crate::tags::TagDetectorChoice;
 /// Originals are never changed. A capture that was stopped goes on where it was when it is called again with the same session. Exit code
 /// 0 when every view is there, else 2.
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Args {
-    /// Where photos come from: replay:DIR (the photos of --variant in a stored session) watch:DIR (a folder that a phone or camera
-    /// copies into), or upload (what browsers send to --page)
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    guided: Option<Guided>,
+    // Not inside `Guided`: clap takes a group with another in it for absent.
+    #[command(flatten)]
+    wanted: Wanted,
+    #[command(flatten)]
+    browser: page::Args,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    /// List the cameras of this machine
+    ListCameras,
+}
+
+#[derive(clap::Args)]
+struct Guided {
+    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
+    /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
     #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
@@ -44,8 +65,6 @@ pub struct Args {
     /// The session's folder; one that is there already is gone on with
     #[arg(short, long, value_name = "SESSION")]
     output: PathBuf,
-    #[command(flatten)]
-    wanted: Wanted,
     /// First take back the photos of a bin, named by its azimuth, or by azimuth/pitch/distance as in 90/15/850
     #[arg(long, value_name = "BIN", value_parser = meant)]
     redo: Option<Meant>,
@@ -64,8 +83,6 @@ pub struct Args {
     /// Replay so many photos a second, instead of as fast as possible
     #[arg(long, value_name = "N", value_parser = pace)]
     fps: Option<Duration>,
-    #[command(flatten)]
-    browser: page::Args,
 }
 
 /// Which views are wanted: every azimuth bin at some pitches and distances, or another session's viewpoints.
@@ -98,22 +115,6 @@ struct Meant {
     pitch_and_distance: Option<[f64; 2]>,
 }
 
-/// One line of `--json` for a frame.
-#[derive(Serialize)]
-struct Line<'a> {
-    frame: &'a str,
-    /// `accepted` or `refused`.
-    status: &'static str,
-    /// The photo's name in the session.
-    photo: Option<&'a str>,
-    /// What was taken of the frame, or wanted.
-    bin: Option<Bin>,
-    code: Option<&'static str>,
-    advice: Option<String>,
-    viewpoint: Option<Viewpoint>,
-    gates: Measures,
-}
-
 /// The last line of `--json`.
 #[derive(Serialize)]
 struct Summary {
@@ -123,44 +124,79 @@ struct Summary {
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    check_names(&args)?;
+    match (args.command, args.guided) {
+        (Some(Command::ListCameras), _) => list(out),
+        (None, Some(guided)) => guide(&guided, &args.wanted, &args.browser, out),
+        (None, None) => Err("say where photos come from with --source (see --help)".into()),
+    }
+}
+
+fn list(out: &mut dyn Write) -> CommandResult {
+    let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
+    if cameras.is_empty() {
+        writeln!(
+            out,
+            "no camera is there: plug one in, or watch the folder of a phone (--source watch:DIR)"
+        )?;
+    }
+    for camera in cameras {
+        writeln!(
+            out,
+            "camera:{}  {}  ({})",
+            camera.number, camera.name, camera.description
+        )?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Write) -> CommandResult {
+    check_names(args)?;
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
-    let guidance = args.wanted.guidance(&scene.bins)?;
+    let guidance = wanted.guidance(&scene.bins)?;
     let mut source = match &args.source {
-        Some(name) => open_source(name, &args)?,
+        Some(SourceName::Upload) if !browser.page => {
+            return Err("photos are sent to the page: add --page, or --page --lan for phones".into());
+        }
+        Some(name) => open_source(name, args, &camera)?,
         None => None,
     };
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
-    let page = match args.browser.page {
-        true => Some(Page::open(args.browser.port, args.browser.lan, &args.output)?),
+    let page = match browser.page {
+        true => Some(Page::open(browser.port, browser.lan, &args.output)?),
         false => None,
     };
     let store = Store::open(&args.output, &args.scene, &args.camera)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
-    take_back(&args, &scene, &mut capture, out)?;
+    take_back(args, &scene, &mut capture, out)?;
     match (page, &mut source) {
         (Some(page), _) => {
+            let about = About {
+                variant: args.variant.clone(),
+                place: args.place.clone(),
+                source: args.source.as_ref().map_or("none", SourceName::kind),
+                is_stream,
+                is_paired: wanted.pair_with.is_some(),
+            };
             page::introduce(&page, args.json, out)?;
             page::follow(
                 page,
                 &mut capture,
                 &scene,
                 source,
-                &about(&args, is_stream),
-                args.json,
-                out,
+                &about,
+                Teller::new(args.json, is_stream, out),
             )?;
         }
-        (None, Some(source)) => follow(source.as_mut(), &mut capture, args.json, out)?,
+        (None, Some(source)) => follow(source.as_mut(), &mut capture, Teller::new(args.json, is_stream, out))?,
         (None, None) => {}
     }
     finish(&capture, args.json, out)
 }
 
 /// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
-fn check_names(args: &Args) -> Result<(), String> {
+fn check_names(args: &Guided) -> Result<(), String> {
     for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
         if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
             return Err(format!(
@@ -184,7 +220,8 @@ fn check_names(args: &Args) -> Result<(), String> {
 /// `None` for photos that only browsers send.
 fn open_source(
     name: &SourceName,
-    args: &Args,
+    args: &Guided,
+    camera: &Camera,
 ) -> Result<Option<Box<dyn FrameSource + Send>>, Box<dyn std::error::Error>> {
     match name {
         SourceName::Replay(folder) => {
@@ -195,13 +232,13 @@ fn open_source(
             Err("--shuffle and --fps are for replay: sources: leave them out".into())
         }
         SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
-        SourceName::Upload if args.browser.page => Ok(None),
-        SourceName::Upload => Err("photos are sent to the page: add --page, or --page --lan for phones".into()),
+        SourceName::Camera(number) => Ok(Some(Box::new(LiveCamera::open(*number, camera)?))),
+        SourceName::Upload => Ok(None),
     }
 }
 
 fn take_back(
-    args: &Args,
+    args: &Guided,
     scene: &Scene,
     capture: &mut Capture,
     out: &mut dyn Write,
@@ -214,103 +251,29 @@ fn take_back(
     if photos.is_empty() {
         eprintln!("note: there is no photo of {} to take back", args.variant);
     }
-    let mut teller = Teller::new(args.json, out);
+    let mut teller = Teller::new(args.json, false, out);
     photos.iter().try_for_each(|photo| teller.taken_back(photo))?;
     Ok(())
-}
-
-fn about(args: &Args, is_stream: bool) -> About {
-    About {
-        variant: args.variant.clone(),
-        place: args.place.clone(),
-        source: args.source.as_ref().map_or("none", SourceName::kind),
-        is_stream,
-        is_paired: args.wanted.pair_with.is_some(),
-    }
-}
-
-/// Tells the terminal what happens, a line for each thing.
-struct Teller<'a> {
-    json: bool,
-    out: &'a mut dyn Write,
-    /// Cautions, each of which is said once.
-    said: BTreeSet<String>,
-}
-
-impl Teller<'_> {
-    fn new(json: bool, out: &mut dyn Write) -> Teller<'_> {
-        Teller {
-            json,
-            out,
-            said: BTreeSet::new(),
-        }
-    }
-
-    fn seen(&mut self, frame: &str, answer: &Answer, guidance: &Guidance) -> std::io::Result<()> {
-        for caution in &answer.cautions {
-            if self.said.insert(caution.clone()) {
-                eprintln!("note: {caution}");
-            }
-        }
-        match self.json {
-            true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
-            false => writeln!(self.out, "{}", sentence(frame, answer, guidance))?,
-        }
-        self.out.flush()
-    }
-
-    fn taken_back(&mut self, photo: &str) -> std::io::Result<()> {
-        match self.json {
-            true => writeln!(self.out, "{}", serde_json::json!({ "taken_back": photo }))?,
-            false => writeln!(self.out, "taken back: {photo}")?,
-        }
-        self.out.flush()
-    }
 }
 
 /// Shows the capture every frame until all views are there or the source ends.
 fn follow(
     source: &mut dyn FrameSource,
     capture: &mut Capture,
-    json: bool,
-    out: &mut dyn Write,
+    mut teller: Teller,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let mut teller = Teller::new(json, out);
+    let mut settings = None;
     while !capture.guidance().is_finished() {
         let Some(frame) = source.next()? else { break };
+        if settings != source.settings() {
+            settings = source.settings();
+            settings.iter().for_each(|settings| teller.set(settings));
+            capture.set_camera_settings(settings.clone());
+        }
         let answer = capture.see(&frame)?;
         teller.seen(&frame.name, &answer, capture.guidance())?;
     }
     Ok(())
-}
-
-fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a> {
-    let (accepted, advice) = (answer.verdict.as_ref().ok(), answer.verdict.as_ref().err());
-    Line {
-        frame,
-        status: if accepted.is_some() { "accepted" } else { "refused" },
-        photo: accepted.map(|(photo, _)| photo.as_str()),
-        bin: accepted.map(|(_, target)| guidance.targets()[*target].bin),
-        code: advice.map(|advice| advice.code()),
-        advice: advice.map(|advice| advice.to_string()),
-        viewpoint: answer.viewpoint,
-        gates: answer.measures,
-    }
-}
-
-fn sentence(frame: &str, answer: &Answer, guidance: &Guidance) -> String {
-    match &answer.verdict {
-        Ok((photo, target)) => {
-            let targets = guidance.targets();
-            let filled = targets.len() - guidance.open().count();
-            format!(
-                "{frame}: taken as {photo}, {} ({filled} of {})",
-                name(&targets[*target]),
-                targets.len()
-            )
-        }
-        Err(advice) => format!("{frame}: {advice}"),
-    }
 }
 
 fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {

@@ -9,11 +9,11 @@ use serde::Serialize;
 
 use super::{CommandResult, Outcome, progress};
 use crate::chart::locate::Sample;
-use crate::chart::{envelope as envelope_chart, locate, stability, true_boxes, true_views};
+use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
 use crate::envelope::{self, Outline};
 use crate::files;
 use crate::photo::Photo;
-use crate::session::Session;
+use crate::session::{PhotoEntry, Session};
 use crate::tags::TagDetectorChoice;
 
 /// Chart methods against each other, on the same photos
@@ -31,6 +31,8 @@ enum What {
     Envelope(EnvelopeArgs),
     /// Drive every method from harmless to hopeless: error, share answered, share silently wrong
     Stability(StabilityArgs),
+    /// Guided capture by every tag detector: milliseconds from frame to advice
+    Capture(CaptureArgs),
 }
 
 #[derive(clap::Args)]
@@ -62,6 +64,16 @@ struct StabilityArgs {
     seed: u64,
 }
 
+#[derive(clap::Args)]
+struct CaptureArgs {
+    /// A session folder; its photos are the frames
+    #[arg(long, value_name = "DIR")]
+    session: PathBuf,
+    /// Folder for the chart (SVG) and its numbers (JSON)
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+}
+
 /// The photos and the truth about them.
 #[derive(clap::Args)]
 struct On {
@@ -82,6 +94,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Locate(args) => chart_locate(&args, out),
         What::Envelope(args) => chart_envelope(&args, out),
         What::Stability(args) => chart_stability(&args, out),
+        What::Capture(args) => chart_capture(&args, out),
     }
 }
 
@@ -186,6 +199,22 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
     writeln!(out, "{}", stability::summary(&steps))?;
     let numbers = json(&session, &[Some(&args.on.truth)], &steps)?;
     write(&args.on.out, "stability", &charts, numbers, out)
+}
+
+fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
+    let session = Session::open(&args.session)?;
+    let read = |photo: &PhotoEntry| Ok((photo.file.clone(), files::read(&session.photo_path(photo))?));
+    let frames: Vec<_> = session
+        .photos
+        .iter()
+        .map(read)
+        .collect::<Result<_, files::FileError>>()?;
+    let bar = progress::photos("measuring", frames.len() * capture::ways(&session.scene).len());
+    let rows = capture::measure(&frames, &session.scene, session.known_camera()?, || bar.inc(1))?;
+    bar.finish_and_clear();
+    writeln!(out, "{}", capture::table(&rows))?;
+    let numbers = json(&session, &[], &rows)?;
+    write(&args.out, "capture", &[("", capture::draw(&rows))], numbers, out)
 }
 
 /// The session and its photos, decoded, with the truth about each.

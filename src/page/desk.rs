@@ -14,14 +14,17 @@ use super::PageError;
 use super::dial::Rings;
 use super::state::{self, About, Shown, State};
 use super::upload;
-use crate::capture::{Answer, Capture, Frame, FrameSource, Guidance, Original, SourceError};
+use crate::capture::{Answer, CameraSettings, Capture, Frame, FrameSource, Guidance, SourceError};
 use crate::scene::{Bin, Scene};
 
 /// What comes to the desk.
 pub(super) enum Event {
-    Frame(Result<Option<Frame>, SourceError>),
+    /// With what the camera was set to, if it is one.
+    Frame(Result<Option<(Frame, Option<CameraSettings>)>, SourceError>),
     /// A photo's bytes, and the place in memory they take until they are judged.
     Upload(Vec<u8>, OwnedSemaphorePermit, Reply),
+    /// Take the newest frame by hand.
+    Shoot(Reply),
     Undo(Reply),
     /// Of the sector with this index.
     Redo(usize, Reply),
@@ -78,7 +81,7 @@ impl Published {
 /// The newest frame.
 pub(super) struct Picture {
     pub number: u64,
-    pub original: Original,
+    pub frame: Arc<Frame>,
 }
 
 /// What the terminal is told.
@@ -91,6 +94,8 @@ pub enum News<'a> {
     TakenBack {
         photo: &'a str,
     },
+    /// What the camera is set to now.
+    Set(&'a CameraSettings),
 }
 
 pub(super) struct Desk<'a> {
@@ -108,6 +113,7 @@ pub(super) struct Desk<'a> {
     frames: u64,
     uploads: u64,
     source_ended: bool,
+    settings: Option<CameraSettings>,
 }
 
 impl<'a> Desk<'a> {
@@ -133,6 +139,7 @@ impl<'a> Desk<'a> {
             frames: 0,
             uploads: 0,
             source_ended: false,
+            settings: None,
         }
     }
 
@@ -175,8 +182,9 @@ impl<'a> Desk<'a> {
                     self.source_ended = true;
                     wants_frame = None;
                 }
-                Event::Frame(Ok(Some(frame))) => {
-                    self.see(frame)?;
+                Event::Frame(Ok(Some((frame, settings)))) => {
+                    self.set(settings)?;
+                    self.judge(frame.into(), false)?;
                     // Asked for only now, so that none waits here and grows old.
                     if let Some(more) = &wants_frame {
                         let _ = more.try_send(()); // the source takes what is asked
@@ -184,12 +192,23 @@ impl<'a> Desk<'a> {
                 }
                 // A running camera's calibration does not fit a phone's photos.
                 Event::Upload(_, _, reply) if self.about.is_stream => {
-                    let _ = reply.send(Told::refused(StatusCode::CONFLICT, "The running camera takes the photos"));
+                    let _ = reply.send(Told::refused(
+                        StatusCode::CONFLICT,
+                        "The running camera takes the photos",
+                    ));
                 }
                 Event::Upload(bytes, _place, reply) => {
                     self.uploads += 1;
-                    let told = self.see(upload::frame(self.uploads, bytes))?;
+                    let told = self.judge(upload::frame(self.uploads, bytes).into(), false)?;
                     let _ = reply.send(told); // a browser that has left needs no answer, here and below
+                }
+                Event::Shoot(reply) => {
+                    let newest = self.picture.as_ref().map(|picture| picture.frame.clone());
+                    let told = match newest {
+                        Some(frame) => self.judge(frame, true)?,
+                        None => Told::refused(StatusCode::CONFLICT, "There is no picture yet"),
+                    };
+                    let _ = reply.send(told);
                 }
                 Event::Undo(reply) => {
                     let before = self.filled();
@@ -210,8 +229,22 @@ impl<'a> Desk<'a> {
         Ok(())
     }
 
-    fn see(&mut self, frame: Frame) -> Result<Told, PageError> {
-        let answer = self.capture.see(&frame)?;
+    fn set(&mut self, settings: Option<CameraSettings>) -> Result<(), PageError> {
+        if settings != self.settings {
+            if let Some(settings) = &settings {
+                (self.tell)(News::Set(settings)).map_err(PageError::Output)?;
+            }
+            self.capture.set_camera_settings(settings.clone());
+            self.settings = settings;
+        }
+        Ok(())
+    }
+
+    fn judge(&mut self, frame: Arc<Frame>, is_by_hand: bool) -> Result<Told, PageError> {
+        let answer = match is_by_hand {
+            true => self.capture.shoot(&frame)?,
+            false => self.capture.see(&frame)?,
+        };
         let guidance = self.capture.guidance();
         self.frames += 1;
         let shown = Shown::of(
@@ -241,7 +274,7 @@ impl<'a> Desk<'a> {
         self.shown = Some(shown);
         self.picture = Some(Arc::new(Picture {
             number: self.frames,
-            original: frame.original,
+            frame,
         }));
         Ok(told)
     }
@@ -315,7 +348,7 @@ fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<Event>) -> SyncS
     let _ = more.try_send(()); // the channel is empty
     std::thread::spawn(move || {
         while asked.recv().is_ok() {
-            let next = source.next();
+            let next = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
             let is_last = !matches!(next, Ok(Some(_)));
             if events.send(Event::Frame(next)).is_err() || is_last {
                 break;

@@ -228,6 +228,8 @@ function show(state) {
   $("source").textContent = state.source_ended && !state.ended ? `· the ${about.source} has ended` : "";
   $("file").hidden = $("send").hidden = about.is_stream || Boolean(state.ended);
   $("undo").disabled = $("finish").disabled = Boolean(state.ended);
+  // By hand, whatever its light, focus and steadiness.
+  $("shoot").disabled = Boolean(state.ended) || !frame || !frame.viewpoint || Boolean(frame.photo);
   draw_dial(state, next);
   draw_views(state, next);
   if (frame && frame.number !== last_frame) {
@@ -267,7 +269,7 @@ async function post(path, body = null) {
     const response = await fetch(path, { method: "POST", body, headers });
     if (response.status === 202) return;
     const told = await response.json();
-    if (body && told.code) return; // the state shows it as a frame
+    if (told.code) return; // the state shows it as a frame
     say(told.sentence, response.ok ? "waiting" : "todo");
     speak(told.sentence);
   } catch (e) {
@@ -275,6 +277,7 @@ async function post(path, body = null) {
   }
 }
 
+$("shoot").onclick = () => post("/shoot");
 $("undo").onclick = () => post("/undo");
 $("finish").onclick = () => post("/finish");
 $("file").onchange = async () => {

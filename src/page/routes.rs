@@ -88,6 +88,7 @@ impl Site {
             .route("/preview/{number}", get(preview))
             .route("/photo/{name}", get(photo))
             .route("/upload", post(receive))
+            .route("/shoot", post(|site| ask(site, Event::Shoot)))
             .route("/undo", post(|site| ask(site, Event::Undo)))
             .route("/redo/{sector}", post(redo))
             .route("/finish", post(finish))
@@ -152,7 +153,7 @@ async fn preview(State(site): State<Site>, Path(number): Path<u64>) -> Response 
     };
     let newest = site.published.borrow().frame.clone();
     match newest.filter(|picture| picture.number == number) {
-        Some(frame) => jpeg(move || picture::of_frame(&frame.original, PREVIEW_PX)).await,
+        Some(newest) => jpeg(move || picture::of_frame(&newest.frame.original, PREVIEW_PX)).await,
         None => StatusCode::GONE.into_response(),
     }
 }

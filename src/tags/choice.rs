@@ -122,6 +122,17 @@ impl TagDetectorChoice {
         })
     }
 
+    /// A faster search for live pictures, where there is one. What it finds may be told; what is kept is found by [`Self::open`].
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_live(self, families: &[TagFamily]) -> Result<Option<Box<dyn TagDetector>>, StartError> {
+        match self {
+            TagDetectorChoice::CoarseToFine => Ok(Some(Box::new(CoarseToFine::live(families)?))),
+            _ => Ok(None),
+        }
+    }
+
     /// Name and version, for a result's provenance.
     pub fn provenance(self) -> String {
         match self {

@@ -109,8 +109,8 @@ pub fn read(stream: &mut BufReader<TcpStream>) -> Option<Answer> {
     loop {
         line.clear();
         stream.read_line(&mut line).ok()?;
-        match line.trim_end().split_once(": ") {
-            Some((name, value)) => headers.push((name.to_ascii_lowercase(), value.to_owned())),
+        match line.trim_end().split_once(':') {
+            Some((name, value)) => headers.push((name.to_ascii_lowercase(), value.trim().to_owned())),
             None => break,
         }
     }

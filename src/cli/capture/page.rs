@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
+use super::teller::Teller;
 use crate::capture::{Capture, FrameSource};
 use crate::page::{About, Lan, News, Page, PageError};
 use crate::scene::Scene;
@@ -57,10 +58,8 @@ pub(super) fn follow(
     scene: &Scene,
     source: Option<Box<dyn FrameSource + Send>>,
     about: &About,
-    json: bool,
-    out: &mut dyn Write,
+    mut teller: Teller,
 ) -> Result<(), Box<dyn Error>> {
-    let mut teller = super::Teller::new(json, out);
     let followed = page.follow(capture, scene, source, about, &mut |news| match news {
         News::Seen {
             frame,
@@ -68,6 +67,10 @@ pub(super) fn follow(
             guidance,
         } => teller.seen(frame, answer, guidance),
         News::TakenBack { photo } => teller.taken_back(photo),
+        News::Set(settings) => {
+            teller.set(settings);
+            Ok(())
+        }
     });
     followed.map_err(|e| match e {
         PageError::Output(e) => e.into(),

@@ -1,0 +1,201 @@
+//! A running camera: a thread reads it without pause and keeps the newest picture only, so that advice is never about the past.
+
+mod device;
+mod pixels;
+mod settings;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::source::{Frame, FrameSource, Original, SourceError};
+use crate::camera::Camera;
+
+pub use device::{ListedCamera, list_cameras};
+pub use pixels::{PixelFormat, RawPicture};
+pub use settings::{CameraSettings, Setting};
+
+/// Exposure, focus and white balance find their values within this time; they are then held, and frames are given from then on.
+const SETTLING: Duration = Duration::from_millis(1500);
+
+/// A camera that gives nothing for so long is gone.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A single picture may fail; so many in a row, this far apart, mean that the camera is gone.
+const MAX_FAILURES: u32 = 10;
+const AFTER_FAILURE: Duration = Duration::from_millis(100);
+
+/// What a camera must be able to do. It stays on the thread that opened it.
+pub trait Device {
+    /// The next picture, waited for.
+    ///
+    /// # Errors
+    /// Why there is none, as a clause.
+    fn picture(&mut self) -> Result<RawPicture, String>;
+
+    /// Holds exposure, focus and white balance where they are now, as far as the camera lets one.
+    fn lock(&mut self) -> CameraSettings;
+}
+
+/// The frames of a running camera, the newest one each time it is asked.
+pub struct LiveCamera {
+    number: u32,
+    shared: Arc<Shared>,
+}
+
+/// What the reading thread and the one that judges have in common.
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+    /// Nobody asks for frames any more.
+    is_left: AtomicBool,
+}
+
+#[derive(Default)]
+struct State {
+    is_open: bool,
+    /// Its number since the camera was opened, and the picture. A newer one takes its place.
+    newest: Option<(u64, RawPicture)>,
+    settings: Option<CameraSettings>,
+    /// Why there will be no more.
+    ended: Option<String>,
+}
+
+impl LiveCamera {
+    /// Opens the camera of a number at a picture size that `camera` fits: the calibrated one if it has it.
+    ///
+    /// # Errors
+    /// No such camera, one that is in use or may not be used, or that has no picture of the camera file's shape.
+    pub fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
+        let camera = camera.clone();
+        LiveCamera::of(number, move || device::open(number, &camera))
+    }
+
+    /// A camera of any make; `open` is called on the thread that reads it.
+    ///
+    /// # Errors
+    /// What `open` says.
+    pub fn of(
+        number: u32,
+        open: impl FnOnce() -> Result<Box<dyn Device>, String> + Send + 'static,
+    ) -> Result<LiveCamera, SourceError> {
+        let shared = Arc::new(Shared::default());
+        let reading = Reading(Arc::clone(&shared));
+        std::thread::spawn(move || reading.read(open));
+        let mut state = shared.locked();
+        while !state.is_open {
+            if let Some(reason) = state.ended.take() {
+                return Err(SourceError::NoCamera { number, reason });
+            }
+            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        drop(state);
+        Ok(LiveCamera { number, shared })
+    }
+
+    /// The picture that came last, if it was not given before; waits for one.
+    fn newest(&self) -> Result<(u64, RawPicture), String> {
+        let (mut state, until) = (self.shared.locked(), Instant::now() + PATIENCE);
+        loop {
+            if let Some(newest) = state.newest.take() {
+                return Ok(newest);
+            }
+            if let Some(reason) = &state.ended {
+                return Err(reason.clone());
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Err(format!("none came for {} s", PATIENCE.as_secs()));
+            }
+            let waited = self.shared.changed.wait_timeout(state, left);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
+
+impl FrameSource for LiveCamera {
+    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+        let (count, picture) = self.newest().map_err(|reason| SourceError::CameraGone {
+            number: self.number,
+            reason,
+        })?;
+        let original = picture.original();
+        Ok(Some(Frame {
+            name: format!("camera {} picture {count}", self.number),
+            taken: None,
+            original: original.unwrap_or_else(|reason| Original::Unreadable(reason.into())),
+        }))
+    }
+
+    fn is_stream(&self) -> bool {
+        true
+    }
+
+    fn settings(&self) -> Option<CameraSettings> {
+        self.shared.locked().settings.clone()
+    }
+}
+
+impl Drop for LiveCamera {
+    fn drop(&mut self) {
+        self.shared.is_left.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Shared {
+    /// A thread that failed leaves the state whole: every change is one assignment.
+    fn locked(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn change(&self, change: impl FnOnce(&mut State)) {
+        change(&mut self.locked());
+        self.changed.notify_all();
+    }
+}
+
+/// The thread's side. However it ends, the other side hears of it.
+struct Reading(Arc<Shared>);
+
+impl Reading {
+    fn read(self, open: impl FnOnce() -> Result<Box<dyn Device>, String>) {
+        let shared = &self.0;
+        let end = |reason: String| shared.change(|state| state.ended = Some(reason));
+        let mut device = match open() {
+            Ok(device) => device,
+            Err(reason) => return end(reason),
+        };
+        shared.change(|state| state.is_open = true);
+        let (since, mut is_locked) = (Instant::now(), false);
+        let (mut count, mut failures) = (0, 0);
+        while !shared.is_left.load(Ordering::Relaxed) {
+            match device.picture() {
+                Ok(picture) => {
+                    (count, failures) = (count + 1, 0);
+                    if !is_locked && since.elapsed() >= SETTLING {
+                        is_locked = true;
+                        let settings = device.lock();
+                        shared.change(|state| state.settings = Some(settings));
+                    } else if is_locked {
+                        shared.change(|state| state.newest = Some((count, picture)));
+                    }
+                }
+                Err(reason) if failures + 1 == MAX_FAILURES => return end(reason),
+                Err(_) => {
+                    failures += 1;
+                    std::thread::sleep(AFTER_FAILURE);
+                }
+            }
+        }
+    }
+}
+
+impl Drop for Reading {
+    fn drop(&mut self) {
+        // Only a driver's panic leaves it open.
+        self.0.change(|state| {
+            state.ended.get_or_insert_with(|| "its driver failed".into());
+        });
+    }
+}
