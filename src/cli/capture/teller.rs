@@ -51,7 +51,8 @@ impl Teller<'_> {
         match self.json {
             true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
             false if self.is_stream && !self.told.is_worth_saying(answer) => return Ok(()),
-            false => writeln!(self.out, "{}", sentence(frame, answer, guidance))?,
+            false if self.is_stream => writeln!(self.out, "{}", sentence(answer, guidance))?,
+            false => writeln!(self.out, "{frame}: {}", sentence(answer, guidance))?,
         }
         self.out.flush()
     }
@@ -115,17 +116,17 @@ fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a>
     }
 }
 
-fn sentence(frame: &str, answer: &Answer, guidance: &Guidance) -> String {
+fn sentence(answer: &Answer, guidance: &Guidance) -> String {
     match &answer.verdict {
         Ok((photo, target)) => {
             let targets = guidance.targets();
             let filled = targets.len() - guidance.open().count();
             format!(
-                "{frame}: taken as {photo}, {} ({filled} of {})",
+                "taken as {photo}, {} ({filled} of {})",
                 name(&targets[*target]),
                 targets.len()
             )
         }
-        Err(advice) => format!("{frame}: {advice}"),
+        Err(advice) => advice.to_string(),
     }
 }
