@@ -288,7 +288,7 @@ fn uploads_get_the_same_gates_and_the_same_advice() {
 #[test]
 fn the_viewpoints_of_another_session_are_shown_as_ghosts() {
     let stored = skyline();
-    let mut running = Running::start("upload", &["--pair-with", stored.to_str().unwrap()]);
+    let running = Running::start("upload", &["--pair-with", stored.to_str().unwrap()]);
     let state = wait_for(&mut running.client(), |_| true);
     assert_eq!(state["about"]["is_paired"], true);
     let azimuths: Vec<f64> = state["views"]
@@ -538,7 +538,7 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
 
 #[test]
 fn what_another_site_asks_is_refused() {
-    let mut running = Running::start(&replay(), &[]);
+    let running = Running::start(&replay(), &[]);
     let mut client = running.client();
     wait_for(&mut client, |state| state["source_ended"] == true);
     let own = running.host();
@@ -658,7 +658,7 @@ fn code_read(lines: &[String]) -> String {
         inks.contains(&lines[y / 2][x])
     };
     let (width, height) = (lines[0].len() * MODULE_PX, lines.len() * 2 * MODULE_PX);
-    let level = |x, y| if is_ink(x / MODULE_PX, y / MODULE_PX) { 0 } else { 255 };
+    let level = |x: usize, y: usize| -> u8 { if is_ink(x / MODULE_PX, y / MODULE_PX) { 0 } else { 255 } };
     let mut picture = rqrr::PreparedImage::prepare_from_greyscale(width, height, level);
     picture.detect_grids()[0].decode().unwrap().1
 }
