@@ -17,6 +17,7 @@ pub mod files;
 pub mod geometry;
 pub mod locate;
 pub mod mesh;
+pub mod page;
 pub mod pattern;
 pub mod photo;
 pub mod plot;

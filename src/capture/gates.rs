@@ -191,9 +191,13 @@ impl Judge {
     }
 }
 
-/// How many times longer a picture is than the one the limits are for; small ones have the same limits.
 fn enlarged(grey: &GrayImage) -> f64 {
-    (f64::from(grey.width().max(grey.height())) / LONG_SIDE_PX).max(1.0)
+    enlargement([grey.width(), grey.height()])
+}
+
+/// How many times longer a picture is than the one the limits in px are for; small ones have the same limits.
+pub fn enlargement(size_px: [u32; 2]) -> f64 {
+    (f64::from(size_px[0].max(size_px[1])) / LONG_SIDE_PX).max(1.0)
 }
 
 /// The target that a viewpoint fills, or the way to one.

@@ -61,6 +61,11 @@ impl Guidance {
         &self.targets
     }
 
+    /// The step between the scene's azimuth bins.
+    pub fn azimuth_step_deg(&self) -> f64 {
+        self.bins.azimuth_deg
+    }
+
     pub fn open(&self) -> impl Iterator<Item = &Target> {
         self.targets.iter().filter(|target| target.photo.is_none())
     }
@@ -109,6 +114,13 @@ impl Guidance {
             // The way along the line of sight is another step.
             _ => Step::Height(from.distance_mm * (sin(to) - sin(from))),
         })
+    }
+
+    /// How far a viewpoint is from a target, in tolerances: up to 1 within them.
+    pub fn off_by(&self, index: usize, from: &Viewpoint) -> f64 {
+        self.parts(index, from)
+            .iter()
+            .fold(0.0, |most, part| part.abs().max(most))
     }
 
     /// What is missing of azimuth, distance and pitch, in tolerances.

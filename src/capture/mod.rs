@@ -30,7 +30,9 @@ use crate::session::PhotoEntry;
 use crate::tags::SeenTag;
 
 pub use advice::Advice;
-pub use gates::{Judge, Judgement, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
+pub use gates::{
+    Judge, Judgement, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
+};
 pub use guidance::{Guidance, Step, Target, Tolerance, usual, viewpoints_of};
 pub use live::{CameraSettings, LiveCamera};
 pub use replay::Replay;
@@ -41,6 +43,8 @@ pub use watch::Watch;
 /// What became of a frame.
 #[derive(Debug, Clone)]
 pub struct Answer {
+    /// Width and height of the upright frame; zeros when it could not be read.
+    pub size_px: [u32; 2],
     pub viewpoint: Option<Viewpoint>,
     pub measures: Measures,
     /// The name of the accepted photo and its target's index, or what to do.
@@ -54,6 +58,7 @@ pub struct Answer {
 impl Answer {
     fn refused(advice: Advice) -> Answer {
         Answer {
+            size_px: [0, 0],
             viewpoint: None,
             measures: Measures::default(),
             verdict: Err(advice),
@@ -183,6 +188,7 @@ impl Capture {
             (Err(advice), _) => Err(advice),
         };
         Ok(Answer {
+            size_px: [grey.width(), grey.height()],
             viewpoint: judgement.located.map(|located| located.viewpoint),
             measures: judgement.measures,
             verdict,

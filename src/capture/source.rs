@@ -52,7 +52,7 @@ pub trait FrameSource {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, or replay:DIR for a stored session"
+        "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to --page"
     )]
     Unknown { text: String },
     #[error(transparent)]
@@ -86,6 +86,8 @@ pub enum SourceName {
     Watch(PathBuf),
     /// `camera:N`, or `camera` for the first.
     Camera(u32),
+    /// `upload`: only what browsers send to the page.
+    Upload,
 }
 
 impl FromStr for SourceName {
@@ -98,6 +100,7 @@ impl FromStr for SourceName {
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
             Some(("camera", number)) => number.parse().map(SourceName::Camera).map_err(|_| unknown()),
             None if text == "camera" => Ok(SourceName::Camera(0)),
+            None if text == "upload" => Ok(SourceName::Upload),
             _ => Err(unknown()),
         }
     }
@@ -108,7 +111,17 @@ impl SourceName {
     pub fn folder(&self) -> Option<&Path> {
         match self {
             SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
-            SourceName::Camera(_) => None,
+            SourceName::Camera(_) | SourceName::Upload => None,
+        }
+    }
+
+    /// Its kind, in a word.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            SourceName::Replay(_) => "replay",
+            SourceName::Watch(_) => "watched folder",
+            SourceName::Camera(_) => "camera",
+            SourceName::Upload => "upload",
         }
     }
 }

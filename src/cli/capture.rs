@@ -1,18 +1,22 @@
 //! `scaleproof capture`: walk round the model once and have every view.
 
-use std::collections::BTreeSet;
+mod page;
+mod teller;
+
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::Serialize;
 
+use self::teller::Teller;
 use super::{CommandResult, Outcome};
 use crate::camera::Camera;
 use crate::capture::{
-    Advice, Answer, Capture, FrameSource, Guidance, Judge, LiveCamera, Measures, Replay, SourceName, Store, Target,
-    Tolerance, Watch, live::list_cameras, pair, usual, viewpoints_of,
+    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store, Target, Tolerance, Watch,
+    live::list_cameras, pair, usual, viewpoints_of,
 };
+use crate::page::{About, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
 use crate::tags::TagDetectorChoice;
 
@@ -30,6 +34,8 @@ pub struct Args {
     // Not inside `Guided`: clap takes a group with another in it for absent.
     #[command(flatten)]
     wanted: Wanted,
+    #[command(flatten)]
+    browser: page::Args,
 }
 
 #[derive(clap::Subcommand)]
@@ -40,8 +46,8 @@ enum Command {
 
 #[derive(clap::Args)]
 struct Guided {
-    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into), or
-    /// replay:DIR (the photos of --variant in a stored session)
+    /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
+    /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
     #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
@@ -109,22 +115,6 @@ struct Meant {
     pitch_and_distance: Option<[f64; 2]>,
 }
 
-/// One line of `--json` for a frame.
-#[derive(Serialize)]
-struct Line<'a> {
-    frame: &'a str,
-    /// `accepted` or `refused`.
-    status: &'static str,
-    /// The photo's name in the session.
-    photo: Option<&'a str>,
-    /// What was taken of the frame, or wanted.
-    bin: Option<Bin>,
-    code: Option<&'static str>,
-    advice: Option<String>,
-    viewpoint: Option<Viewpoint>,
-    gates: Measures,
-}
-
 /// The last line of `--json`.
 #[derive(Serialize)]
 struct Summary {
@@ -136,7 +126,7 @@ struct Summary {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match (args.command, args.guided) {
         (Some(Command::ListCameras), _) => list(out),
-        (None, Some(guided)) => guide(&guided, &args.wanted, out),
+        (None, Some(guided)) => guide(&guided, &args.wanted, &args.browser, out),
         (None, None) => Err("say where photos come from with --source (see --help)".into()),
     }
 }
@@ -159,23 +149,48 @@ fn list(out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn guide(args: &Guided, wanted: &Wanted, out: &mut dyn Write) -> CommandResult {
+fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Write) -> CommandResult {
     check_names(args)?;
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
     let guidance = wanted.guidance(&scene.bins)?;
-    let mut source = args
-        .source
-        .as_ref()
-        .map(|name| open_source(name, args, &camera))
-        .transpose()?;
+    let mut source = match &args.source {
+        Some(SourceName::Upload) if !browser.page => {
+            return Err("photos are sent to the page: add --page, or --page --lan for phones".into());
+        }
+        Some(name) => open_source(name, args, &camera)?,
+        None => None,
+    };
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
+    let page = match browser.page {
+        true => Some(Page::open(browser.port, browser.lan, &args.output)?),
+        false => None,
+    };
     let store = Store::open(&args.output, &args.scene, &args.camera)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
     take_back(args, &scene, &mut capture, out)?;
-    if let Some(source) = &mut source {
-        follow(source.as_mut(), &mut capture, args.json, out)?;
+    match (page, &mut source) {
+        (Some(page), _) => {
+            let about = About {
+                variant: args.variant.clone(),
+                place: args.place.clone(),
+                source: args.source.as_ref().map_or("none", SourceName::kind),
+                is_stream,
+                is_paired: wanted.pair_with.is_some(),
+            };
+            page::introduce(&page, args.json, out)?;
+            page::follow(
+                page,
+                &mut capture,
+                &scene,
+                source,
+                &about,
+                Teller::new(args.json, is_stream, out),
+            )?;
+        }
+        (None, Some(source)) => follow(source.as_mut(), &mut capture, Teller::new(args.json, is_stream, out))?,
+        (None, None) => {}
     }
     finish(&capture, args.json, out)
 }
@@ -202,21 +217,23 @@ fn check_names(args: &Guided) -> Result<(), String> {
     }
 }
 
+/// `None` for photos that only browsers send.
 fn open_source(
     name: &SourceName,
     args: &Guided,
     camera: &Camera,
-) -> Result<Box<dyn FrameSource>, Box<dyn std::error::Error>> {
+) -> Result<Option<Box<dyn FrameSource + Send>>, Box<dyn std::error::Error>> {
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
-            Ok(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?))
+            Ok(Some(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?)))
         }
-        SourceName::Watch(_) | SourceName::Camera(_) if args.shuffle.is_some() || args.fps.is_some() => {
+        _ if args.shuffle.is_some() || args.fps.is_some() => {
             Err("--shuffle and --fps are for replay: sources: leave them out".into())
         }
-        SourceName::Watch(folder) => Ok(Box::new(Watch::open(folder, args.headless)?)),
-        SourceName::Camera(number) => Ok(Box::new(LiveCamera::open(*number, camera)?)),
+        SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
+        SourceName::Camera(number) => Ok(Some(Box::new(LiveCamera::open(*number, camera)?))),
+        SourceName::Upload => Ok(None),
     }
 }
 
@@ -234,12 +251,8 @@ fn take_back(
     if photos.is_empty() {
         eprintln!("note: there is no photo of {} to take back", args.variant);
     }
-    for photo in photos {
-        match args.json {
-            true => writeln!(out, "{}", serde_json::json!({ "taken_back": photo }))?,
-            false => writeln!(out, "taken back: {photo}")?,
-        }
-    }
+    let mut teller = Teller::new(args.json, false, out);
+    photos.iter().try_for_each(|photo| teller.taken_back(photo))?;
     Ok(())
 }
 
@@ -247,92 +260,20 @@ fn take_back(
 fn follow(
     source: &mut dyn FrameSource,
     capture: &mut Capture,
-    json: bool,
-    out: &mut dyn Write,
+    mut teller: Teller,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let mut told = Told::default();
     let mut settings = None;
     while !capture.guidance().is_finished() {
         let Some(frame) = source.next()? else { break };
         if settings != source.settings() {
             settings = source.settings();
-            settings.iter().for_each(|settings| eprintln!("note: {settings}"));
+            settings.iter().for_each(|settings| teller.set(settings));
             capture.set_camera_settings(settings.clone());
         }
         let answer = capture.see(&frame)?;
-        for caution in answer.cautions.iter().filter(|caution| told.is_new(caution)) {
-            eprintln!("note: {caution}");
-        }
-        let guidance = capture.guidance();
-        match json {
-            true => writeln!(out, "{}", serde_json::to_string(&line(&frame.name, &answer, guidance))?)?,
-            false if source.is_stream() && !told.is_worth_saying(&answer) => continue,
-            false if source.is_stream() => writeln!(out, "{}", sentence(&answer, guidance))?,
-            false => writeln!(out, "{}: {}", frame.name, sentence(&answer, guidance))?,
-        }
-        out.flush()?;
+        teller.seen(&frame.name, &answer, capture.guidance())?;
     }
     Ok(())
-}
-
-/// What was said already: twenty frames a second would not be read.
-#[derive(Default)]
-struct Told {
-    cautions: BTreeSet<String>,
-    last: Option<(Advice, Instant)>,
-}
-
-/// Advice of the same kind is said again after this time.
-const AGAIN: Duration = Duration::from_millis(700);
-
-impl Told {
-    fn is_new(&mut self, caution: &str) -> bool {
-        self.cautions.insert(caution.to_owned())
-    }
-
-    /// Photos always are, advice when it is of another kind than the last, or after a while another amount.
-    fn is_worth_saying(&mut self, answer: &Answer) -> bool {
-        let Err(advice) = &answer.verdict else {
-            self.last = None;
-            return true;
-        };
-        if let Some((last, when)) = &self.last
-            && (last.to_string() == advice.to_string() || last.code() == advice.code() && when.elapsed() < AGAIN)
-        {
-            return false;
-        }
-        self.last = Some((advice.clone(), Instant::now()));
-        true
-    }
-}
-
-fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a> {
-    let (accepted, advice) = (answer.verdict.as_ref().ok(), answer.verdict.as_ref().err());
-    Line {
-        frame,
-        status: if accepted.is_some() { "accepted" } else { "refused" },
-        photo: accepted.map(|(photo, _)| photo.as_str()),
-        bin: accepted.map(|(_, target)| guidance.targets()[*target].bin),
-        code: advice.map(|advice| advice.code()),
-        advice: advice.map(|advice| advice.to_string()),
-        viewpoint: answer.viewpoint,
-        gates: answer.measures,
-    }
-}
-
-fn sentence(answer: &Answer, guidance: &Guidance) -> String {
-    match &answer.verdict {
-        Ok((photo, target)) => {
-            let targets = guidance.targets();
-            let filled = targets.len() - guidance.open().count();
-            format!(
-                "taken as {photo}, {} ({filled} of {})",
-                name(&targets[*target]),
-                targets.len()
-            )
-        }
-        Err(advice) => advice.to_string(),
-    }
 }
 
 fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {

@@ -1,0 +1,79 @@
+//! `scaleproof capture --page`: the same capture in a browser.
+
+use std::error::Error;
+use std::io::{IsTerminal, Write};
+
+use super::teller::Teller;
+use crate::capture::{Capture, FrameSource};
+use crate::page::{About, Lan, News, Page, PageError};
+use crate::scene::Scene;
+
+/// The page in a browser.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// Show the capture as a page in a browser, which can also take back, send photos, and finish
+    #[arg(long, conflicts_with = "headless")]
+    pub page: bool,
+    /// Serve the page at this port; 0 is any free one
+    #[arg(long, value_name = "N", default_value_t = 8710, requires = "page")]
+    pub port: u16,
+    /// Let phones in the local network join by the QR code that is shown, instead of only browsers on this machine
+    #[arg(long, requires = "page")]
+    pub lan: bool,
+}
+
+/// Says where the page is: the address for answers, what concerns people beside it.
+pub(super) fn introduce(page: &Page, json: bool, out: &mut dyn Write) -> std::io::Result<()> {
+    match json {
+        true => writeln!(out, "{}", serde_json::json!({ "page": page.address }))?,
+        false => writeln!(out, "page: {}", page.address)?,
+    }
+    out.flush()?;
+    if let Some(lan) = &page.lan {
+        invite(lan);
+    }
+    Ok(())
+}
+
+fn invite(lan: &Lan) {
+    // Dark on light whatever the terminal's colours are: not every phone reads a code that is light on dark.
+    let is_terminal = std::io::stderr().is_terminal();
+    for line in lan.code.lines() {
+        match is_terminal {
+            true => eprintln!("\x1b[30;107m{line}\x1b[0m"),
+            false => eprintln!("{line}"),
+        }
+    }
+    eprintln!("phone: {}", lan.address);
+    eprintln!(
+        "warning: --lan opens this port to every machine in the network, and the connection is not encrypted: use a network you \
+         trust. Each of the two addresses lets one browser in, once"
+    );
+}
+
+/// Shows the page until somebody finishes, and tells the terminal the same.
+pub(super) fn follow(
+    page: Page,
+    capture: &mut Capture,
+    scene: &Scene,
+    source: Option<Box<dyn FrameSource + Send>>,
+    about: &About,
+    mut teller: Teller,
+) -> Result<(), Box<dyn Error>> {
+    let followed = page.follow(capture, scene, source, about, &mut |news| match news {
+        News::Seen {
+            frame,
+            answer,
+            guidance,
+        } => teller.seen(frame, answer, guidance),
+        News::TakenBack { photo } => teller.taken_back(photo),
+        News::Set(settings) => {
+            teller.set(settings);
+            Ok(())
+        }
+    });
+    followed.map_err(|e| match e {
+        PageError::Output(e) => e.into(),
+        e => e.into(),
+    })
+}

@@ -1,0 +1,132 @@
+//! What the terminal is told of a capture: a line for each thing that happens.
+
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::name;
+use crate::capture::{Advice, Answer, CameraSettings, Guidance, Measures};
+use crate::scene::{Bin, Viewpoint};
+
+/// One line of `--json` for a frame.
+#[derive(Serialize)]
+struct Line<'a> {
+    frame: &'a str,
+    /// `accepted` or `refused`.
+    status: &'static str,
+    /// The photo's name in the session.
+    photo: Option<&'a str>,
+    /// What was taken of the frame, or wanted.
+    bin: Option<Bin>,
+    code: Option<&'static str>,
+    advice: Option<String>,
+    viewpoint: Option<Viewpoint>,
+    gates: Measures,
+}
+
+/// Tells the terminal.
+pub(super) struct Teller<'a> {
+    json: bool,
+    is_stream: bool,
+    out: &'a mut dyn Write,
+    told: Told,
+}
+
+impl Teller<'_> {
+    pub(super) fn new(json: bool, is_stream: bool, out: &mut dyn Write) -> Teller<'_> {
+        Teller {
+            json,
+            is_stream,
+            out,
+            told: Told::default(),
+        }
+    }
+
+    pub(super) fn seen(&mut self, frame: &str, answer: &Answer, guidance: &Guidance) -> io::Result<()> {
+        for caution in answer.cautions.iter().filter(|caution| self.told.is_new(caution)) {
+            eprintln!("note: {caution}");
+        }
+        match self.json {
+            true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
+            false if self.is_stream && !self.told.is_worth_saying(answer) => return Ok(()),
+            false if self.is_stream => writeln!(self.out, "{}", sentence(answer, guidance))?,
+            false => writeln!(self.out, "{frame}: {}", sentence(answer, guidance))?,
+        }
+        self.out.flush()
+    }
+
+    /// What a camera is set to now.
+    pub(super) fn set(&mut self, settings: &CameraSettings) {
+        eprintln!("note: {settings}");
+    }
+
+    pub(super) fn taken_back(&mut self, photo: &str) -> io::Result<()> {
+        match self.json {
+            true => writeln!(self.out, "{}", serde_json::json!({ "taken_back": photo }))?,
+            false => writeln!(self.out, "taken back: {photo}")?,
+        }
+        self.out.flush()
+    }
+}
+
+/// What was said already: twenty frames a second would not be read.
+#[derive(Default)]
+struct Told {
+    cautions: BTreeSet<String>,
+    last: Option<(Advice, Instant)>,
+}
+
+/// Advice of the same kind is said again after this time.
+const AGAIN: Duration = Duration::from_millis(700);
+
+impl Told {
+    fn is_new(&mut self, caution: &str) -> bool {
+        self.cautions.insert(caution.to_owned())
+    }
+
+    /// Photos always are, advice when it is of another kind than the last, or after a while another amount.
+    fn is_worth_saying(&mut self, answer: &Answer) -> bool {
+        let Err(advice) = &answer.verdict else {
+            self.last = None;
+            return true;
+        };
+        if let Some((last, when)) = &self.last
+            && (last.to_string() == advice.to_string() || last.code() == advice.code() && when.elapsed() < AGAIN)
+        {
+            return false;
+        }
+        self.last = Some((advice.clone(), Instant::now()));
+        true
+    }
+}
+
+fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a> {
+    let (accepted, advice) = (answer.verdict.as_ref().ok(), answer.verdict.as_ref().err());
+    Line {
+        frame,
+        status: if accepted.is_some() { "accepted" } else { "refused" },
+        photo: accepted.map(|(photo, _)| photo.as_str()),
+        bin: accepted.map(|(_, target)| guidance.targets()[*target].bin),
+        code: advice.map(|advice| advice.code()),
+        advice: advice.map(|advice| advice.to_string()),
+        viewpoint: answer.viewpoint,
+        gates: answer.measures,
+    }
+}
+
+fn sentence(answer: &Answer, guidance: &Guidance) -> String {
+    match &answer.verdict {
+        Ok((photo, target)) => {
+            let targets = guidance.targets();
+            let filled = targets.len() - guidance.open().count();
+            format!(
+                "taken as {photo}, {} ({filled} of {})",
+                name(&targets[*target]),
+                targets.len()
+            )
+        }
+        Err(advice) => advice.to_string(),
+    }
+}

@@ -1,0 +1,359 @@
+//! The one place that touches the capture: frames of the source, uploads and buttons come to it one after the other.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, sync_channel};
+
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use serde::Serialize;
+use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+
+use super::PageError;
+use super::dial::Rings;
+use super::state::{self, About, Shown, State};
+use super::upload;
+use crate::capture::{Answer, CameraSettings, Capture, Frame, FrameSource, Guidance, SourceError};
+use crate::scene::{Bin, Scene};
+
+/// What comes to the desk.
+pub(super) enum Event {
+    /// With what the camera was set to, if it is one.
+    Frame(Result<Option<(Frame, Option<CameraSettings>)>, SourceError>),
+    /// A photo's bytes, and the place in memory they take until they are judged.
+    Upload(Vec<u8>, OwnedSemaphorePermit, Reply),
+    /// Take the newest frame by hand.
+    Shoot(Reply),
+    Undo(Reply),
+    /// Of the sector with this index.
+    Redo(usize, Reply),
+    Finish,
+}
+
+pub(super) type Reply = oneshot::Sender<Told>;
+
+/// What a browser is told about what it asked for.
+#[derive(Debug, Serialize)]
+pub(super) struct Told {
+    #[serde(skip)]
+    pub status: StatusCode,
+    pub sentence: String,
+    /// As in the terminal's JSON; absent for buttons.
+    pub code: Option<&'static str>,
+    pub photo: Option<String>,
+}
+
+impl Told {
+    pub(super) fn refused(status: StatusCode, sentence: impl Into<String>) -> Told {
+        Told {
+            status,
+            sentence: sentence.into(),
+            code: None,
+            photo: None,
+        }
+    }
+}
+
+/// What browsers can see now. The newest replaces all older ones: whoever asks late misses some and waits for none.
+pub(super) struct Published {
+    pub revision: u64,
+    pub json: Bytes,
+    pub frame: Option<Arc<Picture>>,
+    /// Names of the photos that may be asked for.
+    pub photos: Vec<String>,
+    pub has_ended: bool,
+}
+
+impl Published {
+    /// Before the capture begins.
+    pub(super) fn nothing() -> Published {
+        Published {
+            revision: 0,
+            json: Bytes::from_static(b"{}"),
+            frame: None,
+            photos: Vec::new(),
+            has_ended: false,
+        }
+    }
+}
+
+/// The newest frame.
+pub(super) struct Picture {
+    pub number: u64,
+    pub frame: Arc<Frame>,
+}
+
+/// What the terminal is told.
+pub enum News<'a> {
+    Seen {
+        frame: &'a str,
+        answer: &'a Answer,
+        guidance: &'a Guidance,
+    },
+    TakenBack {
+        photo: &'a str,
+    },
+    /// What the camera is set to now.
+    Set(&'a CameraSettings),
+}
+
+pub(super) struct Desk<'a> {
+    capture: &'a mut Capture,
+    scene: &'a Scene,
+    about: &'a About,
+    published: &'a watch::Sender<Arc<Published>>,
+    tell: &'a mut dyn FnMut(News) -> io::Result<()>,
+    rings: Rings,
+    bins: Vec<Bin>,
+    /// Targets whose photo was taken back.
+    redo: BTreeSet<usize>,
+    shown: Option<Shown>,
+    picture: Option<Arc<Picture>>,
+    frames: u64,
+    uploads: u64,
+    source_ended: bool,
+    settings: Option<CameraSettings>,
+}
+
+impl<'a> Desk<'a> {
+    pub(super) fn new(
+        capture: &'a mut Capture,
+        scene: &'a Scene,
+        about: &'a About,
+        published: &'a watch::Sender<Arc<Published>>,
+        tell: &'a mut dyn FnMut(News) -> io::Result<()>,
+    ) -> Desk<'a> {
+        let bins = state::bins(capture.guidance());
+        Desk {
+            capture,
+            scene,
+            about,
+            published,
+            tell,
+            rings: Rings::of(&bins),
+            bins,
+            redo: BTreeSet::new(),
+            shown: None,
+            picture: None,
+            frames: 0,
+            uploads: 0,
+            source_ended: false,
+            settings: None,
+        }
+    }
+
+    /// Works until somebody finishes, or what keeps the capture from going on.
+    pub(super) fn work(
+        &mut self,
+        events: &Receiver<Event>,
+        own: Sender<Event>,
+        source: Option<Box<dyn FrameSource + Send>>,
+    ) -> Result<(), PageError> {
+        let worked = self.work_through(events, own, source);
+        let last_words = match &worked {
+            Ok(()) => {
+                let targets = self.capture.guidance().targets();
+                let filled = targets.len() - self.capture.guidance().open().count();
+                format!(
+                    "{filled} of {} views are there. This page can be closed.",
+                    targets.len()
+                )
+            }
+            Err(e) => format!("The capture has ended: {e}"),
+        };
+        self.publish(Some(&last_words));
+        worked
+    }
+
+    fn work_through(
+        &mut self,
+        events: &Receiver<Event>,
+        own: Sender<Event>,
+        source: Option<Box<dyn FrameSource + Send>>,
+    ) -> Result<(), PageError> {
+        self.publish(None);
+        let mut wants_frame = source.map(|source| feed(source, own));
+        while let Ok(event) = events.recv() {
+            match event {
+                Event::Finish => break,
+                Event::Frame(Err(e)) => return Err(e.into()),
+                Event::Frame(Ok(None)) => {
+                    self.source_ended = true;
+                    wants_frame = None;
+                }
+                Event::Frame(Ok(Some((frame, settings)))) => {
+                    self.set(settings)?;
+                    self.judge(frame.into(), false)?;
+                    // Asked for only now, so that none waits here and grows old.
+                    if let Some(more) = &wants_frame {
+                        let _ = more.try_send(()); // the source takes what is asked
+                    }
+                }
+                // A running camera's calibration does not fit a phone's photos.
+                Event::Upload(_, _, reply) if self.about.is_stream => {
+                    let _ = reply.send(Told::refused(
+                        StatusCode::CONFLICT,
+                        "The running camera takes the photos",
+                    ));
+                }
+                Event::Upload(bytes, _place, reply) => {
+                    self.uploads += 1;
+                    let told = self.judge(upload::frame(self.uploads, bytes).into(), false)?;
+                    let _ = reply.send(told); // a browser that has left needs no answer, here and below
+                }
+                Event::Shoot(reply) => {
+                    let newest = self.picture.as_ref().map(|picture| picture.frame.clone());
+                    let told = match newest {
+                        Some(frame) => self.judge(frame, true)?,
+                        None => Told::refused(StatusCode::CONFLICT, "There is no picture yet"),
+                    };
+                    let _ = reply.send(told);
+                }
+                Event::Undo(reply) => {
+                    let before = self.filled();
+                    let photos = self.capture.undo()?.into_iter().collect();
+                    let _ = reply.send(self.taken_back(photos, &before)?);
+                }
+                Event::Redo(sector, reply) => {
+                    let before = self.filled();
+                    let photos = match self.bins.get(sector) {
+                        Some(bin) => self.capture.redo(self.scene, |other| other == bin)?,
+                        None => Vec::new(),
+                    };
+                    let _ = reply.send(self.taken_back(photos, &before)?);
+                }
+            }
+            self.publish(None);
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, settings: Option<CameraSettings>) -> Result<(), PageError> {
+        if settings != self.settings {
+            if let Some(settings) = &settings {
+                (self.tell)(News::Set(settings)).map_err(PageError::Output)?;
+            }
+            self.capture.set_camera_settings(settings.clone());
+            self.settings = settings;
+        }
+        Ok(())
+    }
+
+    fn judge(&mut self, frame: Arc<Frame>, is_by_hand: bool) -> Result<Told, PageError> {
+        let answer = match is_by_hand {
+            true => self.capture.shoot(&frame)?,
+            false => self.capture.see(&frame)?,
+        };
+        let guidance = self.capture.guidance();
+        self.frames += 1;
+        let shown = Shown::of(
+            self.frames,
+            &frame.name,
+            &answer,
+            guidance,
+            &self.rings,
+            self.about.is_stream,
+        );
+        let news = News::Seen {
+            frame: &frame.name,
+            answer: &answer,
+            guidance,
+        };
+        (self.tell)(news).map_err(PageError::Output)?;
+        self.redo.retain(|target| guidance.targets()[*target].photo.is_none());
+        let told = Told {
+            status: match shown.photo {
+                Some(_) => StatusCode::OK,
+                None => StatusCode::UNPROCESSABLE_ENTITY,
+            },
+            sentence: shown.advice.clone(),
+            code: Some(shown.code),
+            photo: shown.photo.clone(),
+        };
+        self.shown = Some(shown);
+        self.picture = Some(Arc::new(Picture {
+            number: self.frames,
+            frame,
+        }));
+        Ok(told)
+    }
+
+    /// Targets that have a photo.
+    fn filled(&self) -> BTreeSet<usize> {
+        let targets = self.capture.guidance().targets().iter().enumerate();
+        targets
+            .filter(|(_, target)| target.photo.is_some())
+            .map(|(index, _)| index)
+            .collect()
+    }
+
+    fn taken_back(&mut self, photos: Vec<String>, before: &BTreeSet<usize>) -> Result<Told, PageError> {
+        for photo in &photos {
+            (self.tell)(News::TakenBack { photo }).map_err(PageError::Output)?;
+        }
+        self.redo.extend(before.difference(&self.filled()));
+        let sentence = match photos.is_empty() {
+            true => "There is no photo to take back".into(),
+            false => format!("Taken back: {}", photos.join(", ")),
+        };
+        // What was said of the newest frame may be true no longer.
+        if let Some(shown) = &mut self.shown {
+            shown.advice.clone_from(&sentence);
+            shown.photo = None;
+        }
+        Ok(Told {
+            status: StatusCode::OK,
+            sentence,
+            code: None,
+            photo: None,
+        })
+    }
+
+    fn publish(&self, ended: Option<&str>) {
+        let guidance = self.capture.guidance();
+        let revision = self.published.borrow().revision + 1;
+        let (sectors, views) = state::views(guidance, &self.rings, &self.bins, &self.redo);
+        let state = State {
+            revision,
+            about: self.about,
+            rings: &self.rings.0,
+            sectors,
+            filled: views.iter().filter(|view| view.photo.is_some()).count(),
+            views,
+            frame: self.shown.as_ref(),
+            next: self
+                .shown
+                .as_ref()
+                .and_then(|shown| guidance.nearest_open(&shown.viewpoint?)),
+            source_ended: self.source_ended,
+            ended,
+        };
+        let photos = guidance.targets().iter().filter_map(|target| target.photo.clone());
+        self.published.send_replace(Arc::new(Published {
+            revision,
+            // Numbers and strings always serialise.
+            json: serde_json::to_vec(&state).unwrap_or_default().into(),
+            frame: self.picture.clone(),
+            photos: photos.collect(),
+            has_ended: ended.is_some(),
+        }));
+    }
+}
+
+/// Gives frames of the source one by one, each when it is asked for; the first at once. A source that waits for ever is left behind in its
+/// thread when the program ends.
+fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<Event>) -> SyncSender<()> {
+    let (more, asked) = sync_channel(1);
+    let _ = more.try_send(()); // the channel is empty
+    std::thread::spawn(move || {
+        while asked.recv().is_ok() {
+            let next = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
+            let is_last = !matches!(next, Ok(Some(_)));
+            if events.send(Event::Frame(next)).is_err() || is_last {
+                break;
+            }
+        }
+    });
+    more
+}

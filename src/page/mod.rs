@@ -1,0 +1,151 @@
+//! The page of a guided capture: a dial, the newest frame, one sentence, and buttons, in a browser on this machine or in the local
+//! network.
+//!
+//! Two threads: the caller's works at the desk (`desk.rs`), the only place that touches the capture; the server's (`server.rs`) answers
+//! from what the desk published last. Nothing a browser sends becomes a name or a path.
+
+mod access;
+mod code;
+mod desk;
+mod dial;
+mod meters;
+mod picture;
+mod routes;
+mod server;
+mod state;
+mod upload;
+
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, TcpListener, UdpSocket};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use tokio::sync::watch;
+
+use crate::capture::{Capture, FrameSource, SourceError, StoreError};
+use crate::files;
+use crate::scene::Scene;
+use access::Access;
+use desk::{Desk, Event, Published};
+use routes::Site;
+use server::Server;
+
+pub use desk::News;
+pub use state::About;
+
+/// What keeps the page, or the capture behind it, from going on.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    #[error("the port {port} cannot be opened ({reason}): name another with --port")]
+    Port { port: u16, reason: String },
+    #[error("the page cannot be served ({reason}): capture without --page")]
+    Server { reason: String },
+    #[error("this machine is in no network that a phone could reach: join one, or leave --lan out")]
+    NoNetwork,
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    #[error(transparent)]
+    Output(io::Error),
+}
+
+/// A page that is being served.
+pub struct Page {
+    server: Server,
+    /// For the source's thread.
+    own: Sender<Event>,
+    events: Receiver<Event>,
+    published: watch::Sender<Arc<Published>>,
+    /// The address for a browser on this machine.
+    pub address: String,
+    pub lan: Option<Lan>,
+}
+
+/// How a phone in the local network gets to the page.
+pub struct Lan {
+    pub address: String,
+    /// The address as a QR code, drawn with characters that are half as wide as high.
+    pub code: String,
+}
+
+impl Page {
+    /// Serves on 127.0.0.1, or with `lan` on all networks of this machine to whoever brings a one-time token: one for a browser on this
+    /// machine, one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown.
+    ///
+    /// # Errors
+    /// A port that is in use; no network.
+    pub fn open(port: u16, lan: bool, session: &Path) -> Result<Page, PageError> {
+        let unserved = |e: io::Error| PageError::Server {
+            reason: files::plain(&e),
+        };
+        let network = if lan {
+            Some(own_address().ok_or(PageError::NoNetwork)?)
+        } else {
+            None
+        };
+        let from = if lan {
+            Ipv4Addr::UNSPECIFIED
+        } else {
+            Ipv4Addr::LOCALHOST
+        };
+        let listener = TcpListener::bind((from, port)).map_err(|e| PageError::Port {
+            port,
+            reason: files::plain(&e),
+        })?;
+        let port = listener.local_addr().map_err(unserved)?.port();
+        let here = format!("http://{}:{port}/", Ipv4Addr::LOCALHOST);
+        let (access, address, lan) = match network {
+            None => (Access::local(), here, None),
+            Some(ip) => {
+                let tokens = Access::by_token().map_err(|reason| PageError::Server { reason })?;
+                let (access, [for_here, for_phone]) = tokens;
+                let address = format!("http://{ip}:{port}/join/{for_phone}");
+                let code = code::drawn(&address).map_err(|reason| PageError::Server { reason })?;
+                (access, format!("{here}join/{for_here}"), Some(Lan { address, code }))
+            }
+        };
+        let (own, events) = channel();
+        let (published, newest) = watch::channel(Arc::new(Published::nothing()));
+        let site = Site::new(access, newest, own.clone(), session.to_owned());
+        let server = Server::start(listener, site.router(), own.clone()).map_err(unserved)?;
+        Ok(Page {
+            server,
+            own,
+            events,
+            published,
+            address,
+            lan,
+        })
+    }
+
+    /// Captures from a source and from what browsers send, until somebody finishes on the page or with Ctrl-C. The page stays when all
+    /// views are there or the source has ended: photos may still be taken back.
+    ///
+    /// # Errors
+    /// A photo that cannot be written, a source that is gone, an output that cannot be told; browsers are shown the sentence, and the server
+    /// has ended.
+    pub fn follow(
+        self,
+        capture: &mut Capture,
+        scene: &Scene,
+        source: Option<Box<dyn FrameSource + Send>>,
+        about: &About,
+        tell: &mut dyn FnMut(News) -> io::Result<()>,
+    ) -> Result<(), PageError> {
+        let worked = Desk::new(capture, scene, about, &self.published, tell).work(&self.events, self.own, source);
+        self.server.end();
+        worked
+    }
+}
+
+/// The address under which other machines in the local network see this one. Nothing is sent: the system is asked which way it would
+/// take.
+fn own_address() -> Option<IpAddr> {
+    let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
+    // An address for documentation (RFC 5737), which no network has.
+    socket.connect((Ipv4Addr::new(192, 0, 2, 1), 9)).ok()?;
+    let ip = socket.local_addr().ok()?.ip();
+    (!ip.is_unspecified() && !ip.is_loopback()).then_some(ip)
+}

@@ -1,0 +1,44 @@
+//! Small pictures for the page: the newest frame, and the photos that were taken.
+
+use std::path::Path;
+
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
+use image::imageops::{self, FilterType};
+
+use crate::capture::Original;
+use crate::photo::PhotoFile;
+
+/// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
+pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
+    match original {
+        Original::Unreadable(_) => None,
+        Original::Pixels(rgb) => jpeg(rgb, fitting([rgb.width(), rgb.height()], longest_side_px)),
+        Original::Encoded(bytes) => {
+            let file = PhotoFile::of_bytes(Path::new("frame"), bytes.clone()).ok()?;
+            of_file(&file, longest_side_px)
+        }
+    }
+}
+
+/// The same of a photo on disk.
+pub(super) fn of_photo(path: &Path, longest_side_px: u32) -> Option<Vec<u8>> {
+    of_file(&PhotoFile::open(path).ok()?, longest_side_px)
+}
+
+fn of_file(file: &PhotoFile, longest_side_px: u32) -> Option<Vec<u8>> {
+    let size = fitting([file.width, file.height], longest_side_px);
+    jpeg(&file.rgb(file.reduction(size)).ok()?, size)
+}
+
+fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {
+    let scale = (f64::from(longest_side_px) / f64::from(width.max(height).max(1))).min(1.0);
+    [width, height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
+}
+
+fn jpeg(picture: &RgbImage, [width, height]: [u32; 2]) -> Option<Vec<u8>> {
+    let small = imageops::resize(picture, width, height, FilterType::Triangle);
+    let mut jpeg = Vec::new();
+    JpegEncoder::new_with_quality(&mut jpeg, 75).encode_image(&small).ok()?;
+    Some(jpeg)
+}

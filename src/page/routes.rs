@@ -1,0 +1,236 @@
+//! What the server answers. Everything that changes the session goes to the desk; everything else is what the desk published last.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::{Body, Bytes};
+use axum::extract::{Path, Request, State};
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, LOCATION, SET_COOKIE};
+use axum::http::{HeaderName, HeaderValue, StatusCode};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use tokio::sync::{Semaphore, oneshot, watch};
+
+use super::access::Access;
+use super::desk::{Event, Published, Reply, Told};
+use super::{picture, upload};
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// How long a question for news waits for some.
+const NEWS: Duration = Duration::from_secs(10);
+
+/// Longest sides in px.
+const PREVIEW_PX: u32 = 960;
+const THUMBNAIL_PX: u32 = 240;
+
+/// Uploads in memory at once; further ones wait before they are read.
+const MAX_UPLOADS: usize = 4;
+
+/// Nothing from elsewhere, no frame around the page, no guessing of types, nothing kept.
+const HEADERS: [(&str, &str); 5] = [
+    (
+        "content-security-policy",
+        "default-src 'none'; img-src 'self' data:; style-src 'self'; script-src 'self'; connect-src 'self'; base-uri 'none'; \
+         form-action 'none'; frame-ancestors 'none'",
+    ),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cache-control", "no-store"),
+];
+
+/// What the answers need.
+#[derive(Clone)]
+pub(super) struct Site {
+    pub access: Arc<Access>,
+    pub published: watch::Receiver<Arc<Published>>,
+    pub events: Sender<Event>,
+    /// The session's folder, of which only accepted photos are read.
+    pub session: PathBuf,
+    pub uploads: Arc<Semaphore>,
+    /// One picture is made at a time.
+    pub pictures: Arc<Semaphore>,
+}
+
+impl Site {
+    pub(super) fn new(
+        access: Access,
+        published: watch::Receiver<Arc<Published>>,
+        events: Sender<Event>,
+        session: PathBuf,
+    ) -> Site {
+        Site {
+            access: Arc::new(access),
+            published,
+            events,
+            session,
+            uploads: Arc::new(Semaphore::new(MAX_UPLOADS)),
+            pictures: Arc::new(Semaphore::new(1)),
+        }
+    }
+
+    pub(super) fn router(self) -> Router {
+        Router::new()
+            .route("/", get(|| async { asset("text/html; charset=utf-8", PAGE) }))
+            .route("/page.css", get(|| async { asset("text/css; charset=utf-8", STYLE) }))
+            .route(
+                "/page.js",
+                get(|| async { asset("text/javascript; charset=utf-8", SCRIPT) }),
+            )
+            .route("/state/{seen}", get(state))
+            .route("/preview/{number}", get(preview))
+            .route("/photo/{name}", get(photo))
+            .route("/upload", post(receive))
+            .route("/shoot", post(|site| ask(site, Event::Shoot)))
+            .route("/undo", post(|site| ask(site, Event::Undo)))
+            .route("/redo/{sector}", post(redo))
+            .route("/finish", post(finish))
+            .layer(middleware::from_fn_with_state(self.clone(), known))
+            .route("/join/{token}", get(join))
+            .layer(middleware::from_fn_with_state(self.clone(), from_here))
+            .with_state(self)
+    }
+}
+
+/// The first check of every request, and the headers of every answer.
+async fn from_here(State(site): State<Site>, request: Request, next: Next) -> Response {
+    let mut response = match site.access.check_site(request.method(), request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err((status, sentence)) => plain(status, sentence),
+    };
+    for (name, value) in HEADERS {
+        let headers = response.headers_mut();
+        headers
+            .entry(HeaderName::from_static(name))
+            .or_insert(HeaderValue::from_static(value));
+    }
+    response
+}
+
+async fn known(State(site): State<Site>, request: Request, next: Next) -> Response {
+    match site.access.is_known(request.headers()) {
+        true => next.run(request).await,
+        false => plain(
+            StatusCode::UNAUTHORIZED,
+            "open the address with its code, which the terminal shows; each is good once",
+        ),
+    }
+}
+
+async fn join(State(site): State<Site>, Path(token): Path<String>, request: Request) -> Response {
+    let to_page = [(LOCATION, "/")];
+    match site.access.join(&token) {
+        Some(cookie) => (StatusCode::SEE_OTHER, to_page, [(SET_COOKIE, cookie)]).into_response(),
+        // The same browser once more: it has its cookie.
+        None if site.access.is_known(request.headers()) => (StatusCode::SEE_OTHER, to_page).into_response(),
+        None => plain(
+            StatusCode::UNAUTHORIZED,
+            "this code is not known, or another browser has used it: start the capture again for a new one",
+        ),
+    }
+}
+
+/// The newest state, as soon as it is another than the one that was seen.
+async fn state(State(site): State<Site>, Path(seen): Path<u64>) -> Response {
+    let mut published = site.published.clone();
+    let is_news = |p: &Arc<Published>| p.revision != seen || p.has_ended;
+    let _ = tokio::time::timeout(NEWS, published.wait_for(is_news)).await; // without news, the old once more
+    let json = published.borrow().json.clone();
+    ([(CONTENT_TYPE, "application/json")], json).into_response()
+}
+
+/// The newest frame; an older one is gone.
+async fn preview(State(site): State<Site>, Path(number): Path<u64>) -> Response {
+    let Ok(_turn) = site.pictures.acquire().await else {
+        return StatusCode::GONE.into_response();
+    };
+    let newest = site.published.borrow().frame.clone();
+    match newest.filter(|picture| picture.number == number) {
+        Some(newest) => jpeg(move || picture::of_frame(&newest.frame.original, PREVIEW_PX)).await,
+        None => StatusCode::GONE.into_response(),
+    }
+}
+
+/// A photo that fills a view. The name is compared with those of such photos, and never made into a path unless it is one.
+async fn photo(State(site): State<Site>, Path(name): Path<String>) -> Response {
+    let is_one = site.published.borrow().photos.contains(&name);
+    if !is_one {
+        return StatusCode::NOT_FOUND.into_response();
+    }
+    let Ok(_turn) = site.pictures.acquire().await else {
+        return StatusCode::GONE.into_response();
+    };
+    let path = site.session.join(name);
+    let mut response = jpeg(move || picture::of_photo(&path, THUMBNAIL_PX)).await;
+    // Names are given once.
+    let kept = HeaderValue::from_static("private, max-age=86400, immutable");
+    response.headers_mut().insert(CACHE_CONTROL, kept);
+    response
+}
+
+async fn jpeg(make: impl FnOnce() -> Option<Vec<u8>> + Send + 'static) -> Response {
+    match tokio::task::spawn_blocking(make).await {
+        Ok(Some(jpeg)) => ([(CONTENT_TYPE, "image/jpeg")], jpeg).into_response(),
+        _ => StatusCode::NOT_FOUND.into_response(),
+    }
+}
+
+async fn receive(site: State<Site>, request: Request) -> Response {
+    let (parts, body) = request.into_parts();
+    if let Err((status, sentence)) = upload::check_length(&parts.headers) {
+        return told(Told::refused(status, sentence));
+    }
+    let Ok(place) = site.uploads.clone().acquire_owned().await else {
+        return StatusCode::SERVICE_UNAVAILABLE.into_response();
+    };
+    // Read in any case: a browser shows no answer that comes while it is still sending.
+    let read = upload::read(body).await;
+    match upload::check_kind(&parts.headers).and(read) {
+        Ok(bytes) => ask(site, |reply| Event::Upload(bytes, place, reply)).await,
+        Err((status, sentence)) => told(Told::refused(status, sentence)),
+    }
+}
+
+async fn redo(site: State<Site>, Path(sector): Path<usize>) -> Response {
+    ask(site, |reply| Event::Redo(sector, reply)).await
+}
+
+async fn finish(State(site): State<Site>) -> Response {
+    match site.events.send(Event::Finish) {
+        Ok(()) => StatusCode::ACCEPTED.into_response(),
+        Err(_) => has_ended(),
+    }
+}
+
+/// Hands something to the desk and waits for what it says.
+async fn ask(State(site): State<Site>, event: impl FnOnce(Reply) -> Event) -> Response {
+    let (reply, answer) = oneshot::channel();
+    if site.events.send(event(reply)).is_err() {
+        return has_ended();
+    }
+    answer.await.map_or_else(|_| has_ended(), told)
+}
+
+fn told(told: Told) -> Response {
+    let json = serde_json::to_vec(&told).unwrap_or_default(); // strings always serialise
+    (told.status, [(CONTENT_TYPE, "application/json")], json).into_response()
+}
+
+fn has_ended() -> Response {
+    told(Told::refused(StatusCode::SERVICE_UNAVAILABLE, "The capture has ended"))
+}
+
+fn plain(status: StatusCode, sentence: &'static str) -> Response {
+    (status, [(CONTENT_TYPE, "text/plain; charset=utf-8")], sentence).into_response()
+}
+
+fn asset(kind: &'static str, text: &'static str) -> Response {
+    ([(CONTENT_TYPE, kind)], Body::from(Bytes::from_static(text.as_bytes()))).into_response()
+}

@@ -1,0 +1,118 @@
+//! Photos that a browser sends: bounded before they are read, looked at before they are decoded, and named by nobody but the store.
+
+use std::path::Path;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::{HeaderMap, HeaderName, StatusCode};
+use http_body_util::BodyExt;
+use tokio::time::{Instant, timeout, timeout_at};
+
+use crate::capture::{Frame, Original};
+use crate::photo::PhotoFile;
+
+/// A phone's 50-megapixel JPEG has 15 MB.
+pub(super) const MAX_BYTES: usize = 32 << 20;
+
+/// A picture of more would be no photo of a phone, and takes more memory to decode than an upload may.
+const MAX_MEGAPIXELS: u64 = 120;
+
+/// A sender that is silent for so long is gone.
+const SILENCE: Duration = Duration::from_secs(8);
+
+/// What takes longer than this is no upload over a local network.
+const WHOLE: Duration = Duration::from_secs(120);
+
+pub(super) type Refusal = (StatusCode, String);
+
+/// Refuses what says itself that it is too large.
+pub(super) fn check_length(headers: &HeaderMap) -> Result<(), Refusal> {
+    match text(headers, CONTENT_LENGTH).parse::<u64>() {
+        Ok(length) if length > MAX_BYTES as u64 => Err(too_large()),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses what says itself that it is no JPEG or PNG. What it is, its bytes tell.
+pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
+    let kind = text(headers, CONTENT_TYPE).trim().to_ascii_lowercase();
+    let sentence = match kind.as_str() {
+        "image/heic" | "image/heif" => {
+            "this is an HEIC picture: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)"
+        }
+        // Of the types a form of another site could send without asking first, none is an image's.
+        kind if !kind.starts_with("image/") => "this is no picture: send a JPEG or PNG straight from the camera",
+        _ => return Ok(()),
+    };
+    Err(refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, sentence))
+}
+
+fn text(headers: &HeaderMap, name: HeaderName) -> &str {
+    headers
+        .get(name)
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or_default()
+}
+
+/// The whole body, given up when it grows too large or too slowly.
+pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
+    let end = Instant::now() + WHOLE;
+    let slow = || {
+        refusal(
+            StatusCode::REQUEST_TIMEOUT,
+            "the photo came too slowly: go nearer to the router and send it again",
+        )
+    };
+    let mut bytes = Vec::new();
+    loop {
+        let next = timeout_at(end, timeout(SILENCE, body.frame())).await;
+        let frame = match next.map_err(|_| slow())?.map_err(|_| slow())? {
+            None => return Ok(bytes),
+            Some(Err(_)) => {
+                return Err(refusal(
+                    StatusCode::BAD_REQUEST,
+                    "the photo did not arrive whole: send it again",
+                ));
+            }
+            Some(Ok(frame)) => frame,
+        };
+        if let Ok(data) = frame.into_data() {
+            if bytes.len() + data.len() > MAX_BYTES {
+                return Err(too_large());
+            }
+            bytes.extend_from_slice(&data);
+        }
+    }
+}
+
+/// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
+pub(super) fn frame(number: u64, bytes: Vec<u8>) -> Frame {
+    let name = format!("upload {number}");
+    let megapixels = |file: &PhotoFile| u64::from(file.width) * u64::from(file.height) / 1_000_000;
+    let original = match PhotoFile::of_bytes(Path::new(&name), bytes) {
+        Err(e) => Original::Unreadable(e.to_string()),
+        Ok(file) if megapixels(&file) > MAX_MEGAPIXELS => Original::Unreadable(format!(
+            "{name} has {} megapixels, and {MAX_MEGAPIXELS} can be sent: let the camera make smaller pictures",
+            megapixels(&file)
+        )),
+        Ok(file) => Original::Encoded(file.bytes().to_vec()),
+    };
+    Frame {
+        name,
+        taken: None,
+        original,
+    }
+}
+
+fn too_large() -> Refusal {
+    let sentence = format!(
+        "the photo has more than {} MB: let the camera make smaller pictures",
+        MAX_BYTES >> 20
+    );
+    (StatusCode::PAYLOAD_TOO_LARGE, sentence)
+}
+
+fn refusal(status: StatusCode, sentence: &str) -> Refusal {
+    (status, sentence.to_owned())
+}
