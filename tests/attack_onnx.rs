@@ -89,7 +89,7 @@ fn session(bytes: &[u8]) -> Session {
 /// The largest difference between our outputs and ONNX Runtime's.
 fn worst_difference(network: &Network, session: &mut Session, shape: &[usize], numbers: &[f32]) -> f32 {
     let theirs = by_onnx_runtime(session, shape, numbers);
-    let ours = network.answer(numbers.to_vec()).unwrap().outputs;
+    let ours = network.answer(numbers.to_vec(), false).unwrap().outputs;
     assert_eq!(ours.len(), theirs.len());
     let mut worst = 0.0_f32;
     for (ours, (name, shape, theirs)) in ours.iter().zip(&theirs) {
@@ -691,10 +691,10 @@ fn every_operator_answers_and_derives_as_it_should() {
         let worst = worst_difference(&network, &mut session, &net.shape, &x);
         assert!(worst < 1e-5, "{}: {worst}", net.name);
         // Σ slope · output along a direction, both random.
-        let answer = network.answer(x.clone()).unwrap();
+        let answer = network.answer(x.clone(), true).unwrap();
         let slopes: Vec<Vec<f32>> = answer.outputs.iter().map(|o| spread(o.raw.len(), 22)).collect();
         let sum = |x: &[f32]| -> f64 {
-            let outputs = network.answer(x.to_vec()).unwrap().outputs;
+            let outputs = network.answer(x.to_vec(), false).unwrap().outputs;
             let pairs = outputs.iter().zip(&slopes).flat_map(|(o, s)| o.raw.iter().zip(s));
             pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
         };

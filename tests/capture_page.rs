@@ -17,7 +17,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use browser::Browser;
-use common::{assert_refused, program, read_json, skyline, stderr};
+use common::{assert_refused, program, read_json, skyline};
 use http::{Client, Request, post, upload};
 use image::codecs::jpeg::JpegEncoder;
 use image::{GrayImage, Luma, RgbImage};
@@ -232,6 +232,7 @@ fn uploads_get_the_same_gates_and_the_same_advice() {
     let dark = RgbImage::from_fn(rgb.width(), rgb.height(), |x, y| {
         rgb.get_pixel(x, y).0.map(|v| v / 5).into()
     });
+    let blurred = jpeg(&image::imageops::blur(&rgb, 3.0));
     let cases = [
         (
             photo(0),
@@ -239,7 +240,7 @@ fn uploads_get_the_same_gates_and_the_same_advice() {
             "This very photo is in the session already, as normal_000.jpg",
         ),
         (
-            jpeg(&image::imageops::blur(&rgb, 3.0)),
+            blurred.clone(),
             "blurred",
             "Hold still and let it focus",
         ),

@@ -25,6 +25,14 @@ pub trait WhiteBox {
     /// # Errors
     /// What the network cannot do with this picture, as a sentence.
     fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String>;
+
+    /// The claims alone, where no derivative will be asked for.
+    ///
+    /// # Errors
+    /// Those of [`WhiteBox::look`].
+    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, String> {
+        Ok(self.look(picture, size_px)?.claims().to_vec())
+    }
 }
 
 /// A detector's answer about one picture.

@@ -54,7 +54,7 @@ impl OnnxDetector {
         // A head that does not fit is told now, not at the first picture.
         let [width, height] = manifest.input.size_px;
         let grey = vec![[0.5; 3]; (width * height) as usize];
-        detector.look(&grey, [width, height]).map_err(refused)?;
+        detector.claims(&grey, [width, height]).map_err(refused)?;
         Ok(detector)
     }
 }
@@ -84,12 +84,24 @@ impl WhiteBox for OnnxDetector {
     }
 
     fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+        Ok(Box::new(self.seen(picture, size_px, true)?))
+    }
+
+    /// Without the record of the way back, which the framework keeps until somebody goes it.
+    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, String> {
+        Ok(self.seen(picture, size_px, false)?.claims)
+    }
+}
+
+impl OnnxDetector {
+    fn seen(&self, picture: &[[f64; 3]], size_px: [u32; 2], is_followed: bool) -> Result<Seen, String> {
         let [width, height] = size_px;
         if width == 0 || height == 0 || picture.len() != width as usize * height as usize {
             return Err(format!("{} pixels are no picture of {width} × {height}", picture.len()));
         }
         let way = Resampler::new(&self.manifest.input, size_px);
-        let answer = self.network.answer(way.forward(picture)).map_err(|e| e.to_string())?;
+        let numbers = way.forward(picture);
+        let answer = self.network.answer(numbers, is_followed).map_err(|e| e.to_string())?;
         let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
         if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
             return Err(format!(
@@ -108,16 +120,14 @@ impl WhiteBox for OnnxDetector {
             confidence: terms.confidence(),
             loss: terms.loss(),
         });
-        Ok(Box::new(Seen {
+        Ok(Seen {
             claims: claims.collect(),
             terms,
             answer,
             way,
-        }))
+        })
     }
-}
 
-impl OnnxDetector {
     /// What an anchor's confidence is made of: its objectness and the best of the labels that count.
     fn terms(&self, anchor: &Anchor, [objectness, label]: [f32; 2], outputs: &[Output]) -> Terms {
         let term = |index: usize, exponent: f32| Term::new(&outputs[anchor.output], anchor.output, index, exponent);

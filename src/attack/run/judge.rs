@@ -72,14 +72,14 @@ pub fn confidence(
     least_iou: f64,
 ) -> Result<f64, RunError> {
     let view = || stage.views[view].frame.name.clone();
-    let look = detector
-        .look(picture, stage.list.size_px)
+    let claims = detector
+        .claims(picture, stage.list.size_px)
         .map_err(|reason| RunError::Look {
             detector: detector.name().to_owned(),
             view: view(),
             reason,
         })?;
-    let found = strongest(look.claims(), outline, least_iou).map_or(0.0, |i| look.claims()[i].confidence);
+    let found = strongest(&claims, outline, least_iou).map_or(0.0, |i| claims[i].confidence);
     match found.is_finite() {
         true => Ok(found),
         false => Err(RunError::NotANumber {

@@ -96,18 +96,19 @@ impl Network {
     /// Runs once on black, and keeps what every picture will meet.
     fn settle(&mut self) -> Result<(), String> {
         let black = vec![0.0; self.shape.iter().product()];
-        let (_, picture) = self.picture(black)?;
+        let (_, picture) = self.picture(black, true)?;
         let values = self.graph.run_all(picture)?;
         let logits = logits::uncover(&mut self.graph, &values)?;
         self.logits = logits;
-        let (_, picture) = self.picture(vec![0.0; self.shape.iter().product()])?;
+        let (_, picture) = self.picture(vec![0.0; self.shape.iter().product()], true)?;
         let values = self.graph.run_all(picture)?;
         self.graph.settle(&values);
         Ok(())
     }
 
-    fn picture(&self, numbers: Vec<f32>) -> Result<(Tensor<RANK>, Value), String> {
-        let leaf = Tensor::from_data(TensorData::new(numbers, full(&self.shape)?), &self.device).require_grad();
+    fn picture(&self, numbers: Vec<f32>, is_followed: bool) -> Result<(Tensor<RANK>, Value), String> {
+        let leaf = Tensor::from_data(TensorData::new(numbers, full(&self.shape)?), &self.device);
+        let leaf = if is_followed { leaf.require_grad() } else { leaf };
         let value = Floats {
             x: leaf.clone(),
             rank: self.shape.len(),
@@ -115,18 +116,18 @@ impl Network {
         Ok((leaf, Value::Floats(value)))
     }
 
-    /// The outputs for a picture's numbers, row-major.
+    /// The outputs for a picture's numbers, row-major; only what `is_followed` can be pulled back, and must be, or its record stays in memory.
     ///
     /// # Errors
     /// A number of numbers that is not the shape's.
-    pub fn answer(&self, picture: Vec<f32>) -> Result<Answer, NetError> {
-        self.try_answer(picture).map_err(|reason| NetError::Run {
+    pub fn answer(&self, picture: Vec<f32>, is_followed: bool) -> Result<Answer, NetError> {
+        self.try_answer(picture, is_followed).map_err(|reason| NetError::Run {
             file: self.file.clone(),
             reason,
         })
     }
 
-    fn try_answer(&self, numbers: Vec<f32>) -> Result<Answer, String> {
+    fn try_answer(&self, numbers: Vec<f32>, is_followed: bool) -> Result<Answer, String> {
         if numbers.len() != self.shape.iter().product::<usize>() {
             return Err(format!(
                 "it takes a picture {:?}, not {} numbers",
@@ -134,7 +135,7 @@ impl Network {
                 numbers.len()
             ));
         }
-        let (picture, value) = self.picture(numbers)?;
+        let (picture, value) = self.picture(numbers, is_followed)?;
         let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
         for (i, value) in self.graph.run(value)?.into_iter().enumerate() {
             let Value::Floats(value) = value else {
