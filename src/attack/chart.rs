@@ -114,6 +114,9 @@ enum Method<'a> {
     Trained(&'a dyn Learned, usize),
 }
 
+/// A model, its tone curve's exponent, milliseconds.
+type Fit = (Box<dyn Renderer>, Option<f64>, f64);
+
 impl<'a> Method<'a> {
     fn all(references: &[[u8; 3]], networks: &'a [&'a dyn Learned]) -> Result<Vec<Self>, ChartError> {
         let closed = Kind::ALL.into_iter().flat_map(|kind| {
@@ -153,7 +156,7 @@ impl<'a> Method<'a> {
     }
 
     /// The model of a view, its tone curve's exponent, and the milliseconds it took.
-    fn fit(&self, view: &View) -> Result<(Box<dyn Renderer>, Option<f64>, f64), ChartError> {
+    fn fit(&self, view: &View) -> Result<Fit, ChartError> {
         match self {
             Self::ClosedForm(kind, count) => {
                 let (model, ms) = fastest(|| PerPixel::fit(*kind, &view.shots[..*count]));

@@ -3,15 +3,15 @@
 mod baseline;
 mod chart;
 mod colours;
-mod evaluate;
 mod demo;
+mod evaluate;
 mod history;
 mod import;
 mod on_frames;
 mod render;
+mod run;
 #[cfg(feature = "attack")]
 mod train_dtn;
-mod run;
 
 use std::io::Write;
 use std::path::PathBuf;

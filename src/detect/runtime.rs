@@ -57,6 +57,11 @@ impl Runtime {
         RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
     }
 
+    /// The one environment a process may have, for sessions beside the detectors'.
+    pub fn environment(&self) -> &Environment {
+        &self.environment
+    }
+
     /// Version and build of the loaded library, for provenance.
     pub fn provenance(&self) -> String {
         format!("{} ({})", self.library, ort::info())

@@ -9,7 +9,7 @@
 //! - [`data`]: training views from frames;
 //! - [`training`]: Adam, the loss, what is measured on the way;
 //! - [`run`]: training within a budget, saved on the way;
-//! - [`file`]: a network and the state of its training, whole or absent;
+//! - [`mod@file`]: a network and the state of its training, whole or absent;
 //! - [`view`]: a trained network as a renderer model of one view.
 //!
 //! Outside the paint the network's input is 0 and nothing is asked of it, so it only ever sees a window around the paint. That costs no accuracy

@@ -1,6 +1,6 @@
 //! ONNX files as networks that can be followed backwards, on the tensors of `burn`.
 //!
-//! `onnx-ir` parses the file; each of its nodes becomes one of our own operators ([`operator`]), one file a group. All shapes are fixed when a
+//! `onnx-ir` parses the file; each of its nodes becomes one of our own operators (`operator`), one file a group. All shapes are fixed when a
 //! file is opened, for one picture: what does not follow the picture is then a constant. Weights carry no gradient.
 
 mod arithmetic;

@@ -9,6 +9,8 @@ use onnx_ir::TensorDataExt;
 /// framework's own.
 pub(super) const RANK: usize = 6;
 
+// Nearly all values are tensors.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub(super) enum Value {
     Floats(Floats),
