@@ -20,7 +20,7 @@ pub struct Maps {
 #[serde(rename_all = "kebab-case")]
 pub enum Transformer {
     /// DTN's Expected Texture Transformer (CVPR 2022, fig. 4): `x = relu((relu(η − s) + a)·m + b)`; `TF[0:3]` is s, `[3:6]` a, `[6:9]` m and
-    /// [9:12] b.
+    /// `[9:12]` b.
     #[default]
     Texture,
     /// ACTIVE's Neural Texture Renderer (ICCV 2023): `x = η·m + b`; `TF[0:3]` is m, `[3:6]` b.
