@@ -176,7 +176,8 @@ fn a_shut_relu_can_be_opened_again() {
     assert_eq!(kind.pulls(dark, 0.5, 1.0).subtract, 0.0);
 }
 
-/// Every architecture starts as the reference picture where the texture is the reference, scaled elsewhere, and every one takes steps.
+/// Every architecture starts about as the reference picture where the texture is the reference, scaled elsewhere (shut, it would be off by its
+/// brightness, 0.4), and every one takes steps.
 #[test]
 fn every_architecture_starts_alive_and_learns() {
     let set = training_set(48);
@@ -200,7 +201,7 @@ fn every_architecture_starts_alive_and_learns() {
                         .collect();
                     // The other features begin at random.
                     let mean = off.iter().sum::<f64>() / off.len() as f64;
-                    assert!(mean < 0.12, "{encoder:?} {depth}, {share}: {mean} off in the mean");
+                    assert!(mean < 0.2, "{encoder:?} {depth}, {share}: {mean} off in the mean");
                 }
                 let first = trainer.step(&set).unwrap();
                 let later = (0..8).map(|_| trainer.step(&set).unwrap()).last().unwrap();

@@ -167,7 +167,7 @@ impl Layout {
         self.convs.iter().flat_map(both).collect()
     }
 
-    /// First weights: such that f starts as `x = η · x_ref / η_ref`, which is the reference picture where η is the reference, both ReLUs open for
+    /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference picture where η is the reference, both ReLUs open for
     /// every η ([`Transformer::open`]). A ReLU that is shut everywhere learns nothing any more, and this is the best guess
     /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
     pub fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
