@@ -218,22 +218,10 @@ fn damaged_entries_are_reported_and_computed_again() {
 fn an_interrupted_run_is_taken_up_again() {
     let set = Set::new();
     let whole = set.outputs("whole", &[]);
-    std::fs::remove_dir_all(set.path("cache")).unwrap();
-    let mut child = set
-        .command("out", &["--threads", "1"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let began = Instant::now();
-    while set.cache_entries().len() < 3 && began.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    let interrupted = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(interrupted.unwrap().success());
+    // On a busy machine a run may be over before it is interrupted.
     assert!(
-        !child.wait().unwrap().success(),
-        "the run was over before it was interrupted"
+        (0..5).any(|_| is_interrupted(&set)),
+        "five runs were over before they were interrupted"
     );
     let kept = set.cache_entries();
     assert!(
@@ -249,6 +237,25 @@ fn an_interrupted_run_is_taken_up_again() {
         before,
         "nothing was done twice"
     );
+}
+
+/// Starts a run without anything kept, and interrupts it after three photos; false when it was over by then.
+fn is_interrupted(set: &Set) -> bool {
+    std::fs::remove_dir_all(set.path("cache")).unwrap();
+    let _ = std::fs::remove_dir_all(set.path("out"));
+    let mut child = set
+        .command("out", &["--threads", "1"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    while set.cache_entries().len() < 3 && began.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let interrupted = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(interrupted.unwrap().success());
+    !child.wait().unwrap().success()
 }
 
 fn merge(set: &Set, shards: &[&str], out: &str) -> Output {
