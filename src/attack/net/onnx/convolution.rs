@@ -211,12 +211,15 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
         }
         Node::GlobalAveragePool(_) => Arc::new(Global::Mean),
         Node::GlobalMaxPool(_) => Arc::new(Global::Max),
-        Node::BatchNormalization(n) => Arc::new(BatchNorm {
-            epsilon: match &n.config {
+        Node::BatchNormalization(n) => {
+            let epsilon = match &n.config {
                 onnx_ir::node::batch_norm::BatchNormConfig::Static(c) => c.epsilon,
                 onnx_ir::node::batch_norm::BatchNormConfig::Runtime(c) => c.epsilon,
-            },
-        }),
+            };
+            // The parser says 0 where a file says nothing, and the standard then means 1e-5.
+            let epsilon = if epsilon == 0.0 { 1e-5 } else { epsilon };
+            Arc::new(BatchNorm { epsilon })
+        }
         _ => return None,
     })
 }
