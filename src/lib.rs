@@ -3,6 +3,7 @@
 //! Print a pattern at 1:10, photograph the model among AprilTags, and score object detectors per viewpoint. The rooms and
 //! which may use which are listed in `ARCHITECTURE.md`.
 
+pub mod ap;
 pub mod attack;
 pub mod board;
 pub mod calibrate;

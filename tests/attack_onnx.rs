@@ -6,6 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use burn::tensor::Device;
 use common::{home, shared};
 use image::RgbImage;
 use ort::session::Session;
@@ -109,7 +110,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = Network::read(&bytes, file, &shape).unwrap();
+        let network = Network::read(&bytes, file, &shape, &Device::flex()).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let photos = photos();
@@ -126,7 +127,7 @@ fn outputs_are_those_of_onnx_runtime() {
 
 fn opened(name: &str, file: &str, labels: &[usize]) -> Option<(OnnxDetector, PathBuf)> {
     let path = shared(&format!("detectors/{file}"))?;
-    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
+    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, &Device::flex()).unwrap();
     Some((detector, path))
 }
 
@@ -672,7 +673,8 @@ fn every_operator_answers_and_derives_as_it_should() {
         .flatten()
     {
         let bytes = net.bytes();
-        let network = Network::read(&bytes, net.name, &net.shape).unwrap_or_else(|e| panic!("{}: {e}", net.name));
+        let network = Network::read(&bytes, net.name, &net.shape, &Device::flex())
+            .unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
         let worst = worst_difference(&network, &mut session, &net.shape, &x);
@@ -840,7 +842,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let manifest =
             Manifest::parse(&text.replace("resize", &format!("layout = \"{layout}\"\nresize")), head).unwrap();
         let all: Vec<usize> = (0..80).collect();
-        let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
+        let detector = OnnxDetector::open(&manifest, &path, &all, &Device::flex()).unwrap();
         let claims = detector.claims(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
         let solid = claims.iter().filter(|c| c.box_px.width().min(c.box_px.height()) > 0.02);
@@ -854,7 +856,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
             "{head}: {best} {:?}",
             found[0]
         );
-        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7]).unwrap();
+        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7], &Device::flex()).unwrap();
         let worst = worst_derivative(&cars, &picture, size, &mut rng);
         assert!(worst < 0.01, "{head}: {worst}");
     }
@@ -866,7 +868,7 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
     let path = folder.path().join("one_box.onnx");
     for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
         std::fs::write(&path, one_box(bias)).unwrap();
-        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
+        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7], &Device::flex()).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
         let look = detector.look(&picture, [64, 64]).unwrap();
         let claim = look.claims()[0];
@@ -906,7 +908,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let path = folder.path().join("net.onnx");
     let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
         std::fs::write(&path, bytes).unwrap();
-        let error = OnnxDetector::open(manifest, &path, labels)
+        let error = OnnxDetector::open(manifest, &path, labels, &Device::flex())
             .err()
             .expect("refused")
             .to_string();
@@ -933,7 +935,10 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let error = refusal(&whole, &deim, &[2]);
     assert!(error.contains("chooses boxes by itself"), "{error}");
     if let Some(file) = shared("detectors/deimv2_hgnetv2_atto_coco.onnx") {
-        let error = OnnxDetector::open(&deim, &file, &[2]).err().unwrap().to_string();
+        let error = OnnxDetector::open(&deim, &file, &[2], &Device::flex())
+            .err()
+            .unwrap()
+            .to_string();
         println!("{error}");
         assert!(error.contains("GridSample") && error.contains("TopK"), "{error}");
     }

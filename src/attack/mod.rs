@@ -6,6 +6,7 @@
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
 //! - `dtn` (feature `attack`): those that are trained: DTN and NTR;
+//! - [`device`]: what the networks run on;
 //! - [`white_box`]: what the attack asks of a detector; `net` (Cargo feature `attack`) answers it with the ONNX file that scoring uses;
 //! - [`chart`]: those models against each other;
 //! - [`run`]: the attack itself;
@@ -15,6 +16,7 @@
 pub mod additive;
 pub mod baseline;
 pub mod chart;
+pub mod device;
 #[cfg(feature = "attack")]
 pub mod dtn;
 pub mod evaluate;

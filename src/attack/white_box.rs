@@ -20,6 +20,9 @@ pub trait WhiteBox {
     /// The name of its manifest.
     fn name(&self) -> &str;
 
+    /// The overlap above which a better box hides another in scoring.
+    fn hides_from_iou(&self) -> f64;
+
     /// All anchors, without suppression of neighbours and without a floor.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ mod baseline;
 mod chart;
 mod colours;
 mod demo;
+mod device;
 mod evaluate;
 mod history;
 mod import;

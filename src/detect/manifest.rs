@@ -290,7 +290,7 @@ impl Manifest {
 
 impl Head {
     /// The overlap above which a box is dropped, of heads that need it.
-    pub(super) fn nms_iou(&self) -> Option<f64> {
+    pub(crate) fn nms_iou(&self) -> Option<f64> {
         match self {
             Head::Yolox { nms_iou }
             | Head::Nanodet { nms_iou, .. }

@@ -4,14 +4,14 @@ use crate::geometry::BoxPx;
 
 /// A decoded box before suppression, in input pixels.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
+pub(crate) struct Candidate {
     pub label: usize,
     pub score: f64,
     pub b: BoxPx,
 }
 
 /// Greedy suppression within each label: a box goes when a better one of its label overlaps it by more than `iou`. Best first.
-pub(super) fn suppress(candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
+pub(crate) fn suppress(candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
     let mut kept: Vec<Candidate> = Vec::new();
     for c in sorted(candidates) {
         if kept.iter().all(|k| k.label != c.label || k.b.iou(&c.b) <= iou) {

@@ -1,6 +1,5 @@
 //! Photos, poses and detections become numbers: truth boxes, matching, AP, rates, drops.
 
-mod ap;
 mod cache;
 mod caution;
 mod compare;
@@ -17,7 +16,7 @@ mod summary;
 mod transfer;
 mod wilson;
 
-pub use ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+pub use crate::ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
 pub use cache::Cache;
 pub use compare::{
     BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,

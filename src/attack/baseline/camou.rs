@@ -75,8 +75,8 @@ struct Answered {
 ///
 /// # Errors
 /// A detector that cannot look.
-pub fn search(oracle: &mut Oracle, config: &Config) -> Result<Vec<Rgb>, RunError> {
-    let device = Device::flex().autodiff();
+pub fn search(oracle: &mut Oracle, config: &Config, device: &Device) -> Result<Vec<Rgb>, RunError> {
+    let device = device.clone().autodiff();
     device.seed(config.seed);
     let side = config.cells as usize;
     let mut clone = Clone2d::new(side, &device);

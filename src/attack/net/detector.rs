@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use burn::tensor::Device;
+
 use super::onnx::{Answer, NetError, Network, Output};
 use super::resample::Resampler;
 use crate::attack::white_box::{Claim, Look, WhiteBox};
@@ -32,7 +34,12 @@ impl OnnxDetector {
     /// # Errors
     /// Labels it does not have; an input or a head that no gradient can be led through; unknown operators, by their names; a network whose
     /// outputs are not those of the manifest's head.
-    pub fn open(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<OnnxDetector, WhiteBoxError> {
+    pub fn open(
+        manifest: &Manifest,
+        weights: &Path,
+        labels: &[usize],
+        device: &Device,
+    ) -> Result<OnnxDetector, WhiteBoxError> {
         let refused = |reason: String| WhiteBoxError::Manifest {
             name: manifest.name.clone(),
             reason,
@@ -49,7 +56,7 @@ impl OnnxDetector {
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: Network::read(&files::read(weights)?, &file, &shape)?,
+            network: Network::read(&files::read(weights)?, &file, &shape, device)?,
         };
         // A head that does not fit is told now, not at the first picture.
         let [width, height] = manifest.input.size_px;
@@ -81,6 +88,10 @@ fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, String> {
 impl WhiteBox for OnnxDetector {
     fn name(&self) -> &str {
         &self.manifest.name
+    }
+
+    fn hides_from_iou(&self) -> f64 {
+        self.manifest.head.nms_iou().unwrap_or(1.0)
     }
 
     fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {

@@ -42,7 +42,7 @@ impl History {
     }
 }
 
-/// The chart: mean confidence on the held-out views against wall time, a colour for each method; the filled share of a
+/// The chart: AP@0.5 on the held-out views against wall time, a colour for each method; the filled share of a
 /// mark is the hit rate.
 pub fn draw(histories: &[History]) -> String {
     let mut methods: Vec<String> = Vec::new();
@@ -57,12 +57,12 @@ pub fn draw(histories: &[History]) -> String {
         .and_then(History::last_judged)
         .map_or(0, |(_, j)| j.views);
     scatter(&Cloud {
-        title: "Patterns: confidence on held-out views against time".to_owned(),
+        title: "Patterns: AP@0.5 on held-out views against time".to_owned(),
         note: format!(
             "{views} views by the renderer model; filled: share with a hit at confidence 0.5; ringed: the end; lower left is better"
         ),
         x: Axis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
-        y: Axis::around("mean confidence", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
+        y: Axis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
         colours: methods,
         shapes: vec!["after so many seconds".to_owned()],
         groups: vec![(String::new(), dots)],
@@ -76,7 +76,7 @@ fn of_one<'a>(history: &'a History, methods: &'a [String]) -> impl Iterator<Item
     judged.map(move |(entry, judgement)| Dot {
         // A pattern that took no time stands at the left end.
         x: entry.wall_s.max(1.0),
-        y: judgement.mean_confidence,
+        y: judgement.ap50,
         share: judgement.hit_rate,
         series,
         shape: 0,

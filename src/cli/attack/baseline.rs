@@ -11,6 +11,8 @@ use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::baseline::patches::{Patch, paint};
 use crate::attack::baseline::{self, Oracle, genetic};
+#[cfg(feature = "attack")]
+use crate::attack::device::DeviceKind;
 use crate::attack::run::history::Entry;
 use crate::attack::run::judge::{Judgement, judge, judge_pictures};
 use crate::attack::run::{Rgb, RunError, of_pattern, srgb};
@@ -148,7 +150,11 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
     let on_query = |asked: u64| bar.set_position(asked);
     let mut oracle = Oracle::begin(&opened.stage, &opened.detectors, &config, &on.output, &on_query)?;
-    let cells = search(method, &mut oracle, &config);
+    let cells = match method {
+        #[cfg(feature = "attack")]
+        "camou" => camou(on.device.device, &mut oracle, &config),
+        _ => genetic::search(&mut oracle, &config).map_err(Box::from),
+    };
     bar.finish_and_clear();
     let cells = cells?;
     let entries = oracle.finish()?;
@@ -156,12 +162,9 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     Ok(Outcome::Done)
 }
 
-fn search(method: &str, oracle: &mut Oracle, config: &baseline::Config) -> Result<Vec<Rgb>, RunError> {
-    match method {
-        #[cfg(feature = "attack")]
-        "camou" => baseline::camou::search(oracle, config),
-        _ => genetic::search(oracle, config),
-    }
+#[cfg(feature = "attack")]
+fn camou(device: DeviceKind, oracle: &mut Oracle, config: &baseline::Config) -> Result<Vec<Rgb>, Box<dyn Error>> {
+    Ok(baseline::camou::search(oracle, config, &device.open()?)?)
 }
 
 /// Patches are no repeated pattern, so there is a history and no pattern.

@@ -26,6 +26,9 @@ pub struct ChartArgs {
     #[cfg(feature = "attack")]
     #[arg(long, value_name = "FILE", num_args = 1..)]
     network: Vec<PathBuf>,
+    #[cfg(feature = "attack")]
+    #[command(flatten)]
+    on: super::device::OnDevice,
     /// Folder for the charts (SVG) and its numbers (JSON)
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
@@ -77,10 +80,11 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 #[cfg(feature = "attack")]
-fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, crate::attack::dtn::DtnError> {
+fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, Box<dyn std::error::Error>> {
     use crate::attack::dtn::file;
+    let device = args.on.device.open()?;
     let open = |path: &PathBuf| {
-        let network = file::load(path)?.network(burn::tensor::Device::flex())?;
+        let network = file::load(path)?.network(device.clone())?;
         Ok(Box::new(network) as Box<dyn Learned>)
     };
     args.network.iter().map(open).collect()

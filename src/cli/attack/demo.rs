@@ -4,6 +4,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::device::OnDevice;
 use super::on_frames::{Laying, OnFrames, Opened, PATTERN};
 use super::run::{Settings, optimise};
 use super::{CommandResult, Outcome};
@@ -38,6 +39,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         cells: CELLS,
         tile_mm: TILE_MM,
         laying: Laying::World,
+        device: OnDevice::default(),
         seed: 1,
         output: args.out.clone(),
     };
@@ -84,13 +86,17 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
 fn table(opened: &Opened, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let grey = srgb(&vec![[128; 3]; cells.len()]);
     let random = of_pattern(&Pattern::random(CELLS, 1)?);
-    writeln!(out, "{:<10} {:>9} {:>16}", "pattern", "hit rate", "mean confidence")?;
+    writeln!(
+        out,
+        "{:<10} {:>7} {:>9} {:>16}",
+        "pattern", "AP@0.5", "hit rate", "mean confidence"
+    )?;
     for (name, cells) in [("grey", grey.as_slice()), ("random", &random), ("attack", cells)] {
         let judged = judge(&opened.stage, &opened.detectors, cells)?;
         writeln!(
             out,
-            "{name:<10} {:>9.2} {:>16.2}",
-            judged.hit_rate, judged.mean_confidence
+            "{name:<10} {:>7.2} {:>9.2} {:>16.2}",
+            judged.ap50, judged.hit_rate, judged.mean_confidence
         )?;
     }
     Ok(())

@@ -38,19 +38,20 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
     }
     writeln!(
         out,
-        "{:<10} {:>5} {:>8} {:>9} {:>8} {:>9} {:>11}",
-        "method", "seed", "tile mm", "pictures", "seconds", "hit rate", "confidence"
+        "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}",
+        "method", "seed", "tile mm", "pictures", "seconds", "AP@0.5", "hit rate", "confidence"
     )?;
     for history in &histories {
         if let Some((entry, judged)) = history.last_judged() {
             writeln!(
                 out,
-                "{:<10} {:>5} {:>8} {:>9} {:>8.0} {:>9.2} {:>11.2}",
+                "{:<10} {:>5} {:>8} {:>9} {:>8.0} {:>7.2} {:>9.2} {:>11.2}",
                 history.method,
                 history.seed,
                 history.tile_mm,
                 entry.queries,
                 entry.wall_s,
+                judged.ap50,
                 judged.hit_rate,
                 judged.mean_confidence
             )?;

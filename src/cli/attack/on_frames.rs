@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use serde_json::json;
 
+use super::device::OnDevice;
 use super::progress;
+use crate::attack::device::DeviceKind;
 use crate::attack::frames::{FrameSet, LIST};
 #[cfg(feature = "attack")]
 use crate::attack::net::detector::OnnxDetector;
@@ -55,6 +57,8 @@ pub struct OnFrames {
     /// (DTA)
     #[arg(long, value_enum, default_value_t = Laying::World)]
     pub laying: Laying,
+    #[command(flatten)]
+    pub device: OnDevice,
     /// The same seed gives the same pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -91,7 +95,7 @@ pub struct Opened {
 impl OnFrames {
     pub fn open(&self) -> Result<Opened, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
-        let (detectors, named) = white_boxes(&self.detector, &self.folder, &self.class)?;
+        let (detectors, named) = white_boxes(&self.detector, &self.folder, &self.class, self.device.device)?;
         let set = FrameSet::open(&self.frames)?;
         files::check_writable(&self.output)?;
         let grid = Grid {
@@ -197,8 +201,8 @@ pub fn say_judgement(opened: &Opened, history: &History, out: &mut dyn Write) ->
         };
         writeln!(
             out,
-            "predicted, not rendered: hit rate {:.2}, mean confidence {:.2} on {} {which}; {} pictures looked at in {:.0} s",
-            judgement.hit_rate, judgement.mean_confidence, judgement.views, entry.queries, entry.wall_s
+            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} pictures looked at in {:.0} s",
+            judgement.ap50, judgement.hit_rate, judgement.mean_confidence, judgement.views, entry.queries, entry.wall_s
         )?;
     }
     if opened.stage.unseen > 0 {
@@ -243,7 +247,13 @@ type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// The detectors as networks that can be followed back, with their names and hashes.
 #[cfg(feature = "attack")]
-pub fn white_boxes(names: &[String], folder: &Folder, class: &str) -> Result<WhiteBoxes, Box<dyn Error>> {
+pub fn white_boxes(
+    names: &[String],
+    folder: &Folder,
+    class: &str,
+    device: DeviceKind,
+) -> Result<WhiteBoxes, Box<dyn Error>> {
+    let device = device.open()?;
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
     for manifest in detectors::chosen(names)? {
@@ -256,12 +266,12 @@ pub fn white_boxes(names: &[String], folder: &Folder, class: &str) -> Result<Whi
         let path = folders.checked(&manifest)?;
         let sha256 = manifest.weights.sha256.chars().take(12).collect::<String>();
         named.push(format!("{} {sha256}", manifest.name));
-        all.push(Box::new(OnnxDetector::open(&manifest, &path, &[label])?));
+        all.push(Box::new(OnnxDetector::open(&manifest, &path, &[label], &device)?));
     }
     Ok((all, named))
 }
 
 #[cfg(not(feature = "attack"))]
-pub fn white_boxes(_: &[String], _: &Folder, _: &str) -> Result<WhiteBoxes, Box<dyn Error>> {
+pub fn white_boxes(_: &[String], _: &Folder, _: &str, _: DeviceKind) -> Result<WhiteBoxes, Box<dyn Error>> {
     Err("this program was built without the attack's networks: use ./run attack …, or build with `cargo build --release --features attack`".into())
 }

@@ -4,8 +4,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use burn::tensor::Device;
-
+use super::device::OnDevice;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::additive::views;
@@ -46,6 +45,8 @@ pub struct TrainArgs {
     /// Train for so long instead, with the time of earlier runs
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
+    #[command(flatten)]
+    on: OnDevice,
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The network, saved every half minute
@@ -62,11 +63,12 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     } else {
         None
     };
+    let device = args.on.device.open()?;
     let set = frames(args)?;
     let plan = plan(args, &set)?;
     let mut trainer = match known {
-        None => Trainer::new(plan, Device::flex())?,
-        Some(state) if state.plan == plan => Trainer::go_on(state, Device::flex())?,
+        None => Trainer::new(plan, device)?,
+        Some(state) if state.plan == plan => Trainer::go_on(state, device)?,
         Some(state) => {
             return Err(DtnError::OtherTraining {
                 path: args.output.clone(),

@@ -13,9 +13,9 @@ pub use exact::{holm, mcnemar_p};
 pub use pairs::Unpaired;
 pub use plan::{PlanError, pairs_needed, power};
 
-use super::ap::{ApDefinition, Ranked};
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, Outcome, ScoredPhoto, Scores};
+use crate::ap::{ApDefinition, Ranked};
 use pairs::{Cluster, pair};
 
 /// A difference of this size must be excluded before "no difference shown" may be said.

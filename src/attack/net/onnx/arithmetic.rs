@@ -91,7 +91,7 @@ impl Operator for Arithmetic {
     /// Max, Min and Sum take any number of tensors.
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
         let mut result = inputs.value(0)?;
-        for i in 1..inputs.0.len() {
+        for i in 1..inputs.values.len() {
             result = self.of_two(result, inputs.value(i)?)?;
         }
         Ok(vec![result])

@@ -66,7 +66,7 @@ impl Operator for Cast {
             }
             (Value::Whole(v), true) => {
                 let values = v.data.iter().map(|x| *x as f32).collect();
-                Value::Floats(Floats::new(values, &v.shape, &super::constants_device())?)
+                Value::Floats(Floats::new(values, &v.shape, inputs.device)?)
             }
             (same, _) => same,
         }])

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use burn::tensor::Device;
+
 use super::operator::{AnyOperator, Inputs};
 use super::value::Value;
 
@@ -18,6 +20,7 @@ pub(super) struct Step {
 
 /// In the order they are to be run.
 pub(super) struct Graph {
+    pub device: Device,
     pub steps: Vec<Step>,
     pub constants: BTreeMap<Place, Value>,
     pub input: Place,
@@ -33,7 +36,7 @@ impl Graph {
         let mut values = self.start(picture);
         for step in &self.steps {
             let inputs = step.inputs.iter().map(|place| values[(*place)?].clone()).collect();
-            step.run(Inputs(inputs), &mut values)?;
+            step.run(self.inputs(inputs), &mut values)?;
         }
         Ok(values)
     }
@@ -47,7 +50,7 @@ impl Graph {
                 true => values[(*place)?].take(),
                 false => values[(*place)?].clone(),
             });
-            let inputs = Inputs(inputs.collect());
+            let inputs = self.inputs(inputs.collect());
             step.run(inputs, &mut values)?;
         }
         let outputs = self.outputs.iter().map(|(name, place)| {
@@ -71,6 +74,13 @@ impl Graph {
         }
         uses.reverse();
         uses
+    }
+
+    fn inputs(&self, values: Vec<Option<Value>>) -> Inputs<'_> {
+        Inputs {
+            values,
+            device: &self.device,
+        }
     }
 
     fn start(&self, picture: Value) -> Vec<Option<Value>> {

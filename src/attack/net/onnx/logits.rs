@@ -6,8 +6,10 @@
 
 use std::collections::BTreeMap;
 
+use burn::tensor::Device;
+
 use super::graph::{Graph, Place, Step};
-use super::operator::Moves;
+use super::operator::{Inputs, Moves};
 use super::value::{Floats, Value};
 
 /// Leads the outputs past the last sigmoids. Answers, for each output, which of its numbers are logits now. `values`: of
@@ -67,7 +69,7 @@ impl Twins<'_> {
             Some(&(step, output)) => {
                 let step = graph.steps[step].clone();
                 match (step.operator.is_sigmoid(), step.operator.moves()) {
-                    (true, _) => self.before(&step, place)?,
+                    (true, _) => self.before(graph, &step, place)?,
                     (false, Moves::Nothing) => itself,
                     (false, moves) => self.moved(graph, &step, output, moves)?.unwrap_or(itself),
                 }
@@ -78,7 +80,7 @@ impl Twins<'_> {
     }
 
     /// A sigmoid's input.
-    fn before(&self, sigmoid: &Step, place: Place) -> Result<Twin, String> {
+    fn before(&self, graph: &Graph, sigmoid: &Step, place: Place) -> Result<Twin, String> {
         let logits = sigmoid
             .inputs
             .first()
@@ -87,7 +89,7 @@ impl Twins<'_> {
             .ok_or("a sigmoid has no input")?;
         Ok(Twin {
             place: logits,
-            is_logit: Some(self.filled(place, 1.0)?),
+            is_logit: Some(self.filled(place, 1.0, &graph.device)?),
         })
     }
 
@@ -103,7 +105,7 @@ impl Twins<'_> {
                     has_logits |= twin.is_logit.is_some();
                     Some(match twin.is_logit {
                         Some(mask) => mask,
-                        None => self.filled(*place, 0.0)?,
+                        None => self.filled(*place, 0.0, &graph.device)?,
                     })
                 }
                 Some(place) => self.values[*place].clone(),
@@ -113,7 +115,10 @@ impl Twins<'_> {
         if !has_logits {
             return Ok(None);
         }
-        let mut masks = step.operator.run(super::operator::Inputs(masks))?;
+        let mut masks = step.operator.run(Inputs {
+            values: masks,
+            device: &graph.device,
+        })?;
         let outputs: Vec<Place> = step.outputs.iter().map(|_| graph.new_place()).collect();
         let place = outputs[output];
         graph.steps.push(Step {
@@ -126,9 +131,9 @@ impl Twins<'_> {
     }
 
     /// A constant in the shape of a place's value.
-    fn filled(&self, place: Place, with: f32) -> Result<Value, String> {
+    fn filled(&self, place: Place, with: f32, device: &Device) -> Result<Value, String> {
         let shape = self.values[place].as_ref().ok_or("a value is never computed")?.shape();
         let count = shape.iter().product();
-        Floats::new(vec![with; count], &shape, &super::constants_device()).map(Value::Floats)
+        Floats::new(vec![with; count], &shape, device).map(Value::Floats)
     }
 }

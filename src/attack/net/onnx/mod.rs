@@ -69,15 +69,10 @@ pub struct Answer {
     device: Device,
 }
 
-/// Where constants lie: the device of all.
-fn constants_device() -> Device {
-    Device::flex().autodiff()
-}
-
 impl Network {
     /// Reads an ONNX file's bytes for pictures of this shape, such as [1, 3, 416, 416]; `file` is only named in errors.
-    pub fn read(bytes: &[u8], file: &str, shape: &[usize]) -> Result<Network, NetError> {
-        let device = constants_device();
+    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, NetError> {
+        let device = device.clone().autodiff();
         let graph = read::read(bytes, file, &device)?;
         let mut network = Network {
             file: file.to_owned(),

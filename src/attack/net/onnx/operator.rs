@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use burn::tensor::Device;
 use onnx_ir::RuntimeInputRef;
 
 use super::value::{Floats, Value, Whole};
@@ -31,17 +32,22 @@ pub(super) enum Moves {
     All,
 }
 
-/// The inputs of one operator; those left out are `None`.
-pub(super) struct Inputs(pub Vec<Option<Value>>);
+/// The inputs of one operator.
+pub(super) struct Inputs<'a> {
+    /// Those left out are `None`.
+    pub values: Vec<Option<Value>>,
+    /// Where all tensors lie.
+    pub device: &'a Device,
+}
 
-impl Inputs {
+impl Inputs<'_> {
     /// How many there are, those left out at the end not counted.
     pub(super) fn count(&self) -> usize {
-        self.0.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+        self.values.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
     }
 
     pub(super) fn take(&mut self, i: usize) -> Option<Value> {
-        self.0.get_mut(i)?.take()
+        self.values.get_mut(i)?.take()
     }
 
     pub(super) fn value(&mut self, i: usize) -> Result<Value, String> {
@@ -56,14 +62,14 @@ impl Inputs {
     }
 
     pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>, String> {
-        match self.0.get(i) {
+        match self.values.get(i) {
             Some(Some(_)) => self.floats(i).map(Some),
             _ => Ok(None),
         }
     }
 
     pub(super) fn whole(&self, i: usize) -> Result<&Whole, String> {
-        match self.0.get(i) {
+        match self.values.get(i) {
             Some(Some(Value::Whole(v))) => Ok(v),
             Some(Some(Value::Floats(_))) => Err(format!("its input {i} holds fractions where whole numbers belong")),
             _ => Err(format!("its input {i} is missing")),

@@ -101,6 +101,7 @@ impl<'a> Builder<'a> {
             outputs.push((output.name.clone(), place));
         }
         Ok(Graph {
+            device: self.device.clone(),
             steps,
             constants: self.constants,
             input,

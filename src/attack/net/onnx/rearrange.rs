@@ -212,7 +212,11 @@ struct Concat(usize);
 
 impl Operator for Concat {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
-        let first = inputs.0.first().and_then(Option::as_ref).ok_or("it has no input")?;
+        let first = inputs
+            .values
+            .first()
+            .and_then(Option::as_ref)
+            .ok_or("it has no input")?;
         let shape = first.shape();
         if self.0 >= shape.len() {
             return Err(format!("a tensor {shape:?} has no axis {}", self.0));
@@ -221,7 +225,7 @@ impl Operator for Concat {
             let other = v.shape();
             other.len() == shape.len() && (0..shape.len()).all(|i| i == self.0 || other[i] == shape[i])
         };
-        if !inputs.0.iter().flatten().all(fits) {
+        if !inputs.values.iter().flatten().all(fits) {
             return Err(format!("its inputs do not go together along axis {}", self.0));
         }
         if matches!(first, Value::Whole(_)) {

@@ -106,7 +106,7 @@ impl Resize {
 impl Operator for Resize {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
         let shape = inputs
-            .0
+            .values
             .first()
             .and_then(Option::as_ref)
             .map(Value::shape)

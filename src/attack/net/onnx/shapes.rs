@@ -48,7 +48,7 @@ impl Operator for ConstantOfShape {
             }
             value => {
                 let value = value.as_ref().and_then(|v| v.scalar_f32().ok()).unwrap_or(0.0);
-                Value::Floats(Floats::new(vec![value; count], &shape, &super::constants_device())?)
+                Value::Floats(Floats::new(vec![value; count], &shape, inputs.device)?)
             }
         }])
     }

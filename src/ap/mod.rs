@@ -41,7 +41,7 @@ pub fn average_precision_as(definition: ApDefinition, images: &[ImageBoxes], iou
 }
 
 /// The detections of all images, judged once, from which curves of any resampling of the images follow.
-pub(super) struct Ranked {
+pub(crate) struct Ranked {
     /// (image, found a truth), the most confident first.
     judged: Vec<(usize, bool)>,
     /// Truths of each image.
@@ -49,7 +49,7 @@ pub(super) struct Ranked {
 }
 
 impl Ranked {
-    pub(super) fn new(images: &[ImageBoxes], iou: f64) -> Ranked {
+    pub(crate) fn new(images: &[ImageBoxes], iou: f64) -> Ranked {
         let of_image = |(i, image)| {
             judge(image, iou)
                 .into_iter()
@@ -64,7 +64,7 @@ impl Ranked {
     }
 
     /// (precision, recall) after each detection, each image taken `times` over; `None` without any truth.
-    pub(super) fn curve(&self, times: impl Fn(usize) -> u32) -> Option<Vec<(f64, f64)>> {
+    pub(crate) fn curve(&self, times: impl Fn(usize) -> u32) -> Option<Vec<(f64, f64)>> {
         let truths: usize = self.truths.iter().enumerate().map(|(i, n)| n * times(i) as usize).sum();
         let (mut all, mut right) = (0_usize, 0_usize);
         let mut curve = Vec::with_capacity(self.judged.len());
