@@ -11,12 +11,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof::attack::baseline::patches::{Patch, paint};
 use scaleproof::attack::baseline::{self, Oracle, genetic};
-use scaleproof::attack::frames::FrameSet;
+use scaleproof::attack::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
 use scaleproof::attack::light;
 use scaleproof::attack::projection::Grid;
 use scaleproof::attack::run::eot::{Draw, Eot, rolled};
 use scaleproof::attack::run::judge::judge;
-use scaleproof::attack::run::loss::{MEETS_IOU, strongest};
+use scaleproof::attack::run::loss::{MEETS_IOU, from_floor, strongest};
 use scaleproof::attack::run::penalty::{off_colours, smooth};
 use scaleproof::attack::run::stage::{Laying, Stage};
 use scaleproof::attack::run::{Attack, Config, Drawn, Rgb, RunError, batch, look};
@@ -141,6 +141,7 @@ fn config(steps: u32) -> Config {
         steps,
         batch: 2,
         rate: 0.05,
+        floor: 0.5,
         seed: 7,
         laying: Laying::World,
         eot: Eot::USUAL,
@@ -212,7 +213,8 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             let cells = random_cells(seed);
             let draw = Draw::random(&eot, &mut Pcg32::seed_from_u64(seed + 40));
             let view = seed as usize % stage.views.len();
-            let at = |cells: &[Rgb]| look(&stage, &detectors, (view, cells, &draw), 0).unwrap();
+            let floor = [0.5, 0.001][seed as usize];
+            let at = |cells: &[Rgb]| look(&stage, &detectors, (view, cells, &draw), (0, floor)).unwrap();
             let off = worst(&cells, &at(&cells).gradient, |cells| at(cells).loss);
             println!("{laying:?}, draw {seed}: gradients off by {off:.1e} of the largest");
             assert!(off < 1e-4, "{laying:?} {seed} {off}");
@@ -414,23 +416,249 @@ fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
             let detectors = detectors(gain, &stage);
             for value in [0.0, 1.0] {
                 let cells = vec![[value; 3]; (CELLS * CELLS) as usize];
-                let looked = look(&stage, &detectors, (0, &cells, &Draw::NONE), 0).unwrap();
-                assert!(
-                    looked.loss.is_finite() && looked.gradient.iter().flatten().all(|v| v.is_finite()),
-                    "{gain} {value}"
-                );
+                for floor in [0.5, 0.001] {
+                    let looked = look(&stage, &detectors, (0, &cells, &Draw::NONE), (0, floor)).unwrap();
+                    assert!(
+                        looked.loss.is_finite() && looked.gradient.iter().flatten().all(|v| v.is_finite()),
+                        "{gain} {value} {floor}"
+                    );
+                }
             }
         }
         // No box is on the model: nothing to do, and nothing is done.
         let mut blind = Weave::new(1.0, &stage);
         blind.boxes.clear();
         let blind: Vec<Box<dyn WhiteBox>> = vec![Box::new(blind)];
-        let looked = look(&stage, &blind, (0, &random_cells(1), &Draw::NONE), 0).unwrap();
+        let looked = look(&stage, &blind, (0, &random_cells(1), &Draw::NONE), (0, 0.5)).unwrap();
         assert_eq!((looked.loss, looked.confidence), (0.0, 0.0));
         assert!(looked.gradient.iter().flatten().all(|v| *v == 0.0));
         let judged = judge(&stage, &blind, &random_cells(1)).unwrap();
         assert_eq!((judged.ap50, judged.hit_rate), (0.0, 0.0));
     }
+}
+
+#[test]
+fn the_loss_lets_go_at_its_floor() {
+    let of = |confidence: f64| -(-confidence).ln_1p();
+    for confidence in [1e-9, 0.001, 0.3, 0.5, 0.99] {
+        let own = from_floor(of(confidence), 0.5);
+        assert!(
+            (own.0 / of(confidence) - 1.0).abs() < 1e-12 && (own.1 - 1.0).abs() < 1e-12,
+            "DTA's own"
+        );
+        for floor in [0.001, 0.1] {
+            let (value, slope) = from_floor(of(confidence), floor);
+            let odds = |c: f64| c / (1.0 - c);
+            assert!((value - (1.0 + odds(confidence) / odds(floor)).ln()).abs() < 1e-9);
+            // By the logit: half of the pull is left at the floor.
+            let by_logit = slope * confidence;
+            let expected = 1.0 / (1.0 + odds(floor) / odds(confidence));
+            assert!(
+                (by_logit - expected).abs() < 1e-9,
+                "{confidence} {floor}: {by_logit} {expected}"
+            );
+        }
+    }
+    let (value, slope) = from_floor(1e5, 0.001);
+    assert!((value - 1e5 - 999_f64.ln()).abs() < 1e-6 && slope == 1.0);
+    assert_eq!(from_floor(0.0, 0.001).0, 0.0);
+}
+
+/// Frames of a roof of 455 × 186 mm at a height of 128 mm, seen from the front at 700 mm, in three flat colours under even light.
+fn roof_seen_from(pitch_deg: f64, folder: &Path) -> FrameSet {
+    const SIZE: [u32; 2] = [64, 48];
+    const FACTOR: u32 = 4;
+    const FOCAL_PX: f64 = 88.0;
+    let (sin, cos) = pitch_deg.to_radians().sin_cos();
+    let centre = nalgebra::Vector3::new(700.0 * cos, 0.0, 64.0 + 700.0 * sin);
+    // Rows: the camera's right, down and forward in the model frame.
+    let turn = nalgebra::Matrix3::new(0.0, 1.0, 0.0, sin, 0.0, -cos, -cos, 0.0, -sin);
+    let shift = -(turn * centre);
+    let parts = [SIZE[0] * FACTOR, SIZE[1] * FACTOR];
+    let hit = |i: u32| -> Option<[f64; 3]> {
+        let (x, y) = (f64::from(i % parts[0]) + 0.5, f64::from(i / parts[0]) + 0.5);
+        let at = |v: f64, size: u32| (v / f64::from(FACTOR) - 0.5 - (f64::from(size) - 1.0) / 2.0) / FOCAL_PX;
+        let ray = turn.transpose() * nalgebra::Vector3::new(at(x, SIZE[0]), at(y, SIZE[1]), 1.0);
+        let along = (128.0 - centre.z) / ray.z;
+        let point = centre + ray * along;
+        (ray.z < 0.0 && point.x.abs() < 227.5 && point.y.abs() < 93.0).then(|| point.into())
+    };
+    let hits: Vec<Option<[f64; 3]>> = (0..parts[0] * parts[1]).map(hit).collect();
+    let share = |x: u32, y: u32| {
+        let inside = (0..FACTOR * FACTOR).map(|k| (x * FACTOR + k % FACTOR, y * FACTOR + k / FACTOR));
+        let seen = inside
+            .filter(|(x, y)| hits[(y * parts[0] + x) as usize].is_some())
+            .count();
+        seen as f64 / f64::from(FACTOR * FACTOR)
+    };
+    let write = |name: &str, bytes: Vec<u8>| std::fs::write(folder.join(name), bytes).unwrap();
+    let mask = image::GrayImage::from_fn(SIZE[0], SIZE[1], |x, y| {
+        image::Luma([(255.0 * share(x, y)).round() as u8])
+    });
+    write("mask.png", encode_grey(&mask).unwrap());
+    let (low, high) = ([-300.0; 3], [300.0; 3]);
+    let positions = hits.iter().map(|hit| hit.unwrap_or(low));
+    write(
+        "positions.png",
+        encode_positions(positions, parts, (low, high)).unwrap(),
+    );
+    let roof = 1 + Side::ALL.iter().position(|s| *s == Side::Roof).unwrap() as u8;
+    let sides = hits.iter().map(|hit| if hit.is_some() { roof } else { 0 }).collect();
+    let sides = image::GrayImage::from_raw(parts[0], parts[1], sides).unwrap();
+    write("sides.png", encode_grey(&sides).unwrap());
+    let mut frames = Vec::new();
+    for level in [0_u8, 128, 255] {
+        let paint = 0.05 + 0.7 * light::decode(f64::from(level) / 255.0);
+        let picture = image::RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| {
+            let share = share(x, y);
+            let seen = light::encode(share * paint + (1.0 - share) * 0.3);
+            image::Rgb([(255.0 * seen).round() as u8; 3])
+        });
+        write(&format!("{level}.png"), encode_rgb(&picture).unwrap());
+        let rows: Vec<Vec<f64>> = (0..4)
+            .map(|r| match r {
+                3 => vec![0.0, 0.0, 0.0, 1.0],
+                r => vec![turn[(r, 0)], turn[(r, 1)], turn[(r, 2)], shift[r]],
+            })
+            .collect();
+        frames.push(serde_json::json!({
+            "name": format!("in_{level}"), "rgb": format!("{level}.png"), "object_mask": "mask.png", "paint_mask": "mask.png",
+            "positions": "positions.png", "sides": "sides.png", "T_camera_model": rows, "paint": { "flat_rgb": [level, level, level] },
+            "light": "even", "place": "even",
+        }));
+    }
+    let list = serde_json::json!({
+        "format": "scaleproof frames 1", "made_by": "this test", "size_px": SIZE, "target_mm": [0.0, 0.0, 64.0],
+        "camera": { "focal_length_px": FOCAL_PX, "centre_px": [31.5, 23.5] },
+        "positions": { "low_mm": low, "high_mm": high, "factor": FACTOR }, "frames": frames,
+    });
+    std::fs::write(folder.join("frames.json"), list.to_string()).unwrap();
+    FrameSet::open(folder).unwrap()
+}
+
+/// From 7° up the roof is 1.8° from edge-on: all of its 16 cells' length is within two pixels.
+#[test]
+fn grazing_views_give_numbers_and_the_right_gradient() {
+    let grid = Grid {
+        columns: CELLS,
+        rows: CELLS,
+        cell_mm: 28.0,
+    };
+    for laying in [Laying::World, Laying::Repeated] {
+        let folder = tempfile::tempdir().unwrap();
+        let set = roof_seen_from(7.0, folder.path());
+        let stage = Stage::open(&set, grid, laying, || {}).unwrap();
+        let detectors = detectors(30.0, &stage);
+        let cells = random_cells(5);
+        let at = |cells: &[Rgb]| look(&stage, &detectors, (0, cells, &Draw::NONE), (0, 0.5)).unwrap();
+        let seen = at(&cells);
+        assert!(seen.loss.is_finite() && seen.gradient.iter().flatten().all(|v| v.is_finite()));
+        let off = worst(&cells, &seen.gradient, |cells| at(cells).loss);
+        println!("{laying:?}: gradients of a grazing view off by {off:.1e} of the largest");
+        assert!(off < 1e-4, "{laying:?}: {off}");
+        if laying == Laying::World {
+            let reached = seen.gradient.iter().filter(|g| g.iter().any(|v| *v != 0.0)).count();
+            assert!(
+                reached > 30,
+                "the few pixels mix the cells they show: {reached} of 36 are reached"
+            );
+        }
+        // From below, it is not seen.
+        let below = tempfile::tempdir().unwrap();
+        let none = Stage::open(&roof_seen_from(4.0, below.path()), grid, laying, || {});
+        assert!(matches!(none.err().unwrap(), RunError::NothingSeen));
+    }
+}
+
+#[cfg(feature = "attack")]
+#[test]
+fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
+    use scaleproof::attack::baseline::camou;
+    let stage = stage(Laying::World);
+    let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let config = baseline::Config {
+        method: "camou",
+        ..search_config(900)
+    };
+    let device = burn::tensor::Device::flex();
+    let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
+        let mut oracle = Oracle::begin(&stage, detectors, &config, folder, &|_| {})?;
+        let cells = camou::search(&mut oracle, &config, &device)?;
+        Ok::<_, RunError>((cells, oracle.finish()?))
+    };
+    let (cells, entries) = search(&detectors(60.0, &stage), whole.path()).unwrap();
+    let judging = detectors(60.0, &stage);
+    let of = |cells: &[Rgb]| judge(&stage, &judging, cells).unwrap().mean_confidence;
+    // What 32 random patterns give, of which it takes the best to begin with.
+    let chance: Vec<f64> = (0..32).map(|seed| of(&random_cells(seed))).collect();
+    let best = chance.iter().copied().fold(1.0, f64::min);
+    println!(
+        "mean confidence: chance {:.3}, the best of 32 {best:.3}, camou {:.3}",
+        chance.iter().sum::<f64>() / 32.0,
+        of(&cells)
+    );
+    assert!(of(&cells) < best);
+    assert!(entries.last().unwrap().queries <= 900 && entries.last().unwrap().held_out.is_some());
+    let mut bad = Weave::new(60.0, &stage);
+    bad.bad_at = Some(400);
+    assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], halves.path()).is_err());
+    let (again, _) = search(&detectors(60.0, &stage), halves.path()).unwrap();
+    assert_eq!(again, cells);
+}
+
+/// Two views, in both of which the detector claims the same.
+#[test]
+fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
+    struct Fixed(Vec<Claim>);
+    struct Seen(Vec<Claim>);
+    impl Look for Seen {
+        fn claims(&self) -> &[Claim] {
+            &self.0
+        }
+        fn pull_back(self: Box<Self>, _: &[f64]) -> Vec<Rgb> {
+            Vec::new()
+        }
+    }
+    impl WhiteBox for Fixed {
+        fn name(&self) -> &str {
+            "fixed"
+        }
+        fn hides_from_iou(&self) -> f64 {
+            0.5
+        }
+        fn look(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+            Ok(Box::new(Seen(self.0.clone())))
+        }
+    }
+    let stage = stage(Laying::World);
+    let claim = |box_px, confidence| Claim {
+        box_px,
+        confidence,
+        loss: 0.0,
+    };
+    let judged = |claims: Vec<Claim>| {
+        let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(Fixed(claims))];
+        judge(&stage, &detectors, &random_cells(1)).unwrap()
+    };
+    assert_eq!(stage.judged().len(), 2);
+    let (first, far) = (stage.views[0].outline, BoxPx::new(0.0, 0.0, 4.0, 4.0));
+    let is_second = stage.views[1].outline.iou(&first) >= 0.5;
+    // A box around the first view's model, in both views: it finds one of two models, or both where they overlap.
+    let alone = judged(vec![claim(first, 0.9)]);
+    let half = if is_second { 1.0 } else { 51.0 / 101.0 };
+    assert!((alone.ap50 - half).abs() < 1e-9, "{alone:?}");
+    // A second box on it is hidden by the first and costs nothing; a surer one elsewhere does cost.
+    let twice = judged(vec![claim(first, 0.9), claim(first, 0.8)]);
+    assert_eq!(twice.ap50, alone.ap50);
+    let behind = judged(vec![claim(first, 0.6), claim(far, 0.9)]);
+    // Two misses come first: precision 1/3, or 2/4 where both are found.
+    let expected = if is_second { 0.5 } else { 51.0 / 101.0 / 3.0 };
+    assert!((behind.ap50 - expected).abs() < 1e-9, "{behind:?}");
+    assert_eq!(
+        judged(vec![claim(first, 0.0005)]).ap50,
+        0.0,
+        "below the floor of scoring"
+    );
 }
 
 #[test]
@@ -527,7 +755,12 @@ fn bad_arguments_are_one_sentence() {
             assert_refused(&run(command), &["built without the attack", "--features attack"]);
         }
     }
+    assert_refused(&run(&["run", "--device", "gpu"]), &["--device", "cpu, cuda and wgpu"]);
+    if cfg!(all(feature = "attack", not(feature = "cuda"))) {
+        assert_refused(&run(&["run", "--device", "cuda"]), &["without cuda", "--features cuda"]);
+    }
     assert_refused(&run(&["run", "--rate", "0"]), &["--rate"]);
+    assert_refused(&run(&["run", "--floor", "0.7"]), &["--floor"]);
     assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
     assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
     assert_refused(&run(&["baseline", "flat", "--flat", "red"]), &["red"]);

@@ -9,12 +9,15 @@ mod render;
 use std::path::Path;
 use std::process::Command;
 
+use common::{assert_refused, program};
 use image::{Rgb, RgbImage};
 use lopdf::{Document, Object};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the_whole, assert_rulers};
 use proptest::prelude::*;
 use render::{done, oblong_pattern, pages, pattern_file, scaleproof, text_of, usual_request};
+use scaleproof::files;
 use scaleproof::pattern::Pattern;
+use scaleproof::pattern::card::Card;
 use scaleproof::print::paper::{Orientation, Paper, Stock};
 use scaleproof::print::printer::Printer;
 use scaleproof::print::template::{LayoutRequest, Region, layout};
@@ -339,6 +342,50 @@ const REFUSALS: &[(&str, &str, &str)] = &[
     ("--pattern", "glass.png", "see-through"),
     ("--pattern", "photo.png", "at most 512×512"),
 ];
+
+#[test]
+fn the_card_beside_a_pattern_says_how_large_a_repeat_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let pattern = folder.path().join("dta.png");
+    let made = program()
+        .args(["pattern", "random", "--cells", "8", "--seed", "3", "-o"])
+        .arg(&pattern)
+        .output();
+    assert!(made.unwrap().status.success());
+    let printed = |name: &str, tile_mm: Option<&str>| {
+        let out = folder.path().join(name);
+        let mut command = program();
+        command
+            .args(["print", "template", "--size-mm", "200x100", "--pattern"])
+            .arg(&pattern)
+            .arg("-o")
+            .arg(&out);
+        tile_mm.map(|mm| command.args(["--tile-mm", mm]));
+        (command.output().unwrap(), std::fs::read(out).ok())
+    };
+    assert_refused(&printed("none.pdf", None).0, &["no card", "--tile-mm"]);
+    let write = |tile_mm: f64, bytes: &[u8]| {
+        let card = Card {
+            pattern_sha256: files::sha256_hex(bytes),
+            tile_mm,
+            about: serde_json::Map::new(),
+        };
+        let (path, text) = card.to_file(&pattern).unwrap();
+        std::fs::write(path, text).unwrap();
+    };
+    let bytes = std::fs::read(&pattern).unwrap();
+    write(61.5, &bytes);
+    let (by_card, given, other) = (
+        printed("card.pdf", None).1,
+        printed("a.pdf", Some("61.5")).1,
+        printed("b.pdf", Some("80")).1,
+    );
+    assert!(by_card.is_some() && by_card == given && by_card != other);
+    write(61.5, b"another pattern");
+    assert_refused(&printed("other.pdf", None).0, &["dta.json", "another pattern"]);
+    write(-1.0, &bytes);
+    assert_refused(&printed("wrong.pdf", None).0, &["dta.json", "tile_mm"]);
+}
 
 #[test]
 fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {

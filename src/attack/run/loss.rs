@@ -1,4 +1,4 @@
-//! The attack loss of DTA (CVPR 2022, eq. 7), `−ln(1 − max C)`, over the boxes that meet the model.
+//! The attack loss of DTA (CVPR 2022, eq. 7), `−ln(1 − max C)`, over the boxes that meet the model, and the confidence at which its pull fades.
 
 use crate::attack::white_box::Claim;
 use crate::geometry::BoxPx;
@@ -9,6 +9,21 @@ pub const MEETS_IOU: f64 = 0.3;
 /// A hit, as `score` counts it: this overlap, and this confidence.
 pub const HIT_IOU: f64 = 0.5;
 pub const HIT_CONFIDENCE: f64 = 0.5;
+
+/// DTA's loss counted from another confidence than a half: `ln(1 + odds(C) / odds(floor))`, and its derivative with respect to
+/// `loss`, which is `−ln(1 − C)`.
+///
+/// By the logit of C it changes by σ(logit C − logit floor): the pull fades at `floor`. With a half it is DTA's own, which lets go of a box
+/// that is no hit any more; AP still counts that box, down to the floor of scoring. `floor` is above 0 and at most a half. All
+/// numbers are finite however large `loss` is.
+pub fn from_floor(loss: f64, floor: f64) -> (f64, f64) {
+    let times = (1.0 - floor) / floor;
+    // odds = e^loss − 1; e^−loss stays finite where that does not.
+    let missed = -(-loss).exp_m1();
+    let value = loss + ((times - 1.0) * missed).ln_1p();
+    let slope = 1.0 / (1.0 + (-loss).exp() * (1.0 - times) / times);
+    (value, slope)
+}
 
 /// The most confident claim that overlaps `outline` so much; `None` when no box does. A claim that is not a number is
 /// the most confident, so that it is found and refused instead of passed over.

@@ -97,6 +97,8 @@ pub struct Config {
     pub batch: u32,
     /// Adam's step size in sRGB of 0 to 1; it falls to a tenth along half a cosine.
     pub rate: f64,
+    /// The confidence at which the loss lets go ([`loss::from_floor`]).
+    pub floor: f64,
     pub seed: u64,
     pub laying: Laying,
     pub eot: Eot,
@@ -132,7 +134,7 @@ pub struct State {
 /// What detectors make of one picture: sums over the detectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Looked {
-    /// `Σ −ln(1 − C)` of the most confident box that meets the model; 0 where none does.
+    /// [`loss::from_floor`] of the most confident box that meets the model, summed; 0 where none does.
     pub loss: f64,
     /// `Σ C` of it.
     pub confidence: f64,
@@ -227,7 +229,12 @@ impl<'a> Attack<'a> {
         let mut gradient = vec![[0.0; 3]; state.cells.len()];
         for view in &views {
             let draw = Draw::random(&config.eot, &mut rng);
-            let looked = look(self.stage, self.detectors, (*view, &state.cells, &draw), step)?;
+            let looked = look(
+                self.stage,
+                self.detectors,
+                (*view, &state.cells, &draw),
+                (step, config.floor),
+            )?;
             loss += looked.loss / count;
             confidence += looked.confidence / count / self.detectors.len() as f64;
             add(&mut gradient, &looked.gradient, 1.0 / count);
@@ -255,7 +262,7 @@ pub fn look(
     stage: &Stage,
     detectors: &[Box<dyn WhiteBox>],
     (view, cells, draw): (usize, &[Rgb], &Draw),
-    step: u32,
+    (step, floor): (u32, f64),
 ) -> Result<Looked, RunError> {
     let laid = stage.lay(view, cells, draw);
     let name = || stage.views[view].frame.name.clone();
@@ -280,10 +287,11 @@ pub fn look(
         if !claim.loss.is_finite() || !claim.confidence.is_finite() {
             return Err(not_a_number());
         }
-        loss += claim.loss;
+        let (value, slope) = loss::from_floor(claim.loss, floor);
+        loss += value;
         confidence += claim.confidence;
         let mut weights = vec![0.0; look.claims().len()];
-        weights[worst] = 1.0;
+        weights[worst] = slope;
         let gradient = look.pull_back(&weights);
         if gradient.iter().flatten().any(|v| !v.is_finite()) {
             return Err(not_a_number());

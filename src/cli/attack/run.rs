@@ -26,6 +26,14 @@ pub struct RunArgs {
     /// Step size of Adam, in sRGB of 0 to 1
     #[arg(long, default_value_t = 0.03, allow_negative_numbers = true)]
     rate: f64,
+    /// Confidence at which the loss lets go of a box: 0.5 is DTA's own loss, which stops at a miss; AP counts boxes down to 0.001
+    #[arg(
+        long,
+        value_name = "CONFIDENCE",
+        default_value_t = 0.001,
+        allow_negative_numbers = true
+    )]
+    floor: f64,
     /// Weight of the differences between neighbouring cells
     #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
     smooth: f64,
@@ -82,6 +90,7 @@ pub struct Settings {
     pub steps: u32,
     pub batch: u32,
     pub rate: f64,
+    pub floor: f64,
     pub smooth: f64,
     pub printable: Drawn,
     pub palette: Drawn,
@@ -96,6 +105,7 @@ impl Settings {
             steps: self.steps,
             batch: self.batch,
             rate: self.rate,
+            floor: self.floor,
             seed: on.seed,
             laying: on.laying.into(),
             eot: on.eot(),
@@ -114,6 +124,9 @@ impl RunArgs {
         if !(self.rate > 0.0 && self.rate <= 1.0) {
             return Err(format!("--rate is {}: give a number above 0 and up to 1", self.rate).into());
         }
+        if !(1e-6..=0.5).contains(&self.floor) {
+            return Err(format!("--floor is {}: give a confidence from 0.000001 to 0.5", self.floor).into());
+        }
         for (name, weight) in [
             ("smooth", self.smooth),
             ("nps", self.nps),
@@ -131,6 +144,7 @@ impl RunArgs {
             steps: self.steps,
             batch: self.batch,
             rate: self.rate,
+            floor: self.floor,
             smooth: self.smooth,
             printable: self.printable()?,
             palette: self.palette()?,
