@@ -831,6 +831,40 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
 }
 
 #[test]
+fn damaged_files_are_refused_in_a_sentence_or_read() {
+    let mut rng = Pcg32::seed_from_u64(31);
+    let (mut refused, mut all) = (0, 0);
+    for net in [activations(), arithmetic(), convolutions(), resizes(), rearrangements()]
+        .into_iter()
+        .flatten()
+    {
+        let whole = net.bytes();
+        for _ in 0..40 {
+            let mut bytes = whole.clone();
+            match rng.random_range(0..3) {
+                0 => bytes.truncate(rng.random_range(0..whole.len())),
+                1 => bytes[rng.random_range(0..whole.len())] = rng.random(),
+                _ => {
+                    let at = rng.random_range(0..whole.len());
+                    bytes[at] ^= 1 << rng.random_range(0..8_u32);
+                }
+            }
+            all += 1;
+            if let Err(e) = Network::read(&bytes, "damaged.onnx", &net.shape, &Device::flex()) {
+                refused += 1;
+                let sentence = e.to_string();
+                assert!(
+                    sentence.starts_with("damaged.onnx") && !sentence.contains('\n'),
+                    "{sentence}"
+                );
+            }
+        }
+    }
+    println!("{refused} of {all} damaged networks refused");
+    assert!(refused > all / 3);
+}
+
+#[test]
 fn what_cannot_be_followed_is_refused_in_a_sentence() {
     use onnx::step;
     let parts = [

@@ -69,7 +69,7 @@ impl DeviceKind {
     /// Without a driver the framework panics instead of finding none.
     #[cfg(any(feature = "cuda", feature = "wgpu"))]
     fn first(self, kind: burn::tensor::DeviceType) -> Result<burn::tensor::Device, DeviceError> {
-        let found = std::panic::catch_unwind(|| burn::tensor::Device::enumerate(kind).into_vec().into_iter().next());
-        found.ok().flatten().ok_or(DeviceError::NotThere(self.name()))
+        let found = super::quietly::quietly(|| burn::tensor::Device::enumerate(kind).into_vec().into_iter().next());
+        found.flatten().ok_or(DeviceError::NotThere(self.name()))
     }
 }

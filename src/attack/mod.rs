@@ -26,7 +26,10 @@ pub mod light;
 #[cfg(feature = "attack")]
 pub mod net;
 pub mod projection;
+#[cfg(feature = "attack")]
+mod quietly;
 pub mod render;
 pub mod renderer;
 pub mod run;
+mod separable;
 pub mod white_box;

@@ -4,6 +4,7 @@ use super::Shot;
 use super::fit::{self, Fit};
 use super::model::Model;
 use super::project::View;
+use crate::statistics::upper_median;
 
 /// Judged by a model rich enough that a lens is no outlier.
 const JUDGE: [Model; 3] = [Model::FC, Model::K1K2, Model::PlumbBob];
@@ -71,7 +72,7 @@ fn judge(first: &Fit, views: &[View]) -> Option<Fit> {
 /// The photo that does not fit the others, and the sentence that says so.
 fn worst_photo(lengths: &[Vec<f64>]) -> Option<(usize, String)> {
     let rms: Vec<f64> = lengths.iter().map(|l| root_mean_square(l)).collect();
-    let usual = median(rms.clone());
+    let usual = upper_median(&rms).unwrap_or(0.0);
     let limit = corner_limit(lengths);
     let lost = |l: &[f64]| l.iter().filter(|d| **d > limit).count() as f64 > LOST_SHARE * l.len() as f64;
     let (worst, rms_px) = rms.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
@@ -99,15 +100,10 @@ fn drop_corners(shots: &mut [Shot], lengths: &[Vec<f64>]) -> usize {
 
 /// The median length of a residual is 1.18 σ of one axis (Rayleigh).
 fn corner_limit(lengths: &[Vec<f64>]) -> f64 {
-    let sigma = median(lengths.concat()) / 1.1774;
+    let sigma = upper_median(&lengths.concat()).unwrap_or(0.0) / 1.1774;
     CORNER_PX.max(CORNER_TIMES * sigma)
 }
 
 fn root_mean_square(list: &[f64]) -> f64 {
     (list.iter().map(|v| v * v).sum::<f64>() / list.len().max(1) as f64).sqrt()
-}
-
-fn median(mut list: Vec<f64>) -> f64 {
-    list.sort_by(f64::total_cmp);
-    list.get(list.len() / 2).copied().unwrap_or(0.0)
 }

@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::envelope::Outline;
 use crate::geometry::{BoxPx, Rigid};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::statistics::median;
 
 /// A photo with its pose, and the truth about it.
 #[derive(Debug, Clone)]
@@ -69,8 +70,7 @@ fn row(samples: &[Sample], envelope: &'static str, outline: &Outline, is_default
         }
     };
     let boxes: Vec<Fit> = samples.iter().map(fit).collect();
-    let mut ious: Vec<f64> = boxes.iter().filter_map(|fit| fit.iou).collect();
-    ious.sort_by(f64::total_cmp);
+    let ious: Vec<f64> = boxes.iter().filter_map(|fit| fit.iou).collect();
     let photos = samples.len();
     let mean = |sum: f64| sum / photos.max(1) as f64;
     Row {
@@ -79,16 +79,10 @@ fn row(samples: &[Sample], envelope: &'static str, outline: &Outline, is_default
         photos,
         answered: mean(ious.len() as f64),
         iou_median: median(&ious),
-        iou_min: ious.first().copied(),
+        iou_min: ious.iter().copied().reduce(f64::min),
         ms: mean(ms),
         boxes,
     }
-}
-
-/// The middle of sorted values; the mean of the two middle ones.
-fn median(sorted: &[f64]) -> Option<f64> {
-    let (low, high) = (sorted.len().checked_sub(1)? / 2, sorted.len() / 2);
-    Some((sorted[low] + sorted[high]) / 2.0)
 }
 
 /// The chart: a colour an envelope, one mark for the median and one for the worst photo.

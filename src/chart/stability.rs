@@ -12,6 +12,7 @@ use crate::locate::{self, Located, Solver};
 use crate::plot::{Axis, Line, Panel, Scale, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
 use crate::simulate::{Fault, Noise, Simulator, View};
+use crate::statistics::upper_median;
 use crate::tags::{CornersBy, StartError, TagDetectorChoice};
 use crate::workers;
 
@@ -173,7 +174,7 @@ impl Tally {
         self.wrong += usize::from(is_silently_wrong(view, truth, scene));
     }
 
-    fn step(mut self, (sweep, unit, amount): (&'static str, &'static str, f64), method: &'static str) -> Step {
+    fn step(self, (sweep, unit, amount): (&'static str, &'static str, f64), method: &'static str) -> Step {
         let share = |n: usize| n as f64 / self.views.max(1) as f64;
         Step {
             sweep,
@@ -183,15 +184,10 @@ impl Tally {
             views: self.views,
             answered: share(self.azimuth_deg.len()),
             silently_wrong: share(self.wrong),
-            azimuth_error_median_deg: median(&mut self.azimuth_deg),
-            distance_error_median_percent: median(&mut self.distance_percent),
+            azimuth_error_median_deg: upper_median(&self.azimuth_deg),
+            distance_error_median_percent: upper_median(&self.distance_percent),
         }
     }
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Every sweep over simulated views of a scene, `views` at each amount, every solver on the same ones. The same seed gives the

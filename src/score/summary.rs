@@ -9,6 +9,7 @@ use super::{
     average_precision_as, wilson_95,
 };
 use crate::scene::{Bin, Bins};
+use crate::statistics::median;
 
 /// A share of photos with its 95 % Wilson interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -256,16 +257,8 @@ fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
         disappearance_rate: rate(Outcome::has_disappeared)?,
         hallucinations_per_image: mean(|o| o.hallucinations as f64),
         mean_confidence: mean(|o| o.confidence),
-        median_confidence: median(outcomes().map(|o| o.confidence).collect())?,
+        median_confidence: median(&outcomes().map(|o| o.confidence).collect::<Vec<_>>())?,
     })
-}
-
-/// The middle value, or the mean of the middle two; `None` of nothing.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let upper = *values.get(values.len() / 2)?;
-    let lower = *values.get((values.len() - 1) / 2)?;
-    Some((lower + upper) / 2.0)
 }
 
 /// The boxes of the model's class in one photo, as AP takes them.

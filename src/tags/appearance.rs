@@ -1,5 +1,6 @@
 //! How tags look in a photo: the same print everywhere, so that they tell of its focus and its light.
 
+use crate::statistics::upper_median;
 use image::GrayImage;
 
 use super::{SeenTag, Square, border, cells_across, refine};
@@ -41,8 +42,8 @@ impl Appearance {
             }
         }
         Appearance {
-            blur_px: [across, along].iter().filter_map(|b| median(b)).reduce(f64::max),
-            white_level: median(&whole().filter_map(|tag| white(grey, tag)).collect::<Vec<_>>()),
+            blur_px: [across, along].iter().filter_map(|b| upper_median(b)).reduce(f64::max),
+            white_level: upper_median(&whole().filter_map(|tag| white(grey, tag)).collect::<Vec<_>>()),
         }
     }
 }
@@ -64,10 +65,6 @@ fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
 fn white(grey: &GrayImage, tag: &SeenTag) -> Option<f64> {
     let half_cell = 0.5 / cells_across(tag.family);
     let square = Square::onto(&tag.corners_px);
-    let tone = |depth| Some(border::median(&border::ring(grey, &square, depth)?));
+    let tone = |depth| upper_median(&border::ring(grey, &square, depth)?);
     Some(tone(half_cell)?.max(tone(-half_cell)?))
-}
-
-fn median(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| border::median(values))
 }

@@ -6,6 +6,7 @@
 use image::GrayImage;
 
 use super::Square;
+use crate::statistics::upper_median;
 
 /// Samples along each side of a ring, corners included.
 const SAMPLES: usize = 16;
@@ -26,7 +27,9 @@ pub(super) fn is_whole(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64)
     let (Some(inside), Some(outside)) = (ring(grey, &square, half_cell), ring(grey, &square, -half_cell)) else {
         return false;
     };
-    let (dark, light) = (median(&inside), median(&outside));
+    let (Some(dark), Some(light)) = (upper_median(&inside), upper_median(&outside)) else {
+        return false;
+    };
     // Families differ in which of the two is the dark one, and light falls off across a tag; both are fine.
     let contrast = (light - dark).abs();
     let off = |ring: &[f64], own: f64| ring.iter().filter(|v| (**v - own).abs() > TOLERANCE * contrast).count();
@@ -53,12 +56,6 @@ fn level(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {
         return None;
     }
     image::imageops::interpolate_bilinear(grey, x as f32, y as f32).map(|p| f64::from(p.0[0]))
-}
-
-pub(super) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 #[cfg(test)]

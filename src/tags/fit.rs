@@ -1,5 +1,6 @@
 //! The corners of found tags, whoever found them: sides fitted at full size, moved by what blur and ink do to every edge.
 
+use crate::statistics::upper_median;
 use image::GrayImage;
 
 use super::refine::{self, Outline};
@@ -19,7 +20,8 @@ impl<S: Search> TagDetector for Fitted<S> {
 pub(super) fn fitted(found: Vec<Found>, grey: &GrayImage) -> Vec<SeenTag> {
     let fits: Vec<Fit> = found.into_iter().map(|found| Fit::new(found, grey)).collect();
     // Blur is much the same all over a photo, so small tags are told what the larger ones show.
-    let usual = median(fits.iter().filter_map(|fit| fit.inset_px).collect()).unwrap_or(0.0);
+    let insets: Vec<f64> = fits.iter().filter_map(|fit| fit.inset_px).collect();
+    let usual = upper_median(&insets).unwrap_or(0.0);
     fits.into_iter().map(|fit| fit.seen(usual, grey)).collect()
 }
 
@@ -54,9 +56,4 @@ impl Fit {
         }
         self.found.seen(grey)
     }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

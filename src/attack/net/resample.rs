@@ -1,24 +1,15 @@
 //! A picture into a network's input and its gradient back, as `detect` feeds the network for scoring, but without rounding to 8 bits.
 //!
-//! Resizing is linear in the picture and separable: each output pixel is a weighted mean of a few neighbours along each axis. The way back
-//! uses the same weights transposed.
+//! Resizing is linear in the picture and separable; the way back uses the same weights transposed.
 
+use crate::attack::separable::{Separable, Tap};
 use crate::detect::{Channels, Input, Kernel, Layout, Placement};
-
-/// Input pixels along one axis that make one output pixel.
-struct Tap {
-    first: usize,
-    weights: Vec<f64>,
-}
 
 /// The way of pictures of one size into one network.
 pub(super) struct Resampler {
     input: Input,
     placement: Placement,
-    /// Width, height of the picture in pixels.
-    size: [usize; 2],
-    columns: Vec<Tap>,
-    rows: Vec<Tap>,
+    resized: Separable,
 }
 
 impl Resampler {
@@ -34,9 +25,7 @@ impl Resampler {
         Resampler {
             input: input.clone(),
             placement,
-            size: size_px.map(|side| side as usize),
-            columns: taps(0),
-            rows: taps(1),
+            resized: Separable::new(size_px.map(|side| side as usize), taps(0), taps(1)),
         }
     }
 
@@ -46,7 +35,7 @@ impl Resampler {
 
     /// The input tensor's numbers of a picture (sRGB, 0 to 1).
     pub(super) fn forward(&self, picture: &[[f64; 3]]) -> Vec<f32> {
-        let resized = self.resized(picture);
+        let resized = self.resized.forward(picture);
         let plane = self.plane();
         let mut tensor = vec![0.0; 3 * plane];
         for channel in 0..3 {
@@ -74,50 +63,11 @@ impl Resampler {
                 rgb[source] = 255.0 / std * f64::from(gradient[self.index(channel, at)]);
             }
         }
-        self.unresized(&resized)
+        self.resized.transposed(&resized)
     }
 
     fn resized_size(&self) -> [usize; 2] {
         self.placement.size.map(|side| side as usize)
-    }
-
-    /// Columns first, then rows.
-    fn resized(&self, picture: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let [width, height] = self.resized_size();
-        let mut narrow = Vec::with_capacity(width * self.size[1]);
-        for row in picture.chunks_exact(self.size[0]) {
-            narrow.extend(self.columns.iter().map(|tap| {
-                let pixels = row[tap.first..].iter().zip(&tap.weights);
-                pixels.fold([0.0; 3], |sum, (rgb, w)| std::array::from_fn(|c| sum[c] + w * rgb[c]))
-            }));
-        }
-        let mut resized = vec![[0.0; 3]; width * height];
-        for (to, tap) in resized.chunks_exact_mut(width).zip(&self.rows) {
-            for (row, w) in narrow.chunks_exact(width).skip(tap.first).zip(&tap.weights) {
-                add_scaled(to, row, *w);
-            }
-        }
-        resized
-    }
-
-    /// The transpose of [`Resampler::resized`].
-    fn unresized(&self, resized: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let [width, _] = self.resized_size();
-        let mut narrow = vec![[0.0; 3]; width * self.size[1]];
-        for (row, tap) in resized.chunks_exact(width).zip(&self.rows) {
-            for (to, w) in narrow.chunks_exact_mut(width).skip(tap.first).zip(&tap.weights) {
-                add_scaled(to, row, *w);
-            }
-        }
-        let mut picture = vec![[0.0; 3]; self.size[0] * self.size[1]];
-        for (to, row) in picture.chunks_exact_mut(self.size[0]).zip(narrow.chunks_exact(width)) {
-            for (tap, rgb) in self.columns.iter().zip(row) {
-                for (to, w) in to[tap.first..].iter_mut().zip(&tap.weights) {
-                    (0..3).for_each(|c| to[c] += w * rgb[c]);
-                }
-            }
-        }
-        picture
     }
 
     fn plane(&self) -> usize {
@@ -149,12 +99,6 @@ impl Resampler {
             Channels::Rgb => channel,
             Channels::Bgr => 2 - channel,
         }
-    }
-}
-
-fn add_scaled(to: &mut [[f64; 3]], row: &[[f64; 3]], weight: f64) {
-    for (to, rgb) in to.iter_mut().zip(row) {
-        (0..3).for_each(|c| to[c] += weight * rgb[c]);
     }
 }
 

@@ -1,81 +1,37 @@
 //! A picture made larger or smaller about its middle and moved, as a linear map, forward and transposed.
 
 use super::Rgb;
+use crate::attack::separable::{Separable, Tap};
 
 /// What surrounds a picture that was made smaller: the grey that detectors pad with.
 const AROUND: f64 = 114.0 / 255.0;
 
-/// Weights of input rows (or columns) in each output row: the first input, then its weights.
-type Axis = Vec<(usize, Vec<f64>)>;
-
 /// A separable map of a picture to one of the same size, with a triangle kernel as wide as it takes not to alias.
 #[derive(Debug, Clone)]
-pub struct Resample {
-    across: Axis,
-    down: Axis,
-}
+pub struct Resample(Separable);
 
 impl Resample {
     /// `scale` above 1 enlarges; `offset_px` moves right and down.
-    pub fn new([width, height]: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
-        Self {
-            across: axis(width as usize, scale, offset_px[0]),
-            down: axis(height as usize, scale, offset_px[1]),
-        }
+    pub fn new(size_px: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
+        let size = size_px.map(|side| side as usize);
+        let [columns, rows] = [0, 1].map(|axis| taps(size[axis], scale, offset_px[axis]));
+        Self(Separable::new(size, columns, rows))
     }
 
     pub fn forward(&self, picture: &[Rgb]) -> Vec<Rgb> {
-        let width = self.across.len();
-        let rows: Vec<Vec<Rgb>> = picture
-            .chunks(width)
-            .map(|row| {
-                self.across
-                    .iter()
-                    .map(|tap| gathered(tap, |x| row[x].map(|v| v - AROUND)))
-                    .collect()
-            })
-            .collect();
-        let pixel = |tap: &(usize, Vec<f64>), x: usize| gathered(tap, |y| rows[y][x]).map(|v| v + AROUND);
-        self.down
-            .iter()
-            .flat_map(|tap| (0..width).map(move |x| pixel(tap, x)))
-            .collect()
+        let from_grey: Vec<Rgb> = picture.iter().map(|rgb| rgb.map(|v| v - AROUND)).collect();
+        let mut taken = self.0.forward(&from_grey);
+        taken.iter_mut().flatten().for_each(|v| *v += AROUND);
+        taken
     }
 
     /// The transposed map.
     pub fn transposed(&self, picture: &[Rgb]) -> Vec<Rgb> {
-        let (width, height) = (self.across.len(), self.down.len());
-        let mut rows = vec![[0.0; 3]; width * height];
-        for (tap, row) in self.down.iter().zip(picture.chunks(width)) {
-            for (x, value) in row.iter().enumerate() {
-                scatter(tap, *value, &mut rows, |y| y * width + x);
-            }
-        }
-        let mut all = vec![[0.0; 3]; width * height];
-        for (into, row) in all.chunks_mut(width).zip(rows.chunks(width)) {
-            for (tap, value) in self.across.iter().zip(row) {
-                scatter(tap, *value, into, |x| x);
-            }
-        }
-        all
+        self.0.transposed(picture)
     }
 }
 
-fn gathered((first, weights): &(usize, Vec<f64>), value: impl Fn(usize) -> Rgb) -> Rgb {
-    weights.iter().enumerate().fold([0.0; 3], |sum, (i, w)| {
-        let v = value(first + i);
-        std::array::from_fn(|c| sum[c] + w * v[c])
-    })
-}
-
-fn scatter((first, weights): &(usize, Vec<f64>), value: Rgb, into: &mut [Rgb], place: impl Fn(usize) -> usize) {
-    for (i, w) in weights.iter().enumerate() {
-        let into = &mut into[place(first + i)];
-        *into = std::array::from_fn(|c| into[c] + w * value[c]);
-    }
-}
-
-fn axis(size: usize, scale: f64, offset: f64) -> Axis {
+fn taps(size: usize, scale: f64, offset: f64) -> Vec<Tap> {
     let middle = 0.5 * size as f64;
     let reach = (1.0 / scale).max(1.0);
     let row = |out: usize| {
@@ -85,8 +41,10 @@ fn axis(size: usize, scale: f64, offset: f64) -> Axis {
         // Of the whole kernel: what hangs over the border is what surrounds the picture.
         let sum: f64 = (low..=high).map(weight).sum();
         let inside = low.max(0)..=high.min(size as i64 - 1);
-        let first = usize::try_from(*inside.start()).unwrap_or(0);
-        (first, inside.map(|i| weight(i) / sum).collect())
+        // What lies wholly outside sees nothing of the picture; its first pixel must still be one.
+        let first = usize::try_from(*inside.start()).unwrap_or(0).min(size - 1);
+        let weights = inside.map(|i| weight(i) / sum).collect();
+        Tap { first, weights }
     };
     (0..size).map(row).collect()
 }

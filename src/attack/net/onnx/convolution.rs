@@ -9,7 +9,7 @@ use onnx_ir::Node;
 use onnx_ir::node::padding::{AutoPad, PaddingConfig2d};
 
 use super::operator::{AnyOperator, Inputs, Operator};
-use super::value::{Floats, Value};
+use super::value::{Floats, Value, bounded};
 
 /// How a window walks over a picture; rows first.
 struct Window {
@@ -21,15 +21,16 @@ struct Window {
 }
 
 impl Window {
-    /// Pixels added before and after, for rows and for columns.
-    fn padding(&self, size: [usize; 2]) -> [(usize, usize); 2] {
+    /// Pixels added before and after, for rows and for columns, to a picture of so many channels, rows and columns.
+    fn padding(&self, [channels, rows, columns]: [usize; 3]) -> Result<[(usize, usize); 2], String> {
+        let size = [rows, columns];
         let same = |axis: usize| {
             let reach = (self.kernel[axis] - 1) * self.dilation[axis] + 1;
             let windows = size[axis].div_ceil(self.stride[axis]);
             let missing = ((windows - 1) * self.stride[axis] + reach).saturating_sub(size[axis]);
             (missing / 2, missing - missing / 2)
         };
-        match self.auto_pad {
+        let padding = match self.auto_pad {
             AutoPad::Valid => [(0, 0); 2],
             AutoPad::SameUpper => [same(0), same(1)],
             AutoPad::SameLower => [same(0), same(1)].map(|(less, more)| (more, less)),
@@ -37,7 +38,13 @@ impl Window {
                 let (top, left, bottom, right) = self.padding.as_tuple();
                 [(top, bottom), (left, right)]
             }
-        }
+        };
+        let padded = |axis: usize| {
+            let (before, after) = padding[axis];
+            size[axis].saturating_add(before).saturating_add(after)
+        };
+        bounded([channels, padded(0), padded(1)])?;
+        Ok(padding)
     }
 }
 
@@ -62,7 +69,7 @@ impl Operator for Convolution {
             ));
         }
         let Window { stride, dilation, .. } = self.window;
-        let padding = self.window.padding([rows, columns]);
+        let padding = self.window.padding([channels, rows, columns])?;
         let options = ConvOptions::new_with_padding(stride, padding, dilation, self.groups);
         rank_4(module::conv2d(x, weight, bias, options))
     }
@@ -80,6 +87,15 @@ impl Operator for TransposedConvolution {
             Some(bias) => Some(bias.of_rank::<1>()?),
             None => None,
         };
+        let ([_, _, rows, columns], [_, per_group, kernel_rows, kernel_columns]) = (x.dims(), weight.dims());
+        let side = |axis: usize, side: usize, kernel: usize| {
+            let reach = kernel.saturating_mul(self.options.dilation[axis]);
+            side.saturating_mul(self.options.stride[axis])
+                .saturating_add(reach)
+                .saturating_add(self.options.padding_out[axis])
+        };
+        let channels = per_group.saturating_mul(self.options.groups);
+        bounded([channels, side(0, rows, kernel_rows), side(1, columns, kernel_columns)])?;
         rank_4(module::conv_transpose2d(x, weight, bias, self.options.clone()))
     }
 }
@@ -92,10 +108,10 @@ struct MaxPool {
 impl Operator for MaxPool {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
-        let [_, _, rows, columns] = x.dims();
+        let [_, channels, rows, columns] = x.dims();
         let options = MaxPoolOptions::new(self.window.kernel)
             .with_stride(self.window.stride)
-            .with_padding_pairs(self.window.padding([rows, columns]))
+            .with_padding_pairs(self.window.padding([channels, rows, columns])?)
             .with_dilation(self.window.dilation)
             .with_ceil_mode(self.ceil_mode);
         rank_4(module::max_pool2d(x, options))
@@ -111,10 +127,10 @@ struct AveragePool {
 impl Operator for AveragePool {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
-        let [_, _, rows, columns] = x.dims();
+        let [_, channels, rows, columns] = x.dims();
         let options = AvgPoolOptions::new(self.window.kernel)
             .with_stride(self.window.stride)
-            .with_padding_pairs(self.window.padding([rows, columns]))
+            .with_padding_pairs(self.window.padding([channels, rows, columns])?)
             .with_count_include_pad(self.counts_padding)
             .with_ceil_mode(self.ceil_mode);
         rank_4(module::avg_pool2d(x, options))

@@ -21,6 +21,8 @@ use burn::tensor::{Device, Tensor, TensorData};
 use graph::Graph;
 use value::{Floats, RANK, Value, full};
 
+use crate::attack::quietly::quietly;
+
 /// Why a network cannot be followed backwards.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum NetError {
@@ -71,7 +73,20 @@ pub struct Answer {
 
 impl Network {
     /// Reads an ONNX file's bytes for pictures of this shape, such as [1, 3, 416, 416]; `file` is only named in errors.
+    ///
+    /// # Errors
+    /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
     pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, NetError> {
+        // The parser and the tensors panic on graphs whose parts do not go together.
+        quietly(|| Self::try_read(bytes, file, shape, device)).unwrap_or_else(|| {
+            Err(NetError::Unreadable {
+                file: file.to_owned(),
+                reason: "its graph makes no sense".to_owned(),
+            })
+        })
+    }
+
+    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, NetError> {
         let device = device.clone().autodiff();
         let graph = read::read(bytes, file, &device)?;
         let mut network = Network {

@@ -17,8 +17,7 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, N
         reason: reason.replace('\n', " "),
     };
     // Simplified, it would have operators of the parser's own.
-    let parse = || OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
-    let parsed = std::panic::catch_unwind(parse).map_err(|_| unreadable("its graph makes no sense".into()))?;
+    let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
     let parsed = parsed.map_err(|e| unreadable(e.to_string()))?;
     let operators: Vec<Option<AnyOperator>> = parsed.nodes.iter().map(operator).collect();
     let unknown: BTreeSet<String> = (parsed.nodes.iter().zip(&operators))
@@ -28,7 +27,11 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, N
     if !unknown.is_empty() {
         return Err(NetError::Operators {
             file: file.to_owned(),
-            names: unknown.into_iter().collect::<Vec<_>>().join(", "),
+            names: unknown
+                .iter()
+                .map(|name| name.escape_debug().to_string())
+                .collect::<Vec<_>>()
+                .join(", "),
         });
     }
     let mut graph = Builder::new(device).graph(&parsed, operators).map_err(unreadable)?;

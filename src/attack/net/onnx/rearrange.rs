@@ -13,7 +13,7 @@ use onnx_ir::tile::TileInput;
 use onnx_ir::unsqueeze::UnsqueezeConfig;
 
 use super::operator::{AnyOperator, Inputs, Moves, Numbers, Operator, axis_of};
-use super::value::{Floats, RANK, Value, Whole, broadcast, full};
+use super::value::{Floats, RANK, Value, Whole, bounded, broadcast, full};
 
 impl Value {
     fn reshaped(self, shape: &[usize]) -> Result<Value, String> {
@@ -378,6 +378,7 @@ impl Operator for Expand {
         let wanted: Vec<usize> = wanted.iter().map(|side| usize::try_from(*side).unwrap_or(1)).collect();
         let Floats { x, rank } = inputs.floats(0)?;
         let shape = broadcast(&x.dims()[RANK - rank..], &wanted)?;
+        bounded(shape.iter().copied())?;
         let x = x.expand(full(&shape)?);
         let rank = shape.len();
         Ok(vec![Value::Floats(Floats { x, rank })])
@@ -395,7 +396,14 @@ impl Operator for Tile {
         if times.len() != rank || times.contains(&0) {
             return Err(format!("it repeats a tensor of rank {rank} {times:?} times"));
         }
-        let x = x.repeat(&full(&times)?);
+        let times = full(&times)?;
+        bounded(
+            x.dims()
+                .iter()
+                .zip(&times)
+                .map(|(side, times)| side.saturating_mul(*times)),
+        )?;
+        let x = x.repeat(&times);
         Ok(vec![Value::Floats(Floats { x, rank })])
     }
 }

@@ -8,7 +8,7 @@ use onnx_ir::pad::{AxesInput, ConstantValueInput, PadInput, PadMode};
 use onnx_ir::resize::{CoordinateTransformMode, NearestMode, ResizeConfig, ResizeMode, ResizeScales, ResizeSizes};
 
 use super::operator::{AnyOperator, Inputs, Numbers, Operator, axis_of};
-use super::value::{Floats, RANK, Value};
+use super::value::{Floats, RANK, Value, bounded};
 
 /// Rows and columns to another number, each by a matrix whose rows are the kernel's weights.
 struct Resize {
@@ -119,6 +119,10 @@ impl Operator for Resize {
             return Err("it resizes to or from nothing".into());
         }
         let Floats { x: picture, rank } = inputs.floats(0)?;
+        let sides = [shape[0], shape[1], new_rows.max(rows), new_columns.max(columns)];
+        bounded(sides)?;
+        bounded([new_rows, rows])?;
+        bounded([new_columns, columns])?;
         let device = picture.device();
         let left = Floats::new(self.weights(rows, new_rows, y), &[new_rows, rows], &device)?;
         let right = Floats::new(self.weights(columns, new_columns, x), &[new_columns, columns], &device)?;
@@ -165,6 +169,12 @@ impl Operator for Pad {
         if pairs.iter().all(|pair| *pair == (0, 0)) {
             return Ok(vec![Value::Floats(Floats { x, rank })]);
         }
+        bounded(
+            x.dims()
+                .iter()
+                .zip(&pairs)
+                .map(|(side, (before, after))| side.saturating_add(*before).saturating_add(*after)),
+        )?;
         let mode = match self.mode {
             PadMode::Constant => Mode::Constant(value),
             PadMode::Reflect => Mode::Reflect,

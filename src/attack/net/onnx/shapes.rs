@@ -7,7 +7,7 @@ use onnx_ir::range::RangeInput;
 use onnx_ir::{Node, TensorData, TensorDataExt};
 
 use super::operator::{AnyOperator, Inputs, Numbers, Operator};
-use super::value::{Floats, Value, Whole};
+use super::value::{Floats, Value, Whole, bounded};
 
 /// The sides of a tensor, from one axis to another.
 struct Shape {
@@ -37,7 +37,7 @@ impl Operator for ConstantOfShape {
     fn run(&self, inputs: Inputs) -> Result<Vec<Value>, String> {
         let sides = self.shape.of(&inputs)?;
         let shape: Vec<usize> = sides.iter().map(|side| usize::try_from(*side).unwrap_or(0)).collect();
-        let count: usize = shape.iter().product();
+        let count = bounded(shape.iter().copied())?;
         Ok(vec![match &self.value {
             Some(value) if !value.dtype().is_float() => {
                 let value = value.iter::<i64>().next().unwrap_or(0);

@@ -121,6 +121,18 @@ pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], String> {
     Ok(sides)
 }
 
+/// A larger tensor is no part of a detector: it is refused before it takes memory, which would end the program.
+const MOST_NUMBERS: usize = 1 << 28;
+
+/// How many numbers a tensor of these sides has.
+pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize, String> {
+    let count = sides
+        .into_iter()
+        .try_fold(1_usize, |count, side| count.checked_mul(side));
+    let count = count.filter(|count| *count <= MOST_NUMBERS);
+    count.ok_or_else(|| format!("a tensor of it would have more than {MOST_NUMBERS} numbers"))
+}
+
 /// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
 pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>, String> {
     let rank = a.len().max(b.len());
