@@ -1,6 +1,8 @@
 //! Guided capture without a camera: replayed sessions and watched folders, spoiled frames among good ones, and a program that is killed.
 
 mod common;
+#[path = "capture/live.rs"]
+mod live;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -9,13 +11,13 @@ use std::time::{Duration, Instant};
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use image::{GrayImage, Rgb, RgbImage};
+use live::live_capture;
 use rand::{RngExt, SeedableRng};
-use scaleproof::camera::Camera;
-use scaleproof::capture::{Answer, Capture, Frame, Guidance, Judge, Original, Store, Tolerance, usual, viewpoints_of};
+use scaleproof::capture::{Answer, Capture, Frame, Original};
 use scaleproof::files::sha256_hex;
 use scaleproof::photo::Photo;
 use scaleproof::scene::Scene;
-use scaleproof::tags::{CoarseToFine, SeenTag, TagDetector, TagDetectorChoice};
+use scaleproof::tags::{CoarseToFine, SeenTag, TagDetector};
 use serde_json::Value;
 
 /// The session's eight `normal` photos; none of the stored session is blurred, dark or out of place.
@@ -815,24 +817,6 @@ fn a_write_that_fails_takes_no_view_twice() {
     assert_eq!(filled(&live_capture(&session, &scene, 850.0)), 2);
     assert_eq!(listed(&session).len(), 2);
     assert!(session.join("taken_back/normal_001.jpg").exists());
-}
-
-/// A capture of a running camera, of the usual pitch at a distance.
-fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {
-    let (scene_file, camera_file) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
-    let tolerance = Tolerance::of_bins(&scene.bins, &[distance_mm]);
-    let views = viewpoints_of(&scene.bins, &[usual(&scene.bins).0], &[distance_mm]);
-    let guidance = Guidance::at(&views, tolerance, &scene.bins);
-    let judge = Judge::new(scene, TagDetectorChoice::default(), true).unwrap();
-    let store = Store::open(session, &scene_file, &camera_file).unwrap();
-    Capture::new(
-        guidance,
-        judge,
-        store,
-        Camera::open(&camera_file).unwrap(),
-        "normal",
-        "yard",
-    )
 }
 
 /// Everything from a frame's bytes to the sentence, at 1280 × 960, in processor time of this thread: what else the machine does is not ours.

@@ -1,6 +1,8 @@
 //! A running camera without one: known pictures in every pixel format, a slow reader, and a cable that is pulled.
 
 mod common;
+#[path = "capture/live.rs"]
+mod live;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,14 +11,11 @@ use std::time::{Duration, Instant};
 
 use common::{assert_refused, program, read_json, skyline, stdout};
 use image::{Rgb, RgbImage};
-use scaleproof::camera::Camera;
+use live::live_capture;
 use scaleproof::capture::live::{Device, PixelFormat, RawPicture, Setting};
-use scaleproof::capture::{
-    CameraSettings, Capture, FrameSource, Guidance, Judge, LiveCamera, Original, Store, Tolerance, usual, viewpoints_of,
-};
+use scaleproof::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
 use scaleproof::photo::{Photo, PhotoFile};
 use scaleproof::scene::Scene;
-use scaleproof::tags::TagDetectorChoice;
 
 /// Patches of 8 × 8 px of many colours.
 fn known() -> RgbImage {
@@ -342,19 +341,6 @@ fn a_camera_fills_the_session_and_goes_on_after_it_was_unplugged() {
 }
 
 fn capture(session: &Path) -> Capture {
-    let (scene_file, camera_file) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
-    let scene = Scene::open(&scene_file).unwrap();
-    let (pitch, distance) = usual(&scene.bins);
-    let views = viewpoints_of(&scene.bins, &[pitch], &[distance]);
-    let guidance = Guidance::at(&views, Tolerance::of_bins(&scene.bins, &[distance]), &scene.bins);
-    let judge = Judge::new(&scene, TagDetectorChoice::default(), true).unwrap();
-    let store = Store::open(session, &scene_file, &camera_file).unwrap();
-    Capture::new(
-        guidance,
-        judge,
-        store,
-        Camera::open(&camera_file).unwrap(),
-        "normal",
-        "yard",
-    )
+    let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
+    live_capture(session, &scene, usual(&scene.bins).1)
 }

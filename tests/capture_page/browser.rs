@@ -2,13 +2,14 @@
 
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use base64::Engine;
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
+use crate::common::with_chromium;
 use crate::http::Client;
 
 /// A browser with one tab; ended when dropped.
@@ -136,35 +137,13 @@ impl Drop for Browser {
 }
 
 fn spawn(profile: &Path) -> Child {
-    let named = std::env::var("CHROMIUM").ok().filter(|v| !v.is_empty());
-    let candidates = named
-        .into_iter()
-        .chain(["chromium", "chromium-browser", "google-chrome"].map(String::from));
-    for program in candidates {
-        let started = Command::new(&program)
-            .args([
-                "--headless",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--disable-quic",
-                "--no-first-run",
-                "--hide-scrollbars",
-            ])
-            .args([
-                "--disable-background-networking",
-                "--disable-component-update",
-                "--disable-sync",
-            ])
+    with_chromium(profile, |command| {
+        command
             .args(["--remote-debugging-port=0", "about:blank"])
-            .arg(format!("--user-data-dir={}", profile.display()))
             .stdout(Stdio::null())
             .stderr(Stdio::null())
-            .spawn();
-        if let Ok(child) = started {
-            return child;
-        }
-    }
-    panic!("no Chromium found: run the tests through ./run test, which installs it, or set CHROMIUM");
+            .spawn()
+    })
 }
 
 /// Chromium writes the port it chose into its profile.

@@ -75,15 +75,21 @@ pub fn read_json(path: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// Headless Chromium with a fresh profile; a missing browser fails the test with what to do.
+/// Headless Chromium with a fresh profile, until it ends.
 pub fn chromium(arguments: &[String]) -> Output {
+    let profile = tempfile::tempdir().unwrap();
+    with_chromium(profile.path(), |command| command.args(arguments).output())
+}
+
+/// Headless Chromium with a profile, started by `start`; a missing browser fails the test with what to do.
+pub fn with_chromium<T>(profile: &Path, start: impl Fn(&mut Command) -> std::io::Result<T>) -> T {
     let named = std::env::var("CHROMIUM").ok().filter(|v| !v.is_empty());
     let candidates = named
         .into_iter()
         .chain(["chromium", "chromium-browser", "google-chrome"].map(String::from));
-    let profile = tempfile::tempdir().unwrap();
     for program in candidates {
-        let started = Command::new(&program)
+        let mut command = Command::new(&program);
+        command
             .args([
                 "--headless",
                 "--no-sandbox",
@@ -97,11 +103,9 @@ pub fn chromium(arguments: &[String]) -> Output {
                 "--disable-sync",
                 "--hide-scrollbars",
             ])
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .args(arguments)
-            .output();
-        if let Ok(output) = started {
-            return output;
+            .arg(format!("--user-data-dir={}", profile.display()));
+        if let Ok(started) = start(&mut command) {
+            return started;
         }
     }
     panic!("no Chromium found: run the tests through ./run test, which installs it, or set CHROMIUM");

@@ -1,0 +1,28 @@
+//! A capture of a running camera at the stored session's scene.
+
+use std::path::Path;
+
+use scaleproof::camera::Camera;
+use scaleproof::capture::{Capture, Guidance, Judge, Store, Tolerance, usual, viewpoints_of};
+use scaleproof::scene::Scene;
+use scaleproof::tags::TagDetectorChoice;
+
+use crate::common::skyline;
+
+/// Of the usual pitch at a distance.
+pub fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {
+    let (scene_file, camera_file) = (skyline().join("scene.toml"), skyline().join("camera.yaml"));
+    let tolerance = Tolerance::of_bins(&scene.bins, &[distance_mm]);
+    let views = viewpoints_of(&scene.bins, &[usual(&scene.bins).0], &[distance_mm]);
+    let guidance = Guidance::at(&views, tolerance, &scene.bins);
+    let judge = Judge::new(scene, TagDetectorChoice::default(), true).unwrap();
+    let store = Store::open(session, &scene_file, &camera_file).unwrap();
+    Capture::new(
+        guidance,
+        judge,
+        store,
+        Camera::open(&camera_file).unwrap(),
+        "normal",
+        "yard",
+    )
+}
