@@ -137,25 +137,69 @@ enum Source {
     Pictures(Vec<([u8; 3], Vec<[f32; 3]>)>),
 }
 
-/// A light that has not been there: each channel of all light by a factor.
-pub(super) type Exposure = [f64; 3];
+/// Each channel of all light by a factor.
+type Exposure = [f64; 3];
 
-pub(super) fn exposure(rng: &mut impl Rng) -> Exposure {
+fn exposure(rng: &mut impl Rng) -> Exposure {
     let all = rng.random_range(-EXPOSURE..EXPOSURE);
     std::array::from_fn(|_| (all + rng.random_range(-TINT..TINT)).exp2())
 }
 
+/// A light that has not been there: the view's own, brighter or darker and tinted, and now and then another's of the same pose added to it.
+pub(super) struct NewLight<'a> {
+    own: Exposure,
+    added: Option<(&'a TrainingView, Exposure)>,
+}
+
+impl<'a> NewLight<'a> {
+    /// As it was.
+    pub const NONE: Self = Self {
+        own: [1.0; 3],
+        added: None,
+    };
+
+    pub fn random(set: &'a TrainingSet, view: &TrainingView, rng: &mut impl Rng) -> Self {
+        let mut own = exposure(rng);
+        let fellows: Vec<&TrainingView> = set.training.iter().filter(|other| view.is_same_pose(other)).collect();
+        // Drawn in any case, so that a step's later numbers do not depend on the frames.
+        let (share, which): (f64, f64) = (rng.random_range(-1.0..1.0), rng.random());
+        let mut other = exposure(rng);
+        if fellows.is_empty() || share < 0.0 {
+            return Self { own, added: None };
+        }
+        own.iter_mut().for_each(|v| *v *= 1.0 - share);
+        other.iter_mut().for_each(|v| *v *= share);
+        let fellow = fellows[((which * fellows.len() as f64) as usize).min(fellows.len() - 1)];
+        Self {
+            own,
+            added: Some((fellow, other)),
+        }
+    }
+}
+
 impl TrainingView {
     /// sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Pictures without linear light keep their exposure.
-    pub(super) fn picture(&self, rgb: [u8; 3], exposure: Exposure) -> Option<Vec<[f32; 3]>> {
+    pub(super) fn picture(&self, rgb: [u8; 3], new: &NewLight) -> Option<Vec<[f32; 3]>> {
         match &self.source {
             Source::Light(additive) => {
-                let exposed =
-                    |p: &[f32; 3]| std::array::from_fn(|c| light::encode(f64::from(p[c]) * exposure[c]) as f32);
-                Some(additive.light(rgb).iter().map(exposed).collect())
+                let mut light = exposed(additive, rgb, new.own);
+                if let Some((Source::Light(other), exposure)) = new.added.as_ref().map(|(v, e)| (&v.source, *e)) {
+                    for (sum, more) in light.iter_mut().zip(exposed(other, rgb, exposure)) {
+                        (0..3).for_each(|c| sum[c] += more[c]);
+                    }
+                }
+                Some(light.iter().map(|p| p.map(|v| light::encode(v) as f32)).collect())
             }
             Source::Pictures(all) => all.iter().find(|(colour, _)| *colour == rgb).map(|(_, p)| p.clone()),
         }
+    }
+
+    /// Another picture from the same place, whose light can be added to this one's.
+    fn is_same_pose(&self, other: &Self) -> bool {
+        let (Source::Light(_), Source::Light(_)) = (&self.source, &other.source) else {
+            return false;
+        };
+        !std::ptr::eq(self, other) && self.paint == other.paint
     }
 
     /// A colour to learn from.
@@ -188,6 +232,12 @@ impl TrainingView {
             Source::Pictures(all) => all.iter().map(|(c, _)| *c).filter(|c| set.unseen.contains(c)).collect(),
         }
     }
+}
+
+/// Linear light in a colour.
+fn exposed(additive: &Additive, rgb: [u8; 3], exposure: Exposure) -> Vec<[f64; 3]> {
+    let pixel = |p: &[f32; 3]| std::array::from_fn(|c| f64::from(p[c]) * exposure[c]);
+    additive.light(rgb).iter().map(pixel).collect()
 }
 
 /// Views to learn from, and views that show what was learnt.

@@ -1,8 +1,8 @@
 //! Training: Adam on the binary cross-entropy over the paint (CVPR 2022, algorithm 2).
 //!
 //! A batch is eight views in four colours each: TF does not depend on the colour, so that one pass of the network serves four pictures. Views are
-//! mirrored, moved within the window, and put under brighter, darker and tinted light, which is exact in linear light: frames come from a few
-//! lights, and the network is asked about others. What is kept as the network is the running mean of the weights, which is smoother than the
+//! mirrored, moved within the window, and put under brighter, darker, tinted and mixed light, which is exact in linear light: frames come from a
+//! few lights, and the network is asked about others. What is kept as the network is the running mean of the weights, which is smoother than the
 //! weights of any one step.
 //!
 //! Every step draws its random numbers from the seed and its own number, so that training that was interrupted goes on as if it had not been.
@@ -14,7 +14,7 @@ use rand::{Rng, RngExt};
 use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
-use super::data::{Placement, TrainingSet, TrainingView, Window, exposure};
+use super::data::{NewLight, Placement, TrainingSet, TrainingView, Window};
 use super::network::{Layout, tensors, values};
 use super::view::Network;
 use super::{Architecture, DtnError, Transformer};
@@ -248,14 +248,14 @@ impl Trainer {
         rng: &mut impl Rng,
     ) -> Option<Sample<'a>> {
         let placement = window.anywhere(&view.paint, rng);
-        let exposure = exposure(rng);
+        let light = NewLight::random(set, view, rng);
         let reference = self.plan.references[rng.random_range(0..self.plan.references.len())];
         let colours: Vec<[u8; 3]> = (0..COLOURS_A_VIEW).map(|_| view.colour(set, rng)).collect();
-        let target = |rgb: [u8; 3]| Some((rgb, view.picture(rgb, exposure)?));
+        let target = |rgb: [u8; 3]| Some((rgb, view.picture(rgb, &light)?));
         Some(Sample {
             view,
             placement,
-            reference: view.picture(reference, exposure)?,
+            reference: view.picture(reference, &light)?,
             targets: colours.into_iter().map(target).collect::<Option<_>>()?,
         })
     }
@@ -281,12 +281,12 @@ impl Trainer {
         let transformer = self.plan.architecture.transformer;
         let (mut sum, mut count) = (0.0, 0);
         for view in &set.validation {
-            let Some(reference) = view.picture(self.plan.references[0], [1.0; 3]) else {
+            let Some(reference) = view.picture(self.plan.references[0], &NewLight::NONE) else {
                 continue;
             };
             let maps = network.maps(&view.paint, &reference)?;
             for rgb in view.validation_colours(set) {
-                let Some(truth) = view.picture(rgb, [1.0; 3]) else {
+                let Some(truth) = view.picture(rgb, &NewLight::NONE) else {
                     continue;
                 };
                 let mut error = 0.0;
