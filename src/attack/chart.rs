@@ -420,7 +420,7 @@ fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&R
             series: index(&mut names, series),
             shape: index(&mut shapes, shape),
             name: None,
-            is_default: row.model == Kind::default().name() && Some(row.references) == most,
+            is_ringed: row.model == Kind::default().name() && Some(row.references) == most,
         });
     }
     scatter(&Cloud {
@@ -430,6 +430,7 @@ fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&R
         y: Axis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
         colours: names,
         shapes,
+        ringed: "the default".to_owned(),
         groups: vec![(String::new(), dots)],
     })
 }

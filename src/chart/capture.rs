@@ -133,7 +133,7 @@ pub fn draw(rows: &[Row]) -> String {
         series: names.iter().position(|name| name == row.tag_detector).unwrap_or(0),
         shape: usize::from(!row.is_stream),
         name: row.is_default.then(|| format!("{}, running camera", row.tag_detector)),
-        is_default: row.is_default,
+        is_ringed: row.is_default,
     };
     let frames = rows.first().map_or(0, |row| row.frames);
     let [median, p95] = LIMITS_MS;
@@ -150,6 +150,7 @@ pub fn draw(rows: &[Row]) -> String {
         y: Axis::around("95 % take no longer, ms", Scale::Log, rows.iter().map(|row| row.p95_ms)),
         colours: names.clone(),
         shapes: vec!["running camera".to_owned(), "photos".to_owned()],
+        ringed: "the default".to_owned(),
         groups: vec![(String::new(), rows.iter().map(dot).collect())],
     };
     scatter(&cloud)

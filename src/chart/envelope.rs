@@ -99,7 +99,7 @@ pub fn draw(rows: &[Row]) -> String {
                     series,
                     shape,
                     name: (shape == 0).then(|| row.envelope.to_owned()),
-                    is_default: row.is_default,
+                    is_ringed: row.is_default,
                 })
             })
     });
@@ -116,6 +116,7 @@ pub fn draw(rows: &[Row]) -> String {
         y: Axis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
         colours: rows.iter().map(|row| row.envelope.to_owned()).collect(),
         shapes: vec!["median photo".to_owned(), "worst photo".to_owned()],
+        ringed: "the default".to_owned(),
         groups: vec![(String::new(), dots)],
     };
     scatter(&cloud)

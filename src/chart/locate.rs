@@ -229,7 +229,7 @@ pub fn draw(rows: &[Row]) -> String {
             series: index(&colours, row.tag_detector),
             shape: index(&shapes, row.solver),
             name: row.is_default.then(|| format!("{}, {}", row.tag_detector, row.solver)),
-            is_default: row.is_default,
+            is_ringed: row.is_default,
         })
     };
     let group = |model: CameraModel| {
@@ -250,6 +250,7 @@ pub fn draw(rows: &[Row]) -> String {
         ),
         colours: colours.clone(),
         shapes: shapes.clone(),
+        ringed: "the default".to_owned(),
         groups: CameraModel::ALL.into_iter().map(group).collect(),
     };
     scatter(&cloud)

@@ -37,8 +37,7 @@ pub struct Dot {
     pub shape: usize,
     /// Written beside it.
     pub name: Option<String>,
-    /// Ringed: the method the program uses.
-    pub is_default: bool,
+    pub is_ringed: bool,
 }
 
 /// Dots over shared axes, with what colours and shapes stand for.
@@ -51,11 +50,17 @@ pub struct Cloud {
     pub y: Axis,
     pub colours: Vec<String>,
     pub shapes: Vec<String>,
+    /// What the ring means.
+    pub ringed: String,
     /// One plot each, side by side.
     pub groups: Vec<(String, Vec<Dot>)>,
 }
 
-const PLOT: (f64, f64) = (300.0, 300.0);
+/// Width of a plot: of one of several, and of one alone.
+const WIDTHS: [f64; 2] = [300.0, 520.0];
+const HEIGHT: f64 = 300.0;
+/// Of a letter of the note.
+const LETTER: f64 = 6.2;
 const LEFT: f64 = 62.0;
 const TOP: f64 = 78.0;
 const GAP: f64 = 26.0;
@@ -63,44 +68,52 @@ const FOOT: f64 = 44.0;
 const LEGEND_ROW: f64 = 17.0;
 const RADIUS: f64 = 6.0;
 
+impl Cloud {
+    fn plot_width(&self) -> f64 {
+        WIDTHS[usize::from(self.groups.len() == 1)]
+    }
+}
+
 /// The chart as an SVG file.
 pub fn scatter(cloud: &Cloud) -> String {
     let groups = cloud.groups.len().max(1) as f64;
-    let width = (LEFT + groups * (PLOT.0 + GAP)).max(560.0);
+    let of_note = 32.0 + LETTER * cloud.note.chars().count() as f64;
+    let width = (LEFT + groups * (cloud.plot_width() + GAP)).max(of_note);
     let rows = cloud.colours.len().max(cloud.shapes.len() + 1) as f64;
-    let height = TOP + PLOT.1 + FOOT + rows * LEGEND_ROW + 10.0;
+    let height = TOP + HEIGHT + FOOT + rows * LEGEND_ROW + 10.0;
     let content = html! {
         text x="16" y="26" font-size="16" font-weight="bold" fill=(INK) { (cloud.title) }
         text x="16" y="45" font-size="11" fill=(NOTE) { (cloud.note) }
         @for (i, (name, dots)) in cloud.groups.iter().enumerate() {
-            g transform=(format!("translate({} {TOP})", LEFT + i as f64 * (PLOT.0 + GAP))) {
-                text x=(PLOT.0 / 2.0) y="-10" font-size="12" text-anchor="middle" fill=(INK) { (name) }
+            g transform=(format!("translate({} {TOP})", LEFT + i as f64 * (cloud.plot_width() + GAP))) {
+                text x=(cloud.plot_width() / 2.0) y="-10" font-size="12" text-anchor="middle" fill=(INK) { (name) }
                 (grid(cloud, i == 0))
                 @for dot in dots { (mark(cloud, dot)) }
                 (names(cloud, dots))
             }
         }
-        g transform=(format!("translate({LEFT} {})", TOP + PLOT.1 + FOOT + 12.0)) { (legend(cloud)) }
+        g transform=(format!("translate({LEFT} {})", TOP + HEIGHT + FOOT + 12.0)) { (legend(cloud)) }
     };
     document(width, height, &cloud.title, &content)
 }
 
 fn grid(cloud: &Cloud, with_y_labels: bool) -> Markup {
+    let width = cloud.plot_width();
     html! {
         @for tick in cloud.x.ticks() {
-            @let x = round(cloud.x.share(tick) * PLOT.0);
-            line x1=(x) x2=(x) y2=(PLOT.1) stroke=(FAINT) {}
-            text x=(x) y=(PLOT.1 + 14.0) font-size="10" text-anchor="middle" fill=(NOTE) { (tick_label(tick)) }
+            @let x = round(cloud.x.share(tick) * width);
+            line x1=(x) x2=(x) y2=(HEIGHT) stroke=(FAINT) {}
+            text x=(x) y=(HEIGHT + 14.0) font-size="10" text-anchor="middle" fill=(NOTE) { (tick_label(tick)) }
         }
         @for tick in cloud.y.ticks() {
-            @let y = round((1.0 - cloud.y.share(tick)) * PLOT.1);
-            line x2=(PLOT.0) y1=(y) y2=(y) stroke=(FAINT) {}
+            @let y = round((1.0 - cloud.y.share(tick)) * HEIGHT);
+            line x2=(width) y1=(y) y2=(y) stroke=(FAINT) {}
             @if with_y_labels { text x="-6" y=(y + 3.5) font-size="10" text-anchor="end" fill=(NOTE) { (tick_label(tick)) } }
         }
-        rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke=(NOTE) {}
-        text x=(PLOT.0 / 2.0) y=(PLOT.1 + 32.0) font-size="11" text-anchor="middle" fill=(INK) { (cloud.x.title) }
+        rect width=(width) height=(HEIGHT) fill="none" stroke=(NOTE) {}
+        text x=(width / 2.0) y=(HEIGHT + 32.0) font-size="11" text-anchor="middle" fill=(INK) { (cloud.x.title) }
         @if with_y_labels {
-            text transform=(format!("translate(-44 {}) rotate(-90)", PLOT.1 / 2.0)) font-size="11" text-anchor="middle"
+            text transform=(format!("translate(-44 {}) rotate(-90)", HEIGHT / 2.0)) font-size="11" text-anchor="middle"
                 fill=(INK) { (cloud.y.title) }
         }
     }
@@ -108,8 +121,8 @@ fn grid(cloud: &Cloud, with_y_labels: bool) -> Markup {
 
 fn place(cloud: &Cloud, dot: &Dot) -> [f64; 2] {
     [
-        round(cloud.x.share(dot.x) * PLOT.0),
-        round((1.0 - cloud.y.share(dot.y)) * PLOT.1),
+        round(cloud.x.share(dot.x) * cloud.plot_width()),
+        round((1.0 - cloud.y.share(dot.y)) * HEIGHT),
     ]
 }
 
@@ -117,7 +130,7 @@ fn mark(cloud: &Cloud, dot: &Dot) -> Markup {
     let [x, y] = place(cloud, dot);
     html! {
         g transform=(format!("translate({x} {y})")) {
-            @if dot.is_default { circle r=(RADIUS + 4.5) fill="none" stroke=(INK) stroke-width="1.5" {} }
+            @if dot.is_ringed { circle r=(RADIUS + 4.5) fill="none" stroke=(INK) stroke-width="1.5" {} }
             (symbol(dot.series, dot.shape, dot.share))
         }
     }
@@ -170,7 +183,7 @@ fn names(cloud: &Cloud, dots: &[Dot]) -> Markup {
     }
     html! {
         @for ([x, y], name) in named {
-            @let (anchor, dx) = if x > 0.6 * PLOT.0 { ("end", -13.0) } else { ("start", 13.0) };
+            @let (anchor, dx) = if x > 0.6 * cloud.plot_width() { ("end", -13.0) } else { ("start", 13.0) };
             text x=(round(x + dx)) y=(round(y + 3.5)) font-size="10" text-anchor=(anchor) fill=(INK) stroke="#fff"
                 stroke-width="3" paint-order="stroke" { (name) }
         }
@@ -194,7 +207,7 @@ fn legend(cloud: &Cloud) -> Markup {
         }
         g transform=(format!("translate(230 {})", row(cloud.shapes.len()))) {
             circle r=(RADIUS + 3.0) fill="none" stroke=(INK) stroke-width="1.5" {}
-            text x="14" y="4" font-size="11" fill=(INK) { "the default" }
+            text x="14" y="4" font-size="11" fill=(INK) { (cloud.ringed) }
         }
     }
 }
@@ -220,7 +233,7 @@ mod tests {
             series: 0,
             shape: 0,
             name: Some(name.into()),
-            is_default: false,
+            is_ringed: false,
         };
         let dots = vec![dot(1.0, "a<b"), dot(1.0, "c")];
         let axis = |t: &str| Axis::around(t, Scale::Log, [0.5, 2.0]);
@@ -229,6 +242,7 @@ mod tests {
             note: String::new(),
             x: axis("x"),
             y: axis("y"),
+            ringed: "best".into(),
             colours: vec!["one".into()],
             shapes: vec!["two".into()],
             groups: vec![("g".into(), dots)],

@@ -59,12 +59,13 @@ pub fn draw(histories: &[History]) -> String {
     scatter(&Cloud {
         title: "Patterns: AP@0.5 on held-out views against time".to_owned(),
         note: format!(
-            "{views} views by the renderer model; filled: share with a hit at confidence 0.5; ringed: the end; lower left is better"
+            "{views} views by the renderer model; filled: share with a hit at confidence 0.5; lower left is better"
         ),
         x: Axis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
         y: Axis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
         colours: methods,
         shapes: vec!["after so many seconds".to_owned()],
+        ringed: "the end".to_owned(),
         groups: vec![(String::new(), dots)],
     })
 }
@@ -81,6 +82,6 @@ fn of_one<'a>(history: &'a History, methods: &'a [String]) -> impl Iterator<Item
         series,
         shape: 0,
         name: None,
-        is_default: Some(entry.step) == last,
+        is_ringed: Some(entry.step) == last,
     })
 }
