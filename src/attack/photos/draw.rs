@@ -45,12 +45,15 @@ struct Source<'a> {
     gain: [f64; 3],
 }
 
-/// The light at one place of the finer picture in each colour, the reference first.
-struct Place {
-    is_object: bool,
-    /// Where the paint is seen in every photo.
-    paint: Option<(Side, Point3<f64>)>,
-    lights: Vec<[f64; 3]>,
+/// One place of the finer picture, with the light that the reference photo has there.
+enum Place {
+    Beside([f64; 3]),
+    /// The model, but not its paint.
+    Other([f64; 3]),
+    /// Paint that some photo does not see.
+    Hidden([f64; 3]),
+    /// Paint, and its light in every colour, the reference's first.
+    Paint(Side, Point3<f64>, Vec<[f64; 3]>),
 }
 
 impl<'a> Canvas<'a> {
@@ -98,29 +101,34 @@ impl<'a> Canvas<'a> {
                 let pixel = reference.camera.project(&ray(&pinhole, [x as f64, y as f64]));
                 // The frame lies inside the photo; only rounding can leave it.
                 let light = pixel.and_then(|p| own.at(p)).unwrap_or_default();
-                let mut place = Place {
-                    is_object: false,
-                    paint: None,
-                    lights: vec![light; 1 + sources.len()],
-                };
-                if let Some(hit) = raster.at(x, y) {
-                    place.is_object = true;
-                    if let Some(side) = self.sides[hit.triangle] {
-                        sums.paint += 1;
-                        let point = raster.point(x, y, &hit);
-                        let found: Option<Vec<_>> =
-                            sources.iter().map(|s| s.at(&point, hit.triangle, &centre)).collect();
-                        if let Some(found) = found {
-                            place.paint = Some((side, point));
-                            place.lights[1..].copy_from_slice(&found);
+                let place = match raster.at(x, y) {
+                    None => Place::Beside(light),
+                    Some(hit) => match self.sides[hit.triangle] {
+                        None => Place::Other(light),
+                        Some(side) => {
+                            let point = raster.point(x, y, &hit);
+                            let found = sources.iter().map(|s| self.look_up(s, &point, hit.triangle, &centre));
+                            let lights: Option<Vec<_>> = std::iter::once(Some(light)).chain(found).collect();
+                            lights.map_or(Place::Hidden(light), |lights| Place::Paint(side, point, lights))
                         }
-                    }
-                }
-                sums.add(x as usize, y as usize, &place);
+                    },
+                };
+                sums.add(x as usize, y as usize, place);
             }
         }
         let around = outline(mesh, &reference.pose, &self.pinhole);
         Ok(Some(sums.finished(around)))
+    }
+
+    /// The light of a surface point, at the reference's exposure; `None` where the photo does not see it, or something else a place away.
+    fn look_up(&self, source: &Source, point: &Point3<f64>, triangle: usize, centre: &Point3<f64>) -> Option<[f64; 3]> {
+        let is_paint = |triangle: usize| self.sides[triangle].is_some();
+        if !source.raster.sees(point, triangle, centre, is_paint) {
+            return None;
+        }
+        let pixel = source.shot.camera.project(&(source.shot.pose * point))?;
+        let light = source.light.at(pixel)?;
+        Some(std::array::from_fn(|c| source.gain[c] * light[c]))
     }
 
     /// The camera of the finer picture.
@@ -142,83 +150,116 @@ impl<'a> Canvas<'a> {
             });
         }
         let reduction = shot.camera.fx.min(shot.camera.fy) / self.fine_pinhole().focal_length_px;
-        Ok(LightPicture::new(&photo.rgb, (reduction as usize).clamp(1, width.min(height) as usize)))
-    }
-}
-
-impl Source<'_> {
-    /// The light of a surface point, at the reference's exposure; `None` where this photo does not see it.
-    fn at(&self, point: &Point3<f64>, triangle: usize, reference_centre: &Point3<f64>) -> Option<[f64; 3]> {
-        if !self.raster.sees(point, triangle, reference_centre) {
-            return None;
-        }
-        let light = self.light.at(self.shot.camera.project(&(self.shot.pose * point))?)?;
-        Some(std::array::from_fn(|c| self.gain[c] * light[c]))
+        Ok(LightPicture::new(
+            &photo.rgb,
+            (reduction as usize).clamp(1, width.min(height) as usize),
+        ))
     }
 }
 
 /// The pictures while they are added up.
 struct Sums {
     size_px: [usize; 2],
-    object: Vec<u32>,
-    painted: Vec<u32>,
-    /// Places of paint in the reference photo.
-    paint: usize,
+    pixels: Vec<Pixel>,
+    /// The light of the paint in each colour, pixel by pixel.
+    paint: Vec<Vec<[f64; 3]>>,
     positions: Vec<[f64; 3]>,
     sides: Vec<u8>,
-    lights: Vec<Vec<[f64; 3]>>,
+}
+
+/// Places in a pixel, and the reference photo's light from those that are not in [`Sums::paint`].
+#[derive(Clone, Copy, Default)]
+struct Pixel {
+    object: u32,
+    seen: u32,
+    hidden: u32,
+    rest: [f64; 3],
+    hidden_light: [f64; 3],
+}
+
+impl Pixel {
+    /// Paint in the mask: what is hidden looks like the paint that is seen in the same pixel.
+    fn painted(&self) -> u32 {
+        if self.seen > 0 { self.seen + self.hidden } else { 0 }
+    }
+}
+
+fn add(sum: &mut [f64; 3], light: &[f64; 3], weight: f64) {
+    (0..3).for_each(|c| sum[c] += weight * light[c]);
 }
 
 impl Sums {
     fn new(size_px: [u32; 2], colours: usize) -> Self {
-        let pixels = (size_px[0] * size_px[1]) as usize;
-        let places = pixels * (FACTOR * FACTOR) as usize;
+        let count = (size_px[0] * size_px[1]) as usize;
+        let places = count * (FACTOR * FACTOR) as usize;
         Self {
             size_px: size_px.map(|px| px as usize),
-            object: vec![0; pixels],
-            painted: vec![0; pixels],
-            paint: 0,
+            pixels: vec![Pixel::default(); count],
+            paint: vec![vec![[0.0; 3]; count]; colours],
             positions: vec![[0.0; 3]; places],
             sides: vec![0; places],
-            lights: vec![vec![[0.0; 3]; pixels]; colours],
         }
     }
 
-    fn add(&mut self, x: usize, y: usize, place: &Place) {
+    fn add(&mut self, x: usize, y: usize, place: Place) {
         let factor = FACTOR as usize;
-        let pixel = y / factor * self.size_px[0] + x / factor;
-        let fine = y * self.size_px[0] * factor + x;
-        self.object[pixel] += u32::from(place.is_object);
-        if let Some((side, point)) = &place.paint {
-            self.painted[pixel] += 1;
-            self.positions[fine] = point.coords.into();
-            self.sides[fine] = 1 + Side::ALL.iter().position(|s| s == side).unwrap_or_default() as u8;
+        let index = y / factor * self.size_px[0] + x / factor;
+        let pixel = &mut self.pixels[index];
+        pixel.object += u32::from(!matches!(place, Place::Beside(_)));
+        match place {
+            Place::Beside(light) | Place::Other(light) => add(&mut pixel.rest, &light, 1.0),
+            Place::Hidden(light) => {
+                pixel.hidden += 1;
+                add(&mut pixel.hidden_light, &light, 1.0);
+            }
+            Place::Paint(side, point, lights) => {
+                pixel.seen += 1;
+                let fine = y * self.size_px[0] * factor + x;
+                self.positions[fine] = point.coords.into();
+                self.sides[fine] = 1 + Side::ALL.iter().position(|s| *s == side).unwrap_or_default() as u8;
+                for (picture, light) in self.paint.iter_mut().zip(&lights) {
+                    add(&mut picture[index], light, 1.0);
+                }
+            }
         }
-        for (picture, light) in self.lights.iter_mut().zip(&place.lights) {
-            (0..3).for_each(|c| picture[pixel][c] += light[c] / f64::from(FACTOR * FACTOR));
+    }
+
+    /// A pixel's mean light in a colour; 0 is the reference.
+    fn light(&self, index: usize, colour: usize) -> [f64; 3] {
+        let (pixel, paint) = (&self.pixels[index], &self.paint[colour][index]);
+        let mut sum = pixel.rest;
+        add(&mut sum, paint, 1.0);
+        match colour > 0 && pixel.seen > 0 {
+            true => add(&mut sum, paint, f64::from(pixel.hidden) / f64::from(pixel.seen)),
+            false => add(&mut sum, &pixel.hidden_light, 1.0),
         }
+        sum.map(|v| v / f64::from(FACTOR * FACTOR))
     }
 
     /// `around`: the mesh's projected corners, from the middle of the first pixel.
     fn finished(self, around: Option<BoxPx>) -> Drawn {
         let [width, height] = self.size_px.map(|px| px as u32);
-        let mask = |counts: &[u32]| {
+        let index = |x: u32, y: u32| (y * width + x) as usize;
+        let mask = |count: fn(&Pixel) -> u32| {
             let level = |count: u32| (255.0 * f64::from(count) / f64::from(FACTOR * FACTOR)).round() as u8;
-            GrayImage::from_fn(width, height, |x, y| Luma([level(counts[(y * width + x) as usize])]))
+            GrayImage::from_fn(width, height, |x, y| Luma([level(count(&self.pixels[index(x, y)]))]))
         };
-        let picture = |lights: &Vec<[f64; 3]>| {
-            RgbImage::from_fn(width, height, |x, y| Rgb(light::rgb_of(lights[(y * width + x) as usize])))
+        let picture = |colour: usize| {
+            RgbImage::from_fn(width, height, |x, y| {
+                Rgb(light::rgb_of(self.light(index(x, y), colour)))
+            })
         };
-        let kept: u32 = self.painted.iter().sum();
+        let total = |count: fn(&Pixel) -> u32| self.pixels.iter().map(count).sum::<u32>();
+        let kept = f64::from(total(Pixel::painted)) / f64::from(total(|p| p.seen + p.hidden).max(1));
         let clipped = around.map(|b| b.clipped(f64::from(width), f64::from(height)));
         Drawn {
-            object_mask: mask(&self.object),
-            paint_mask: mask(&self.painted),
-            pictures: self.lights.iter().map(picture).collect(),
+            object_mask: mask(|p| p.object),
+            paint_mask: mask(Pixel::painted),
+            pictures: (0..self.paint.len()).map(picture).collect(),
             positions: self.positions,
             sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
             box_xyxy_px: clipped.filter(BoxPx::is_solid),
-            kept: f64::from(kept) / self.paint.max(1) as f64,
+            kept,
         }
     }
 }

@@ -6,7 +6,9 @@
 //! linear light, as far as a photo tells of it: its tone curve is taken for sRGB's, and what it really is, the renderer models fit. For that reason
 //! these frames have no `linear` pictures.
 //!
-//! Outside the paint every frame of a view shows the reference photo, and paint that not every photo sees is taken out of the mask.
+//! Outside the paint every frame of a view shows the reference photo. Paint that not every photo sees, or that lies so near to an edge that light
+//! from beside it has strayed in, looks like the rest of the paint in its pixel; where there is none, it is taken out of the mask, and every frame
+//! shows the reference photo.
 
 mod draw;
 pub mod exposure;

@@ -91,7 +91,13 @@ impl<'a> Raster<'a> {
             width,
             height,
         };
-        Some(Self::drawn(mesh, pose, pinhole, window, &Seen::of(mesh, pose, pinhole)?))
+        Some(Self::drawn(
+            mesh,
+            pose,
+            pinhole,
+            window,
+            &Seen::of(mesh, pose, pinhole)?,
+        ))
     }
 
     /// The whole mesh, also what lies beyond the picture, up to its width and height on each side.
@@ -101,7 +107,10 @@ impl<'a> Raster<'a> {
         let span = |low: f64, high: f64, size: usize| {
             let (least, most) = (-(size as i64), 2 * size as i64);
             let low = (low.floor() as i64 - MARGIN_PX).clamp(least, most);
-            (low, ((high.ceil() as i64 + MARGIN_PX).clamp(least, most) - low) as usize)
+            (
+                low,
+                ((high.ceil() as i64 + MARGIN_PX).clamp(least, most) - low) as usize,
+            )
         };
         let (left, width) = span(around.x1, around.x2, size[0]);
         let (top, height) = span(around.y1, around.y2, size[1]);
@@ -161,19 +170,27 @@ impl<'a> Raster<'a> {
     /// What a pixel shows; nothing beyond the window.
     pub fn at(&self, x: i64, y: i64) -> Option<Hit> {
         let (column, row) = (x - self.window.left, y - self.window.top);
-        let is_inside = (0..self.window.width as i64).contains(&column) && (0..self.window.height as i64).contains(&row);
+        let is_inside =
+            (0..self.window.width as i64).contains(&column) && (0..self.window.height as i64).contains(&row);
         is_inside.then(|| self.hits[row as usize * self.window.width + column as usize])?
     }
 
     /// The surface point (model frame, mm) at a pixel's centre.
     pub fn point(&self, x: i64, y: i64, hit: &Hit) -> Point3<f64> {
         let ray = ray(&self.pinhole, [x as f64, y as f64]);
-        self.pose.inverse_transform_point(&Point3::from(ray.coords * hit.depth_mm))
+        self.pose
+            .inverse_transform_point(&Point3::from(ray.coords * hit.depth_mm))
     }
 
-    /// Whether this camera sees a point of a triangle (model frame, mm) from the side that another camera's centre lies on. What is hidden by
-    /// anything less than a pixel away counts as hidden.
-    pub fn sees(&self, point: &Point3<f64>, triangle: usize, other_centre: &Point3<f64>) -> bool {
+    /// Whether this camera sees a point of a triangle (model frame, mm) from the side that another camera's centre lies on, and nothing but
+    /// triangles of its kind in the pixels around it: light from there has strayed into a photo's pixel.
+    pub fn sees(
+        &self,
+        point: &Point3<f64>,
+        triangle: usize,
+        other_centre: &Point3<f64>,
+        is_its_kind: impl Fn(usize) -> bool,
+    ) -> bool {
         let centre = self.pose.inverse_transform_point(&Point3::origin());
         let corners = self.mesh.corners_mm(&self.mesh.triangles()[triangle]);
         let normal = doubled_area(&corners);
@@ -187,16 +204,14 @@ impl<'a> Raster<'a> {
         }
         let [x, y] = pixel(&self.pinhole, &p).map(|v| v.round() as i64);
         let slack = BEHIND_PX * p.z / self.pinhole.focal_length_px;
-        let mut is_drawn = false;
-        for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
-            let Some(hit) = self.at(x + dx, y + dy) else { continue };
-            is_drawn = true;
-            let is_nearer = hit.triangle != triangle && hit.depth_mm < p.z - slack;
-            if is_nearer && self.is_behind(point, hit.triangle, &centre) {
-                return false;
-            }
-        }
-        is_drawn
+        (-1..=1)
+            .flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)))
+            .all(|(dx, dy)| {
+                self.at(x + dx, y + dy).is_some_and(|hit| {
+                    let is_nearer = hit.triangle != triangle && hit.depth_mm < p.z - slack;
+                    is_its_kind(hit.triangle) && !(is_nearer && self.is_behind(point, hit.triangle, &centre))
+                })
+            })
     }
 
     fn is_behind(&self, point: &Point3<f64>, triangle: usize, eye: &Point3<f64>) -> bool {

@@ -77,7 +77,10 @@ fn best<'a>(group: &[&'a Shot], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Re
     let mut candidates: Vec<(f64, &Shot, Vec<&Shot>)> = Vec::new();
     for reference in group {
         let others = nearest(group, reference, flats, target_mm);
-        let worst = others.iter().map(|s| turn_deg(s, reference, target_mm)).fold(0.0, f64::max);
+        let worst = others
+            .iter()
+            .map(|s| turn_deg(s, reference, target_mm))
+            .fold(0.0, f64::max);
         candidates.push((worst, reference, others));
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0));

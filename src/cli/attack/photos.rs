@@ -50,7 +50,11 @@ struct Flat {
 
 pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     let flats = flats(&args.flat)?;
-    let sessions = args.sessions.iter().map(|s| Session::open(s)).collect::<Result<Vec<_>, _>>()?;
+    let sessions = args
+        .sessions
+        .iter()
+        .map(|s| Session::open(s))
+        .collect::<Result<Vec<_>, _>>()?;
     check_output(args, &sessions)?;
     let mesh = common_mesh(&sessions)?;
     check_variants(&flats, &sessions)?;
@@ -78,7 +82,13 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     }
     files::write_all_atomically(&made.files)?;
     let list = args.output.join(LIST);
-    writeln!(out, "{}: {} frames of {} views", list.display(), made.frames, made.views.len())?;
+    writeln!(
+        out,
+        "{}: {} frames of {} views",
+        list.display(),
+        made.frames,
+        made.views.len()
+    )?;
     Ok(Outcome::Done)
 }
 
@@ -226,13 +236,16 @@ fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<Shot, String> {
     let seen = tags.find(&photo.grey());
     let located = locate(&seen, &session.scene, &fitted.camera).map_err(|e: Abstention| e.to_string())?;
     let trusted = |id: u32| located.tags.contains(&id);
-    let papers = seen.iter().zip(paper_levels(&photo.rgb, &seen)).filter_map(|(tag, level)| {
-        (tag.is_whole && trusted(tag.id)).then_some(Paper {
-            family: tag.family,
-            id: tag.id,
-            level: level?,
-        })
-    });
+    let papers = seen
+        .iter()
+        .zip(paper_levels(&photo.rgb, &seen))
+        .filter_map(|(tag, level)| {
+            (tag.is_whole && trusted(tag.id)).then_some(Paper {
+                family: tag.family,
+                id: tag.id,
+                level: level?,
+            })
+        });
     Ok(Shot {
         flat_rgb: job.rgb,
         // Photos of another session may be of the same place only where both name it.
@@ -284,6 +297,10 @@ fn say_left_out(left_out: &[LeftOut], out: &mut dyn Write) -> std::io::Result<()
 fn say_other_variants(flats: &[Flat], sessions: &[Session], out: &mut dyn Write) -> std::io::Result<()> {
     let mut all = variants(sessions);
     all.retain(|variant| flats.iter().all(|flat| flat.variant != *variant));
-    all.iter()
-        .try_for_each(|variant| writeln!(out, "left out: photos of the variant {variant}: --flat does not name it"))
+    all.iter().try_for_each(|variant| {
+        writeln!(
+            out,
+            "left out: photos of the variant {variant}: --flat does not name it"
+        )
+    })
 }
