@@ -420,10 +420,15 @@ fn every_colour_is_as_a_render_from_the_reference_s_place_has_it() {
         said.contains("135°/35°/900 mm: white_121.5.png with black_120.png (1."),
         "{said}"
     );
+    // The factors are those between the exposures.
+    assert!(
+        said.contains("light × 1.44 1.22 1.00") && said.contains("light × 0.69 0.56 0.45"),
+        "{said}"
+    );
     let set = FrameSet::open(folder).unwrap();
     assert!(set.list.linear_max.is_none(), "a photo's tone curve is not known");
     let world = World::new();
-    let (mut worst, mut naive) = (0.0_f64, f64::INFINITY);
+    let (mut worst, mut least_gain) = (0.0_f64, f64::INFINITY);
     for frame in &set.list.frames {
         let colour = frame.flat_rgb().unwrap();
         let (found, mask) = (set.rgb(frame).unwrap(), set.paint_mask(frame).unwrap());
@@ -441,12 +446,14 @@ fn every_colour_is_as_a_render_from_the_reference_s_place_has_it() {
             let rays = Rays::of(&set.list.camera());
             let light = world.picture(set.list.size_px, 3, &rays, &own.pose(), colour, &|_| true);
             let unmoved = picture(&light, set.list.size_px, reference(frame).exposure);
-            naive = naive.min(mse(&unmoved, &wanted, &mask));
+            least_gain = least_gain.min(mse(&unmoved, &wanted, &mask) / error);
         }
     }
-    println!("worst {worst:.6}; photos that are not laid on the reference at least {naive:.4}");
-    assert!(worst < 0.0003, "{worst}");
-    assert!(naive > 0.001, "the test could not tell: {naive}");
+    println!(
+        "worst {worst:.6}; photos that are not laid on the reference are wrong at least {least_gain:.0} times as much"
+    );
+    assert!(worst < 0.0002, "{worst}");
+    assert!(least_gain > 4.0, "the test could not tell: {least_gain}");
 }
 
 #[test]
@@ -584,6 +591,43 @@ fn renderer_models_foretell_the_colour_they_have_not_seen() {
         .iter()
         .find(|r| r["model"] == "affine-curve");
     assert!(affine.unwrap()["mse_paint"].as_f64().unwrap() < 0.0005);
+}
+
+/// The white model is clipped where the paper is not; made darker, that would look like a tone.
+#[test]
+fn clipped_paint_is_taken_out() {
+    let shots = [
+        Taken::new(B, 30.0, [0.6; 3]),
+        Taken::new(("white", [255; 3]), 31.0, [1.18; 3]),
+    ];
+    let folder = session("bright", MESH, 640, &shots);
+    let out = folder.with_file_name("bright_frames");
+    let _ = std::fs::remove_dir_all(&out);
+    let more = [
+        "--flat",
+        "black=202020",
+        "white=ffffff",
+        "--material",
+        "Paint",
+        "--size-px",
+        "240",
+    ];
+    let output = photos(&folder, &more, &out);
+    assert!(output.status.success(), "{}", common::stderr(&output));
+    let set = FrameSet::open(&out).unwrap();
+    let (size, rays) = (set.list.size_px, Rays::of(&set.list.camera()));
+    let frame = &set.list.frames[1];
+    let light = World::new().picture(size, 5, &rays, &shots[0].pose(), [255; 3], &|_| true);
+    let mask = set.paint_mask(frame).unwrap();
+    let clipped = light.iter().zip(mask.pixels()).filter(|(l, _)| l[0] > 1.02 / 1.18);
+    let kept = clipped.clone().filter(|(_, m)| m.0[0] >= 128).count();
+    let error = mse(&set.rgb(frame).unwrap(), &picture(&light, size, [0.6; 3]), &mask);
+    println!(
+        "{} pixels of the paint are clipped, {kept} of them in the mask; error over the mask {error:.6}",
+        clipped.count()
+    );
+    assert!(stdout(&output).contains("black_30.png with white_31.png"));
+    assert!(error < 0.0003, "{error}");
 }
 
 #[test]
@@ -729,6 +773,25 @@ fn the_rasteriser_sees_what_blender_saw() {
                 same_side += usize::from(Side::of(&scaleproof::mesh::doubled_area(&corners)) == side);
             }
         }
+        // How much of the paint is seen from beside as well.
+        let pinhole = fine(set.list.camera, factor);
+        let eye = frame.pose().inverse() * Point3::origin();
+        let from_beside = [0.0, 2.0, 4.0, 6.0, 10.0, 15.0].map(|deg| {
+            let turn = nalgebra::Isometry3::rotation(Vector3::z() * f64::to_radians(deg));
+            let beside = Raster::whole(&mesh, &(frame.pose() * turn), &pinhole, size).unwrap();
+            let places = (0..size[0] * size[1]).filter_map(|i| {
+                let (x, y) = ((i % size[0]) as i64, (i / size[0]) as i64);
+                let hit = raster.at(x, y).filter(|h| is_paint(h.triangle))?;
+                Some(beside.sees(&raster.point(x, y, &hit), hit.triangle, &eye, is_paint))
+            });
+            let (seen, all) = places.fold((0, 0), |(seen, all), is_seen| (seen + usize::from(is_seen), all + 1));
+            (deg, 100 * seen / all)
+        });
+        println!(
+            "{}: degrees aside, % of the paint's places seen: {from_beside:?}",
+            frame.name
+        );
+        assert!(from_beside[0].1 >= 75 && from_beside[3].1 + 15 >= from_beside[0].1);
         let off = |mask: &image::GrayImage, i: usize| {
             let pairs = mask.pixels().zip(&shares);
             pairs
@@ -801,5 +864,5 @@ fn a_box_hides_what_is_behind_it() {
          {wrongly_hidden} of the others taken for hidden"
     );
     assert!(seen > 20_000 && hidden > 2_000 && wrong_depth < 20);
-    assert!(wrongly_seen == 0 && wrongly_hidden * 50 < seen);
+    assert!(wrongly_seen < 5 && wrongly_hidden * 20 < seen);
 }

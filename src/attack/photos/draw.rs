@@ -14,6 +14,9 @@ use crate::mesh::doubled_area;
 use crate::pattern::world_aligned::Side;
 use crate::photo::Photo;
 
+/// Light from here up (level 253.7) was brighter, or may have been.
+const CLIPPED: f64 = 0.99;
+
 /// What all views of a folder share.
 pub struct Canvas<'a> {
     pub request: &'a Request,
@@ -120,7 +123,8 @@ impl<'a> Canvas<'a> {
         Ok(Some(sums.finished(around)))
     }
 
-    /// The light of a surface point, at the reference's exposure; `None` where the photo does not see it, or something else a place away.
+    /// The light of a surface point, at the reference's exposure; `None` where the photo does not see it, or something else a place away, and
+    /// where clipped light would pass for a tone.
     fn look_up(&self, source: &Source, point: &Point3<f64>, triangle: usize, centre: &Point3<f64>) -> Option<[f64; 3]> {
         let is_paint = |triangle: usize| self.sides[triangle].is_some();
         if !source.raster.sees(point, triangle, centre, is_paint) {
@@ -128,6 +132,10 @@ impl<'a> Canvas<'a> {
         }
         let pixel = source.shot.camera.project(&(source.shot.pose * point))?;
         let light = source.light.at(pixel)?;
+        let is_clipped = |c: usize| light[c] > CLIPPED && source.gain[c] < 1.0;
+        if (0..3).any(is_clipped) {
+            return None;
+        }
         Some(std::array::from_fn(|c| source.gain[c] * light[c]))
     }
 
@@ -226,14 +234,32 @@ impl Sums {
 
     /// A pixel's mean light in a colour; 0 is the reference.
     fn light(&self, index: usize, colour: usize) -> [f64; 3] {
-        let (pixel, paint) = (&self.pixels[index], &self.paint[colour][index]);
+        let pixel = &self.pixels[index];
         let mut sum = pixel.rest;
-        add(&mut sum, paint, 1.0);
-        match colour > 0 && pixel.seen > 0 {
-            true => add(&mut sum, paint, f64::from(pixel.hidden) / f64::from(pixel.seen)),
-            false => add(&mut sum, &pixel.hidden_light, 1.0),
+        add(&mut sum, &self.paint[colour][index], 1.0);
+        match self.paint_about(index, colour).filter(|_| colour > 0) {
+            Some(paint) => add(&mut sum, &paint, f64::from(pixel.hidden)),
+            None => add(&mut sum, &pixel.hidden_light, 1.0),
         }
         sum.map(|v| v / f64::from(FACTOR * FACTOR))
+    }
+
+    /// The mean light of the paint that is seen in a pixel, else in its neighbours; without it, edges would be lined in the reference's colour.
+    fn paint_about(&self, index: usize, colour: usize) -> Option<[f64; 3]> {
+        let [width, height] = self.size_px;
+        let (x, y) = (index % width, index / width);
+        let mean = |reach: usize| {
+            let (mut sum, mut seen) = ([0.0; 3], 0);
+            for row in y.saturating_sub(reach)..(y + reach + 1).min(height) {
+                for column in x.saturating_sub(reach)..(x + reach + 1).min(width) {
+                    let index = row * width + column;
+                    seen += self.pixels[index].seen;
+                    add(&mut sum, &self.paint[colour][index], 1.0);
+                }
+            }
+            (seen > 0).then(|| sum.map(|v| v / f64::from(seen)))
+        };
+        mean(0).or_else(|| mean(1))
     }
 
     /// `around`: the mesh's projected corners, from the middle of the first pixel.

@@ -15,13 +15,17 @@ const MOST_SPREAD: f64 = 0.1;
 /// Why two photos cannot be brought to one exposure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unmatched {
-    #[error("it shares {count} located tags with {reference}, and needs 2 for its exposure: let the same tags be seen")]
+    #[error(
+        "it shares {count} located tags with {reference}, and needs {least} for its exposure: let the same tags be seen",
+        least = LEAST_TAGS
+    )]
     FewTags { count: usize, reference: String },
     #[error(
-        "the white paper of the tags is clipped (level 250 and more) in {photo}, so its exposure is not known: expose so that the paper keeps a tone"
+        "the white paper of the tags is clipped (level {from} and more) in {photo}, so its exposure is not known: expose so that the paper keeps a tone",
+        from = CLIPPED
     )]
     Clipped { photo: String },
-    #[error("the white paper of the tags is too dark (below level 60) in {photo}: expose longer")]
+    #[error("the white paper of the tags is too dark (below level {least}) in {photo}: expose longer", least = DARK)]
     Dark { photo: String },
     #[error(
         "the tags' paper does not change by one factor from {reference} (±{percent:.0} %): the light moved between the photos, or a shadow did"

@@ -7,8 +7,8 @@
 //! these frames have no `linear` pictures.
 //!
 //! Outside the paint every frame of a view shows the reference photo. Paint that not every photo sees, or that lies so near to an edge that light
-//! from beside it has strayed in, looks like the rest of the paint in its pixel; where there is none, it is taken out of the mask, and every frame
-//! shows the reference photo.
+//! from beside it has strayed in, looks like the paint beside it in the same pixel. Where that pixel has none it is taken out of the mask, and looks
+//! like the neighbours' paint, or else as in the reference photo.
 
 mod draw;
 pub mod exposure;

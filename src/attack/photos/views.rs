@@ -9,8 +9,8 @@ use crate::scene::Bin;
 
 /// Photos of one view may differ by this angle, as the model sees the cameras: gloss and what is hidden change with it.
 pub const MOST_TURN_DEG: f64 = 6.0;
-/// And by this factor in distance.
-pub const MOST_CLOSER: f64 = 1.15;
+/// And by this much in distance.
+pub const MOST_CLOSER_PERCENT: f64 = 15.0;
 
 /// A photo that is brought to the reference's place and exposure.
 #[derive(Debug, Clone)]
@@ -33,13 +33,19 @@ pub struct View<'a> {
 enum NoView {
     #[error("it has no located photo in {0}: take one, or leave the colour out")]
     Missing(String),
-    #[error("{photo} was taken {turn_deg:.1}° aside from {reference}, and 6° is the most: take it nearer to there")]
+    #[error(
+        "{photo} was taken {turn_deg:.1}° aside from {reference}, and {most}° is the most: take it nearer to there",
+        most = MOST_TURN_DEG
+    )]
     Aside {
         photo: String,
         reference: String,
         turn_deg: f64,
     },
-    #[error("{photo} was taken {percent:.0} % nearer or further than {reference}, and 15 % is the most: take it again")]
+    #[error(
+        "{photo} was taken {percent:.0} % nearer or further than {reference}, and {most} % is the most: take it again",
+        most = MOST_CLOSER_PERCENT
+    )]
     Closer {
         photo: String,
         reference: String,
@@ -122,11 +128,12 @@ fn matched<'a>(reference: &'a Shot, others: &[&'a Shot], target_mm: Point3<f64>)
             });
         }
         let (a, b) = (shot.from(target_mm).norm(), reference.from(target_mm).norm());
-        if a.max(b) > MOST_CLOSER * a.min(b) {
+        let percent = 100.0 * (a.max(b) / a.min(b) - 1.0);
+        if percent > MOST_CLOSER_PERCENT {
             return Err(NoView::Closer {
                 photo: shot.name(),
                 reference: reference.name(),
-                percent: 100.0 * (a.max(b) / a.min(b) - 1.0),
+                percent,
             });
         }
         let gain = exposure::gain(shot, reference).map_err(|reason| NoView::Exposure {

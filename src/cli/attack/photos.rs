@@ -12,7 +12,7 @@ use crate::attack::light;
 use crate::attack::photos::{LeftOut, Made, Paper, Request, Shot, make};
 use crate::envelope;
 use crate::files;
-use crate::locate::{Abstention, locate};
+use crate::locate::{Abstention, Warning, locate};
 use crate::mesh::Mesh;
 use crate::photo::Photo;
 use crate::session::{PhotoEntry, Session};
@@ -66,7 +66,8 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
         width_px: args.size_px,
         made_by: made_by(args, &sessions, &flats),
     };
-    let (shots, left_out) = located(&sessions, &flats)?;
+    let Located { shots, left_out, notes } = located(&sessions, &flats)?;
+    notes.iter().try_for_each(|note| writeln!(out, "note: {note}"))?;
     say_left_out(&left_out, out)?;
     say_other_variants(&flats, &sessions, out)?;
     let bar = progress::frames("laying photos", 0);
@@ -191,8 +192,16 @@ struct Job<'a> {
     rgb: [u8; 3],
 }
 
-/// Every photo in one of the colours with its pose, and those without one.
-fn located(sessions: &[Session], flats: &[Flat]) -> Result<(Vec<Shot>, Vec<LeftOut>), Box<dyn Error>> {
+/// The photos with a pose, those without one, and what to know before believing the poses.
+#[derive(Default)]
+struct Located {
+    shots: Vec<Shot>,
+    left_out: Vec<LeftOut>,
+    notes: BTreeSet<String>,
+}
+
+/// Locates every photo in one of the colours.
+fn located(sessions: &[Session], flats: &[Flat]) -> Result<Located, Box<dyn Error>> {
     let mut jobs = Vec::new();
     for session in sessions {
         for entry in &session.photos {
@@ -212,20 +221,24 @@ fn located(sessions: &[Session], flats: &[Flat]) -> Result<(Vec<Shot>, Vec<LeftO
         || bar.inc(1),
     );
     bar.finish_and_clear();
-    let (mut shots, mut left_out) = (Vec::new(), Vec::new());
+    let mut located = Located::default();
     for (job, answer) in jobs.iter().zip(answers?) {
         match answer {
-            Ok(shot) => shots.push(shot),
-            Err(reason) => left_out.push(LeftOut {
+            Ok((shot, notes)) => {
+                located.shots.push(shot);
+                located.notes.extend(notes);
+            }
+            Err(reason) => located.left_out.push(LeftOut {
                 what: job.entry.file.clone(),
                 reason,
             }),
         }
     }
-    Ok((shots, left_out))
+    Ok(located)
 }
 
-fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<Shot, String> {
+/// A photo with its pose and its cautions, or why it is left out.
+fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<(Shot, Vec<String>), String> {
     let session = job.session;
     let file = session.photo_path(job.entry);
     let photo = Photo::open(&file).map_err(|e| e.to_string())?;
@@ -235,6 +248,12 @@ fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<Shot, String> {
         .map_err(|e| e.to_string())?;
     let seen = tags.find(&photo.grey());
     let located = locate(&seen, &session.scene, &fitted.camera).map_err(|e: Abstention| e.to_string())?;
+    if located.warnings.contains(&Warning::PoorFit) {
+        return Err(format!(
+            "its tags fit badly (off by {:.1} px), so that the paint would not lie where it is: was a card moved, or is this another camera?",
+            located.rms_px
+        ));
+    }
     let trusted = |id: u32| located.tags.contains(&id);
     let papers = seen
         .iter()
@@ -246,7 +265,8 @@ fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<Shot, String> {
                 level: level?,
             })
         });
-    Ok(Shot {
+    let notes = fitted.cautions();
+    let shot = Shot {
         flat_rgb: job.rgb,
         // Photos of another session may be of the same place only where both name it.
         place: job.entry.place.clone().unwrap_or_else(|| session.name.clone()),
@@ -255,7 +275,8 @@ fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<Shot, String> {
         papers: papers.collect(),
         camera: fitted.camera,
         file,
-    })
+    };
+    Ok((shot, notes))
 }
 
 fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[Flat]) -> String {
@@ -279,7 +300,7 @@ fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
         });
         writeln!(
             out,
-            "{}: {} with {}; {:.0} % of its paint is in all",
+            "{}: {} with {}; {:.0} % of its paint is seen by all",
             view.name,
             view.reference,
             others.collect::<Vec<_>>().join(", "),
