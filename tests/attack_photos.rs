@@ -421,10 +421,28 @@ fn every_colour_is_as_a_render_from_the_reference_s_place_has_it() {
         "{said}"
     );
     // The factors are those between the exposures.
-    assert!(
-        said.contains("light × 1.44 1.22 1.00") && said.contains("light × 0.69 0.56 0.45"),
-        "{said}"
-    );
+    for (photo, exposures) in [
+        ("grey_32.5.png", [1.15 / 0.8, 1.1 / 0.9, 1.0]),
+        ("black_120.png", [0.55 / 1.15, 0.5 / 1.1, 0.45]),
+    ] {
+        let about = said
+            .split(photo)
+            .nth(1)
+            .and_then(|rest| rest.split("light × ").nth(1))
+            .unwrap();
+        let found = about
+            .split(')')
+            .next()
+            .unwrap()
+            .split(' ')
+            .map(|v| v.parse::<f64>().unwrap());
+        let off = found
+            .zip(exposures)
+            .map(|(found, true_)| (found / true_ - 1.0).abs())
+            .fold(0.0, f64::max);
+        println!("{photo}: factors off by {:.1} % at most", 100.0 * off);
+        assert!(off < 0.02);
+    }
     let set = FrameSet::open(folder).unwrap();
     assert!(set.list.linear_max.is_none(), "a photo's tone curve is not known");
     let world = World::new();
@@ -520,7 +538,7 @@ fn masks_positions_and_the_background_are_the_reference_s() {
         assert!(places > 10_000 && wrong * 100 < places);
         // All frames of a view are one picture beside the model.
         let pictures: Vec<_> = view.iter().map(|f| set.rgb(f).unwrap()).collect();
-        for (x, y, mask) in paint.enumerate_pixels() {
+        for (x, y, mask) in object.enumerate_pixels() {
             let first = pictures[0].get_pixel(x, y);
             assert!(mask.0[0] > 0 || pictures.iter().all(|p| p.get_pixel(x, y) == first));
         }
@@ -622,12 +640,11 @@ fn clipped_paint_is_taken_out() {
     let clipped = light.iter().zip(mask.pixels()).filter(|(l, _)| l[0] > 1.02 / 1.18);
     let kept = clipped.clone().filter(|(_, m)| m.0[0] >= 128).count();
     let error = mse(&set.rgb(frame).unwrap(), &picture(&light, size, [0.6; 3]), &mask);
-    println!(
-        "{} pixels of the paint are clipped, {kept} of them in the mask; error over the mask {error:.6}",
-        clipped.count()
-    );
+    let clipped = clipped.count();
+    println!("{clipped} pixels of the paint are clipped, {kept} of them in the mask; error over the mask {error:.6}");
     assert!(stdout(&output).contains("black_30.png with white_31.png"));
-    assert!(error < 0.0003, "{error}");
+    // Those in the mask are clipped in part; left as they are, all would be in it, and the error 0.00027.
+    assert!(2 * kept < clipped && error < 0.0002);
 }
 
 #[test]
