@@ -1,7 +1,7 @@
 //! Frames from photos of the real model in flat colours.
 //!
 //! Photos of one place and bin, one in each colour, are a view ([`views`]). Its frames have the camera of one of them, the reference,
-//! without its lens distortion ([`pinhole`]). The others come to it through the mesh: the surface point that a place of the frame shows is looked
+//! without its lens distortion (`pinhole.rs`). The others come to it through the mesh: the surface point that a place of the frame shows is looked
 //! up in the other photo, by that photo's own pose and lens, where it is seen there too ([`raster`]). So no tripod is needed. All this is reckoned in
 //! linear light, as far as a photo tells of it: its tone curve is taken for sRGB's, and what it really is, the renderer models fit. For that reason
 //! these frames have no `linear` pictures.
