@@ -191,7 +191,7 @@ impl World {
         0.3
     }
 
-    /// Linear light of a picture; `parts`² rays a pixel. `at_depth_1` says where a pixel's border corner (column, row) looks.
+    /// Linear light of a picture; `parts`² rays a pixel.
     fn picture(
         &self,
         size: [u32; 2],
@@ -256,6 +256,8 @@ struct Taken {
     exposure: [f64; 3],
     /// Ids that are not covered.
     tags: fn(u32) -> bool,
+    /// What the camera makes of light before the sRGB curve.
+    tone: fn(f64) -> f64,
 }
 
 impl Taken {
@@ -267,6 +269,7 @@ impl Taken {
             distance_mm: 900.0,
             exposure,
             tags: |_| true,
+            tone: |light| light,
         }
     }
 
@@ -287,7 +290,11 @@ impl Taken {
     fn picture(&self, world: &World, camera: &Camera, rays: &Rays) -> RgbImage {
         let size = [camera.width, camera.height];
         let light = world.picture(size, 3, rays, &self.pose(), self.paint, &self.tags);
-        picture(&light, size, self.exposure)
+        picture(&light.iter().map(|l| self.toned(l)).collect::<Vec<_>>(), size, [1.0; 3])
+    }
+
+    fn toned(&self, light: &[f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|c| (self.tone)(self.exposure[c] * light[c]))
     }
 }
 
@@ -609,6 +616,53 @@ fn renderer_models_foretell_the_colour_they_have_not_seen() {
         .iter()
         .find(|r| r["model"] == "affine-curve");
     assert!(affine.unwrap()["mse_paint"].as_f64().unwrap() < 0.0005);
+}
+
+/// Phones press the bright end together. One exposure for all photos costs nothing then; several cost what the curve is not sRGB's.
+#[test]
+fn another_tone_curve_costs_where_exposures_differ() {
+    let made = |name: &str, exposures: [f64; 3], is_cautioned: bool| {
+        let taken = |colour, azimuth_deg, exposure| Taken {
+            tone: |light| 1.5 * light / (light + 0.5),
+            ..Taken::new(colour, azimuth_deg, [exposure; 3])
+        };
+        let [b, g, w] = exposures;
+        let shots = [taken(B, 30.0, b), taken(G, 31.5, g), taken(W, 28.5, w)];
+        let folder = session(name, MESH, 640, &shots);
+        let out = folder.with_file_name(format!("{name}_frames"));
+        let _ = std::fs::remove_dir_all(&out);
+        let flats = [
+            "--flat",
+            "black=202020",
+            "grey=808080",
+            "white=e6e6e6",
+            "--material",
+            "Paint",
+        ];
+        let output = photos(&folder, &[&flats[..], &["--size-px", "240"]].concat(), &out);
+        assert!(
+            stdout(&output).contains("black_30.png with grey"),
+            "{}",
+            common::stderr(&output)
+        );
+        assert_eq!(stdout(&output).contains("lock it"), is_cautioned, "{}", stdout(&output));
+        let set = FrameSet::open(&out).unwrap();
+        let (size, rays) = (set.list.size_px, Rays::of(&set.list.camera()));
+        let mut worst = 0.0_f64;
+        for frame in &set.list.frames {
+            let light = World::new().picture(size, 4, &rays, &shots[0].pose(), frame.flat_rgb().unwrap(), &|_| true);
+            let light: Vec<_> = light.iter().map(|l| shots[0].toned(l)).collect();
+            let mask = set.paint_mask(frame).unwrap();
+            worst = worst.max(mse(&set.rgb(frame).unwrap(), &picture(&light, size, [1.0; 3]), &mask));
+        }
+        worst
+    };
+    let one = made("one_exposure", [0.6; 3], false);
+    let several = made("exposures", [0.9, 0.6, 0.4], true);
+    println!(
+        "a soft shoulder as tone curve, worst error over the paint: {one:.6} with one exposure, {several:.6} with 0.9, 0.6 and 0.4"
+    );
+    assert!(one < 0.0002 && several > 2.0 * one);
 }
 
 /// The white model is clipped where the paper is not; made darker, that would look like a tone.

@@ -42,6 +42,9 @@ pub struct PhotosArgs {
     output: PathBuf,
 }
 
+/// Exposures that differ by more cost accuracy, as cameras' tone curves are not sRGB's.
+const MOST_GAIN: f64 = 1.2;
+
 /// A variant and the colour it is painted in.
 struct Flat {
     variant: String,
@@ -305,6 +308,15 @@ fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
             view.reference,
             others.collect::<Vec<_>>().join(", "),
             100.0 * view.kept
+        )?;
+    }
+    let gains = made.views.iter().flat_map(|v| &v.others).flat_map(|(_, _, gain)| gain);
+    let most = gains.map(|gain| gain.max(1.0 / gain)).fold(1.0, f64::max);
+    if most > MOST_GAIN {
+        writeln!(
+            out,
+            "note: the photos' exposures or white balances differ by up to × {most:.1}, and a camera's tone curve is not sRGB's: colours are less \
+             exact than with one exposure; lock it, for black, grey and white paint alike"
         )?;
     }
     say_left_out(&made.left_out, out)
