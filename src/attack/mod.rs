@@ -1,7 +1,7 @@
 //! From pictures of a model to a pattern (DTA: Suryanto et al., CVPR 2022).
 //!
 //! - [`frames`]: the one format of pictures whose truth is known;
-//! - [`import`] and [`render`]: its two makers;
+//! - [`import`], [`render`] and [`photos`]: its three makers;
 //! - [`additive`]: further colours from a few, because light adds up;
 //! - [`projection`]: where a pattern's cells lie in a picture, as a linear map;
 //! - [`renderer`]: models that predict the picture of the model in any paint;
@@ -25,6 +25,7 @@ pub mod import;
 pub mod light;
 #[cfg(feature = "attack")]
 pub mod net;
+pub mod photos;
 pub mod projection;
 #[cfg(feature = "attack")]
 mod quietly;

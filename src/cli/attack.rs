@@ -9,6 +9,7 @@ mod evaluate;
 mod history;
 mod import;
 mod on_frames;
+mod photos;
 mod render;
 mod run;
 #[cfg(feature = "attack")]
@@ -33,6 +34,7 @@ pub struct Args {
 enum What {
     Render(Box<render::RenderArgs>),
     Import(import::ImportArgs),
+    Photos(photos::PhotosArgs),
     Check(CheckArgs),
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
@@ -58,6 +60,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Render(args) => render::run(&args, out),
         What::Import(args) => import::run(&args, out),
+        What::Photos(args) => photos::run(&args, out),
         What::Check(args) => check(&args, out),
         What::Colours(args) => colours::run(&args, out),
         What::Chart(args) => chart::run(&args, out),

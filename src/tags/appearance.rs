@@ -1,9 +1,9 @@
 //! How tags look in a photo: the same print everywhere, so that they tell of its focus and its light.
 
-use crate::statistics::upper_median;
-use image::GrayImage;
+use image::{GrayImage, Luma, RgbImage};
 
 use super::{SeenTag, Square, border, cells_across, refine};
+use crate::statistics::upper_median;
 
 /// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
 const BAND_CELLS: f64 = 0.6;
@@ -46,6 +46,17 @@ impl Appearance {
             white_level: upper_median(&whole().filter_map(|tag| white(grey, tag)).collect::<Vec<_>>()),
         }
     }
+}
+
+/// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the picture.
+pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
+    let (width, height) = rgb.dimensions();
+    let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| Luma([rgb.get_pixel(x, y).0[c]])));
+    let level = |tag: &SeenTag| {
+        let [r, g, b] = [0, 1, 2].map(|c| white(&channels[c], tag));
+        Some([r?, g?, b?])
+    };
+    tags.iter().map(level).collect()
 }
 
 /// `None` where the side's cells are too small, or it touches the picture's border.

@@ -1,11 +1,11 @@
 //! The corners of found tags, whoever found them: sides fitted at full size, moved by what blur and ink do to every edge.
 
-use crate::statistics::upper_median;
 use image::GrayImage;
 
 use super::refine::{self, Outline};
 use super::search::{Found, Search};
 use super::{SeenTag, TagDetector, TagImage, cells_across, inset};
+use crate::statistics::upper_median;
 
 /// A library's search, followed by the fit: detectors then differ in what they find, not in where its corners are.
 pub(super) struct Fitted<S>(pub S);

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::TagFamily;
 use square::Square;
 
-pub use appearance::Appearance;
+pub use appearance::{Appearance, paper_levels};
 pub use apriltag_c::AprilTagC;
 pub use aruco::{ArucoOpenCv, ArucoRefiner};
 pub use aruco_markers::{DictionaryError, MarkerDictionary};

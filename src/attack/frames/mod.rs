@@ -31,7 +31,8 @@
 //! light). It is not the colour the paint has in the picture. The same holds for a pattern's cells, which lie on the model as
 //! [`world_aligned`](crate::pattern::world_aligned) says.
 //!
-//! Frames with the same `T_camera_model` may share masks, positions and sides.
+//! Frames with the same `T_camera_model` may share masks, positions and sides. Those made of photos ([`photos`](super::photos)) have the camera's
+//! tone curve instead of sRGB's, and only paint in the mask that every photo sees.
 
 mod pictures;
 mod read;
