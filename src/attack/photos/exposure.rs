@@ -1,8 +1,8 @@
 //! One photo brought to the exposure and white balance of another: the tags' white paper is the same in both.
 
 use super::{Paper, Shot};
-use crate::statistics::median;
 use crate::attack::light;
+use crate::statistics::median;
 
 /// Paper this bright (8-bit level) may have been brighter.
 const CLIPPED: f64 = 250.0;

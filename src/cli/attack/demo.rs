@@ -54,7 +54,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         steps: 60,
         batch: 5,
         rate: 0.05,
-        floor: 0.5,
+        floor: 0.001,
         smooth: 0.0,
         printable: Drawn::default(),
         palette: Drawn::default(),
