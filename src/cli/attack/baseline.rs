@@ -150,7 +150,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
     let on_query = |asked: u64| bar.set_position(asked);
     let mut oracle = Oracle::begin(&opened.stage, &opened.detectors, &config, &on.output, &on_query)?;
-    let cells = match method {
+    let cells: Result<Vec<Rgb>, Box<dyn Error>> = match method {
         #[cfg(feature = "attack")]
         "camou" => camou(on.device.device, &mut oracle, &config),
         _ => genetic::search(&mut oracle, &config).map_err(Box::from),
