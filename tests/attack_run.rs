@@ -5,11 +5,12 @@ mod common;
 use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
+use std::time::Instant;
 
 use common::{assert_refused, home, program};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::baseline::patches::{Patch, paint};
+use scaleproof::attack::baseline::patches::{Patch, is_seen, paint};
 use scaleproof::attack::baseline::{self, Oracle, genetic};
 use scaleproof::attack::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
 use scaleproof::attack::light;
@@ -364,9 +365,19 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     };
     let refused = Attack::begin(&stage, &good, &other, whole.path()).err().unwrap();
     assert!(matches!(refused, RunError::OtherRun { .. }));
-    std::fs::write(whole.path().join("checkpoint"), b"half a file").unwrap();
-    let refused = Attack::begin(&stage, &good, &config, whole.path()).err().unwrap();
-    assert!(matches!(refused, RunError::Damaged { .. }));
+    // Half a file, and one with a single bit turned, wherever that is.
+    let written = std::fs::read(whole.path().join("checkpoint")).unwrap();
+    let mut damaged = vec![b"half a file".to_vec()];
+    for at in [3, 70, written.len() / 2, written.len() - 1] {
+        let mut copy = written.clone();
+        copy[at] ^= 4;
+        damaged.push(copy);
+    }
+    for bytes in damaged {
+        std::fs::write(whole.path().join("checkpoint"), bytes).unwrap();
+        let refused = Attack::begin(&stage, &good, &config, whole.path()).err().unwrap();
+        assert!(matches!(refused, RunError::Damaged { .. }));
+    }
 }
 
 #[test]
@@ -382,12 +393,19 @@ fn a_search_that_goes_on_is_one_that_never_stopped_and_asks_nothing_twice() {
     let (cells, entries) = search(&detectors(20.0, &stage), whole.path()).unwrap();
     let mut bad = Weave::new(20.0, &stage);
     bad.bad_at = Some(250);
+    let began = Instant::now();
     assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], halves.path()).is_err());
+    let spent_s = began.elapsed().as_secs_f64();
     let looks = Rc::new(Cell::new(0));
     let mut counted = Weave::new(20.0, &stage);
     counted.looks = Rc::clone(&looks);
     let (again, later) = search(&[Box::new(counted) as Box<dyn WhiteBox>], halves.path()).unwrap();
     assert!(looks.get() < 250, "{} looks", looks.get());
+    let total_s = later.last().unwrap().wall_s;
+    assert!(
+        total_s > 0.9 * spent_s,
+        "the time before counts: {total_s} of {spent_s} s"
+    );
     assert_eq!(again, cells);
     assert!(
         later
@@ -704,6 +722,12 @@ fn patches_lie_where_they_are_put() {
         at_mm: [0.0, 0.0],
         size_mm: [400.0, 100.0],
     };
+    assert_eq!(is_seen(&set, frame, &patch).unwrap(), Some(true));
+    let far = Patch {
+        at_mm: [9999.0, 60.0],
+        ..patch.clone()
+    };
+    assert_eq!(is_seen(&set, frame, &far).unwrap(), Some(false));
     let painted = paint(&set, frame, &[patch], [128; 3]).unwrap().unwrap();
     let (points, factor) = (
         set.surface(frame).unwrap().unwrap(),
@@ -764,5 +788,26 @@ fn bad_arguments_are_one_sentence() {
     assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
     assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
     assert_refused(&run(&["baseline", "flat", "--flat", "red"]), &["red"]);
+    let patch = out.path().join("patch.png");
+    image::RgbImage::new(4, 4).save(&patch).unwrap();
+    for (place, size, words) in [
+        ("0,60", "0", "patch width"),
+        ("nan,60", "80", "patch place"),
+        ("0,60", "inf", "patch width"),
+    ] {
+        let place = [
+            "baseline",
+            "patches",
+            "--patch",
+            patch.to_str().unwrap(),
+            "--panel",
+            "left",
+            "--at-mm",
+            place,
+            "--size-mm",
+            size,
+        ];
+        assert_refused(&run(&place), &[words]);
+    }
     assert!(!out.path().join("x").exists(), "nothing half-written");
 }

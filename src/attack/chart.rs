@@ -27,7 +27,9 @@ pub enum ChartError {
     OtherReference { network: String, wanted: String },
     #[error("the network {network}: {reason}")]
     Network { network: String, reason: String },
-    #[error("no view has a flat colour besides the references; without one there is nothing to predict")]
+    #[error(
+        "no view has a flat colour besides the references, so there is nothing to predict: render one more, as in --flat 000000 808080 ffffff c83214"
+    )]
     NothingToPredict,
 }
 

@@ -189,7 +189,9 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
     Ok(made)
 }
 
-fn check(patch: &Patch) -> Result<(), PrintError> {
+/// # Errors
+/// A place or size that no patch has.
+pub fn check(patch: &Patch) -> Result<(), PrintError> {
     let refuse = |what, value, wanted| Err(PrintError::BadNumber { what, value, wanted });
     for (what, side) in [("patch width", patch.size_mm.0), ("patch height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&side) {

@@ -139,7 +139,11 @@ fn table(evaluation: &Evaluation, detectors: &[&Contestant], cell: fn(&Figures) 
 }
 
 fn line(base: &str, pattern: &str, detector: &Contestant, d: &Difference) -> String {
-    let mark = if is_shown(d) { " *" } else { "" };
+    let mark = match d.finding {
+        Finding::Drop | Finding::Rise => " *",
+        Finding::TooFewPhotosToTell => " (too few photos to tell)",
+        Finding::NoDifferenceShown => "",
+    };
     let pair = format!("{base} − {pattern}");
     format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
 }

@@ -71,24 +71,20 @@ impl<'a> Oracle<'a> {
     ) -> Result<Self, RunError> {
         let key = checkpoint::key(config)?;
         let checkpoint = Checkpoint::load(folder, &key)?.unwrap_or_else(|| Checkpoint::new(key, Vec::new()));
-        let answers = match checkpoint.content.as_slice() {
-            [] => Vec::new(),
-            content => {
-                postcard::from_bytes::<Answers>(content)
-                    .map_err(|_| RunError::Damaged {
-                        path: folder.join(checkpoint::FILE),
-                    })?
-                    .0
-            }
+        let known = match checkpoint.content.as_slice() {
+            [] => Answers::default(),
+            content => postcard::from_bytes(content).map_err(|_| RunError::Damaged {
+                path: folder.join(checkpoint::FILE),
+            })?,
         };
         Ok(Self {
             stage,
             detectors,
             config,
             folder: folder.to_owned(),
-            wall_before: checkpoint.history.last().map_or(0.0, |e| e.wall_s),
+            wall_before: known.wall_s,
             checkpoint,
-            answers,
+            answers: known.all,
             asked: 0,
             noted: 0,
             started: Instant::now(),
@@ -161,7 +157,7 @@ impl<'a> Oracle<'a> {
             confidence: score,
             held_out: Some(judge(self.stage, self.detectors, cells)?),
         };
-        let wall_s = self.wall_before + self.started.elapsed().as_secs_f64();
+        let wall_s = self.wall_s();
         self.checkpoint.history.push(Entry { wall_s, ..entry });
         Ok(())
     }
@@ -175,8 +171,16 @@ impl<'a> Oracle<'a> {
         Ok(self.checkpoint.history)
     }
 
+    /// With the time of earlier runs.
+    fn wall_s(&self) -> f64 {
+        self.wall_before + self.started.elapsed().as_secs_f64()
+    }
+
     fn save(&mut self) -> Result<(), RunError> {
-        let content = postcard::to_allocvec(&Answers(self.answers.clone()));
+        let content = postcard::to_allocvec(&Answers {
+            all: self.answers.clone(),
+            wall_s: self.wall_s(),
+        });
         self.checkpoint.content = content.map_err(|e| RunError::Encode { reason: e.to_string() })?;
         self.checkpoint.save(&self.folder)?;
         self.saved = Instant::now();
@@ -184,6 +188,9 @@ impl<'a> Oracle<'a> {
     }
 }
 
-/// All answers so far, in order.
-#[derive(Serialize, Deserialize)]
-struct Answers(Vec<f64>);
+/// All answers so far, in order, and how long they took.
+#[derive(Default, Serialize, Deserialize)]
+struct Answers {
+    all: Vec<f64>,
+    wall_s: f64,
+}

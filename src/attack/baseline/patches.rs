@@ -39,6 +39,15 @@ impl Patch {
     }
 }
 
+/// Does any of it lie on the paint that a frame shows? `None` for a frame without positions.
+///
+/// # Errors
+/// Pictures that cannot be read.
+pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &Patch) -> Result<Option<bool>, FramesError> {
+    let points = set.surface(frame)?;
+    Ok(points.map(|points| points.iter().any(|point| patch.colour(point).is_some())))
+}
+
 /// The paint in each pixel of a frame (linear reflectance); later patches lie over earlier ones. `None` for a frame
 /// without positions.
 ///

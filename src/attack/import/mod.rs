@@ -19,6 +19,7 @@ pub mod carla;
 use std::path::{Path, PathBuf};
 
 use image::{GrayImage, Luma, RgbImage};
+use nalgebra::Point3;
 use serde::Deserialize;
 
 use super::frames::{FORMAT, Frame, FrameList, FramesError, Paint, Pinhole, encode_grey, encode_rgb, outline, syntax};
@@ -110,6 +111,14 @@ pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBu
             line,
             message,
         })?;
+        let pose = carla::pose(&row.camera(), &row.vehicle());
+        if (pose * Point3::new(0.0, 0.0, 1000.0 * about.target_height_m)).z <= 0.0 {
+            return Err(ImportError::Line {
+                path: folder.join("poses.csv"),
+                line,
+                message: "the camera looks away from the vehicle: check the poses of both".to_owned(),
+            });
+        }
         let rgb = picture(folder, &row.name)?;
         let list = list.get_or_insert_with(|| start(&about, &rgb, made_by));
         if rgb.dimensions() != (list.size_px[0], list.size_px[1]) {
@@ -132,7 +141,7 @@ pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBu
             linear: None,
             positions: None,
             sides: None,
-            t_camera_model: rigid::rows(&carla::pose(&row.camera(), &row.vehicle())),
+            t_camera_model: rigid::rows(&pose),
             paint,
             light: row.light.clone(),
             place: row.place.clone(),
@@ -169,7 +178,7 @@ fn about(path: &Path) -> Result<About, ImportError> {
             "object_rgb must list the mask's colours of the model".to_owned(),
         ));
     }
-    if !about.target_height_m.is_finite() {
+    if !(about.target_height_m > 0.0 && about.target_height_m.is_finite()) {
         return Err(content(
             path,
             "target_height_m must be half the model's height in metres".to_owned(),

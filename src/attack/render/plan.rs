@@ -475,6 +475,12 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
     )?;
     for view in &request.viewpoints {
         number(
+            "a pitch",
+            view.pitch_deg,
+            "-90 to 90 degrees",
+            (-90.0..=90.0).contains(&view.pitch_deg),
+        )?;
+        number(
             "a distance",
             view.distance_mm,
             "a distance above 0 mm",

@@ -1,4 +1,5 @@
-//! What a run that goes on needs, in one file; floats come back bit for bit.
+//! What a run that goes on needs, in one file; floats come back bit for bit. The file begins with the SHA-256 of the rest, as hex: a damaged one would
+//! go on to another pattern.
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,6 +14,9 @@ use crate::files;
 pub const FILE: &str = "checkpoint";
 /// Between two of them.
 pub const AT_MOST: Duration = Duration::from_secs(20);
+
+/// Hexadecimal digits of a SHA-256.
+const HASH_LENGTH: usize = 64;
 
 /// The content of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,11 +58,14 @@ impl Checkpoint {
         if !path.exists() {
             return Ok(None);
         }
-        let found: Result<Self, _> = postcard::from_bytes(&files::read(&path)?);
-        match found {
-            Err(_) => Err(RunError::Damaged { path }),
-            Ok(found) if found.key != key => Err(RunError::OtherRun { path }),
-            Ok(found) => Ok(Some(found)),
+        let bytes = files::read(&path)?;
+        let whole = bytes
+            .split_at_checked(HASH_LENGTH)
+            .filter(|(hash, rest)| files::sha256_hex(rest).as_bytes() == *hash);
+        match whole.and_then(|(_, rest)| postcard::from_bytes::<Self>(rest).ok()) {
+            None => Err(RunError::Damaged { path }),
+            Some(found) if found.key != key => Err(RunError::OtherRun { path }),
+            Some(found) => Ok(Some(found)),
         }
     }
 
@@ -67,7 +74,9 @@ impl Checkpoint {
     /// # Errors
     /// A folder that takes no files.
     pub fn save(&self, folder: &Path) -> Result<(), RunError> {
-        let bytes = postcard::to_allocvec(self).map_err(encode)?;
+        let rest = postcard::to_allocvec(self).map_err(encode)?;
+        let mut bytes = files::sha256_hex(&rest).into_bytes();
+        bytes.extend(rest);
         Ok(files::write_atomically(&folder.join(FILE), &bytes)?)
     }
 }

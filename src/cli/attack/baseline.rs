@@ -9,10 +9,11 @@ use clap::Subcommand;
 use super::on_frames::{OnFrames, Opened, cells_of};
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::baseline::patches::{Patch, paint};
+use crate::attack::baseline::patches::{Patch, is_seen, paint};
 use crate::attack::baseline::{self, Oracle, genetic};
 #[cfg(feature = "attack")]
 use crate::attack::device::DeviceKind;
+use crate::attack::run::checkpoint;
 use crate::attack::run::history::Entry;
 use crate::attack::run::judge::{Judgement, judge, judge_pictures};
 use crate::attack::run::{Rgb, RunError, of_pattern, srgb};
@@ -71,6 +72,7 @@ struct SearchArgs {
 struct ImportArgs {
     #[command(flatten)]
     on: OnFrames,
+    /// As many rows as columns, one pixel per cell
     #[arg(long, value_name = "PNG")]
     pattern: PathBuf,
 }
@@ -112,10 +114,20 @@ pub fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
 
 /// A pattern that needs no search.
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
+    refuse_other_results(on)?;
     let opened = on.open()?;
     let judgement = judge(&opened.stage, &opened.detectors, cells)?;
     on.write(&opened, (method, cells, vec![judged(judgement)]), out)?;
     Ok(Outcome::Done)
+}
+
+/// What is found without a search keeps no checkpoint, so one in the folder is another result's.
+fn refuse_other_results(on: &OnFrames) -> Result<(), String> {
+    let path = on.output.join(checkpoint::FILE);
+    match path.exists() {
+        true => Err(format!("{} is of another run: give another folder", path.display())),
+        false => Ok(()),
+    }
 }
 
 fn judged(judgement: Judgement) -> Entry {
@@ -171,7 +183,9 @@ fn camou(device: DeviceKind, oracle: &mut Oracle, config: &baseline::Config) -> 
 fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let base = hex(&args.flat)?;
     let patches = placed(&args.places)?;
+    refuse_other_results(&args.on)?;
     let opened = args.on.open()?;
+    check_seen(&opened, &patches)?;
     let picture = |view: usize| painted(&opened, view, &patches, base);
     let judgement = judge_pictures(&opened.stage, &opened.detectors, picture)?;
     let history = args.on.history(&opened, "patches", vec![judged(judgement)]);
@@ -180,6 +194,25 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     writeln!(out, "{}", path.display())?;
     super::on_frames::say_judgement(&opened, &history, out)?;
     Ok(Outcome::Done)
+}
+
+/// A patch that no view shows would be judged as the plain model.
+fn check_seen(opened: &Opened, patches: &[Patch]) -> Result<(), Box<dyn Error>> {
+    for (i, patch) in patches.iter().enumerate() {
+        let mut is_shown = false;
+        for view in opened.stage.judged() {
+            is_shown |= is_seen(&opened.set, &opened.stage.views[view].frame, patch)? != Some(false);
+        }
+        if !is_shown {
+            return Err(format!(
+                "patch {} lies on no paint of the {} side that the views show: check --panel, --at-mm and --size-mm",
+                i + 1,
+                patch.side.name()
+            )
+            .into());
+        }
+    }
+    Ok(())
 }
 
 fn painted(opened: &Opened, view: usize, patches: &[Patch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
@@ -193,6 +226,7 @@ fn painted(opened: &Opened, view: usize, patches: &[Patch], base: [u8; 3]) -> Re
 
 fn placed(places: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
+    asked.iter().try_for_each(crate::print::patch::check)?;
     let of = |patch: crate::print::patch::Patch| Patch {
         picture: patch.picture.pixels().clone(),
         side: patch.side,

@@ -165,6 +165,13 @@ impl EvaluateArgs {
     /// The detectors to score, whose weights are here; the targets are among them.
     fn manifests(&self) -> Result<Vec<Manifest>, Box<dyn Error>> {
         let manifests = detectors::present(&self.detectors, &self.folder.folders()?)?;
+        if let Some(without) = manifests.iter().find(|m| m.labels.find(&self.class).is_none()) {
+            return Err(format!(
+                "{} has no label `{}`: choose other detectors, or another --class",
+                without.name, self.class
+            )
+            .into());
+        }
         let names = || manifests.iter().map(|m| m.name.as_str());
         match self.target.iter().find(|target| names().all(|name| name != *target)) {
             Some(target) => {

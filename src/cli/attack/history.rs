@@ -8,7 +8,7 @@ use super::{CommandResult, Outcome};
 use crate::attack::run::history::{FILE, History, draw};
 use crate::files;
 
-/// Confidence on the held-out views against wall time, of several results of `attack run` and `attack baseline`
+/// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]
 pub struct HistoryArgs {
     /// Folders of results
@@ -36,6 +36,7 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         )
         .into());
     }
+    files::check_writable(&args.output)?;
     writeln!(
         out,
         "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}",

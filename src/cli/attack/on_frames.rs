@@ -25,6 +25,7 @@ use crate::cli::detectors::Folder;
 use crate::files;
 use crate::pattern::card::Card;
 use crate::pattern::{MAX_CELLS, Pattern};
+use crate::print::lettering::counted;
 
 /// The name of the pattern in the folder of a result.
 pub const PATTERN: &str = "pattern.png";
@@ -34,7 +35,7 @@ pub struct OnFrames {
     /// A folder of frames, each view in three flat colours or more
     #[arg(value_name = "FRAMES")]
     pub frames: PathBuf,
-    /// The detectors to be misled; several at once by several names
+    /// The detectors to be misled; several at once as in yolox_nano,nanodet_m
     #[arg(
         long = "detector",
         value_name = "NAME",
@@ -195,31 +196,36 @@ impl OnFrames {
 pub fn say_judgement(opened: &Opened, history: &History, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     if let Some((entry, judgement)) = history.last_judged() {
         let which = if opened.stage.holds_out() {
-            "views it was not made with"
+            "it was not made with"
         } else {
-            "the views it was made with (too few to hold any out)"
+            "it was made with (too few to hold any out)"
         };
         writeln!(
             out,
-            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} pictures looked at in {:.0} s",
-            judgement.ap50, judgement.hit_rate, judgement.mean_confidence, judgement.views, entry.queries, entry.wall_s
+            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s",
+            judgement.ap50,
+            judgement.hit_rate,
+            judgement.mean_confidence,
+            counted(judgement.views, "view"),
+            counted(entry.queries as usize, "picture"),
+            entry.wall_s
         )?;
     }
     if opened.stage.unseen > 0 {
         writeln!(
             out,
-            "{} views do not show the model's paint and were left out",
-            opened.stage.unseen
+            "left out, as the model's paint is not seen: {}",
+            counted(opened.stage.unseen, "view")
         )?;
     }
     Ok(())
 }
 
 fn check_tile(tile_mm: f64) -> Result<(), String> {
-    match tile_mm > 0.0 && tile_mm.is_finite() {
+    match (0.1..=100_000.0).contains(&tile_mm) {
         true => Ok(()),
         false => Err(format!(
-            "--tile-mm is {tile_mm}: give the width of one repeat on the model in mm"
+            "--tile-mm is {tile_mm}: give the width of one repeat on the model, 0.1 to 100000 mm"
         )),
     }
 }

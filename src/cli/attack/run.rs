@@ -125,7 +125,7 @@ impl RunArgs {
             return Err(format!("--rate is {}: give a number above 0 and up to 1", self.rate).into());
         }
         if !(1e-6..=0.5).contains(&self.floor) {
-            return Err(format!("--floor is {}: give a confidence from 0.000001 to 0.5", self.floor).into());
+            return Err(format!("--floor is {:e}: give a confidence from 0.000001 to 0.5", self.floor).into());
         }
         for (name, weight) in [
             ("smooth", self.smooth),
@@ -133,7 +133,7 @@ impl RunArgs {
             ("palette-weight", self.palette_weight),
         ] {
             if !(0.0..=1e6).contains(&weight) {
-                return Err(format!("--{name} is {weight}: give a weight of 0 or more").into());
+                return Err(format!("--{name} is {weight:e}: give a weight from 0 to 1000000").into());
             }
         }
         let range = match self.range[..] {
