@@ -559,6 +559,14 @@ fn frames_of_another_engine_are_imported() {
         &["poses.csv, line 2", "'grey'"],
     );
     assert_refused(&spoiled("poses.csv", "0.7,", "high,"), &["poses.csv, line 2"]);
+    assert_refused(
+        &spoiled("poses.csv", "0,180,0", "0,0,0"),
+        &["poses.csv, line 2", "looks away from the vehicle"],
+    );
+    assert_refused(
+        &spoiled("import.json", "0.7", "-1"),
+        &["import.json", "target_height_m"],
+    );
     assert_refused(&spoiled("poses.csv", "a, town1", "b, town1"), &["cannot read", "b.png"]);
     assert_refused(
         &spoiled("poses.csv", "a, town1", "../a, town1"),
