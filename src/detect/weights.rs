@@ -8,13 +8,12 @@ use crate::files;
 /// Why a detector's weights cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum WeightsError {
-    #[error(
-        "no weights for {name}: get them with `scaleproof detectors fetch {name}`, or name a folder with {file} by --detectors"
-    )]
-    Missing { name: String, file: String },
-    #[error("{path} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): remove it and run `scaleproof detectors fetch {name}`", path = path.display())]
+    #[error("no weights for {name}: {remedy}, or name a folder with {file} by --detectors")]
+    Missing { name: String, file: String, remedy: String },
+    #[error("{path} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}", path = path.display())]
     WrongHash {
         name: String,
+        remedy: String,
         path: PathBuf,
         found: String,
         expected: String,
@@ -67,6 +66,10 @@ impl WeightFolders {
         let path = self.find(manifest).ok_or_else(|| WeightsError::Missing {
             name: manifest.name.clone(),
             file: manifest.weights.file.clone(),
+            remedy: match manifest.weights.url.is_empty() {
+                true => format!("put {} beside its manifest", manifest.weights.file),
+                false => format!("get them with `{}`", fetch(manifest)),
+            },
         })?;
         check_hash(manifest, &path)?;
         Ok(path)
@@ -81,12 +84,38 @@ pub(super) fn check_hash(manifest: &Manifest, path: &Path) -> Result<(), Weights
     }
     Err(WeightsError::WrongHash {
         name: manifest.name.clone(),
+        remedy: match manifest.weights.url.is_empty() {
+            true => "put the right file there, or describe this one with `scaleproof detectors add`".to_owned(),
+            false => format!("remove it and run `{}`", fetch(manifest)),
+        },
         path: path.to_owned(),
         found: found[..12].to_owned(),
         expected: manifest.weights.sha256.chars().take(12).collect(),
     })
 }
 
+fn fetch(manifest: &Manifest) -> String {
+    format!("scaleproof detectors fetch {}", manifest.name)
+}
+
 fn user_cache() -> Option<PathBuf> {
     Some(dirs::cache_dir()?.join("scaleproof").join("detectors"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_fetched_is_not_said_to_be() {
+        let nowhere = WeightFolders {
+            named: None,
+            folders: Vec::new(),
+        };
+        let sentence = |manifest: &Manifest| nowhere.checked(manifest).unwrap_err().to_string();
+        let mut manifest = Manifest::named("yolox_nano").unwrap();
+        assert!(sentence(&manifest).contains("scaleproof detectors fetch yolox_nano"));
+        manifest.weights.url.clear();
+        assert!(sentence(&manifest).contains("put yolox_nano.onnx beside its manifest"));
+    }
 }
