@@ -209,6 +209,7 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
         text.contains("one − two"),
         "patterns are held against each other: {text}"
     );
+    assert!(text.contains("too few photos to tell"), "{text}");
 
     let mut figures = csv::Reader::from_path(bench.at("out/evaluation.csv")).unwrap();
     let figures: Vec<csv::StringRecord> = figures.records().map(Result::unwrap).collect();
@@ -236,6 +237,7 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
         "Differences",
         "<td>one</td>",
         "<td>0.50</td>",
+        "too few photos to tell",
     ] {
         assert!(page.contains(part), "{part} is not on the page");
     }
@@ -327,6 +329,7 @@ fn what_would_give_wrong_tables_is_refused() {
     refused(&["--target", "yolov4"], &["the target 'yolov4'", "made, other"]);
     refused(&["--distance-mm", "150"], &["not whole in the picture", "150 mm"]);
     refused(&["--pitch-deg", "-30"], &["not above the ground"]);
+    refused(&["--class", "unicorn"], &["made has no label `unicorn`"]);
     assert!(!bench.at("out").exists(), "nothing was begun");
 
     assert!(bench.run(&[]).status.success());

@@ -139,21 +139,21 @@ fn table(evaluation: &Evaluation, detectors: &[&Contestant], cell: fn(&Figures) 
 }
 
 fn line(base: &str, pattern: &str, detector: &Contestant, d: &Difference) -> String {
-    let mark = match d.finding {
-        Finding::Drop | Finding::Rise => " *",
-        Finding::TooFewPhotosToTell => " (too few photos to tell)",
-        Finding::NoDifferenceShown => "",
-    };
+    let mark = if is_shown(d) { " *" } else { "" };
     let pair = format!("{base} − {pattern}");
     format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
 }
 
-/// The difference with its interval.
+/// The difference with its interval, and whether it can be told at all.
 pub(super) fn interval(d: &Difference) -> String {
     let range = d
         .interval_95
         .map_or(String::new(), |i| format!(" [{:.2}, {:.2}]", i.low, i.high));
-    format!("{:.2}{range}", d.drop)
+    let doubt = match d.finding {
+        Finding::TooFewPhotosToTell => " (too few photos to tell)",
+        _ => "",
+    };
+    format!("{:.2}{range}{doubt}", d.drop)
 }
 
 pub(super) fn is_shown(d: &Difference) -> bool {
