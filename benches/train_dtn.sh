@@ -28,7 +28,7 @@ render --light courtyard interior@45 --azimuth-deg 10 140 260 --pitch-deg 15 --d
 train() { # NAME EPOCHS OPTIONS…
     "$run" attack train-dtn "$folder"/{two,more,lights} --width-px 128 --validation "$folder/test" --epochs "$2" -o "$folder/$1.dtn" "${@:3}"
 }
-train long 250
+train long 560
 for encoder in resnet densenet convnet; do
     for depth in 2 3 4; do
         train $encoder$depth 40 --encoder $encoder --depth $depth
