@@ -1,9 +1,15 @@
 //! Files: content hashes, and writing so that nothing half-written stays behind.
 
-use std::io::Write;
+mod journal;
+mod place;
+mod staged;
+
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
+
+use place::Place;
+use staged::Staged;
 
 /// A file that could not be read or written, as a sentence.
 #[derive(Debug, thiserror::Error)]
@@ -14,8 +20,16 @@ pub enum FileError {
     Write { path: PathBuf, reason: String },
 }
 
-/// Reads a whole file.
+/// No file that this program reads whole is larger: a frame set's list, a COCO file and a network's weights have some hundred megabytes.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// Reads a whole file of up to 4 GiB.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+    read_at_most(path, MOST_BYTES)
+}
+
+/// Reads a whole file, and refuses one of more than `most_bytes` before it takes memory.
+pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
     let failed = |reason: String| FileError::Read {
         path: path.to_owned(),
         reason,
@@ -23,6 +37,13 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     // Reading a named pipe would wait for ever.
     match std::fs::metadata(path) {
         Ok(about) if !about.is_file() => return Err(failed("it is not a file".into())),
+        Ok(about) if about.len() > most_bytes => {
+            return Err(failed(format!(
+                "it has {} MB, more than the {} MB that are read",
+                about.len() / 1_000_000,
+                most_bytes / 1_000_000
+            )));
+        }
         Ok(_) => {}
         Err(e) => return Err(failed(plain(&e))),
     }
@@ -37,20 +58,40 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     })
 }
 
-/// Writes a file under a temporary name beside its place, then renames it, so that a reader sees the old file or the whole
-/// new one. Missing parent folders are made.
+/// Writes an output that a user named: [`write_all_atomically`] of one file.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    let waiting = Waiting::write(path, content)?;
-    waiting.take_place()
+    write_all_atomically(&[(path.to_owned(), content.to_vec())])
 }
 
-/// Writes several files, or none: every one is whole under its temporary name before the first takes its place.
+/// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is
+/// killed between two of them leaves a note by which the next one that writes into the folder finishes (`journal.rs`). Missing parent
+/// folders are made.
+///
+/// A symbolic link stays, and its target is written. Standard output (`-`), pipes and character devices are written to. What is neither is
+/// refused before anything is written.
 pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
-    let waiting = files
+    let places = files
         .iter()
-        .map(|(path, content)| Waiting::write(path, content))
-        .collect::<Result<Vec<_>, _>>()?;
-    waiting.into_iter().try_for_each(Waiting::take_place)
+        .map(|(path, content)| Ok((Place::of(path)?, content.as_slice())))
+        .collect::<Result<Vec<_>, FileError>>()?;
+    let mut staged = Vec::new();
+    for (place, content) in &places {
+        if let Place::File(path) = place {
+            journal::tidy(folder_of(path));
+            staged.push(Staged::write(path, content)?);
+        }
+    }
+    journal::take_places(staged)?;
+    for (place, content) in &places {
+        place.stream(content)?;
+    }
+    Ok(())
+}
+
+/// Writes a file that this program keeps in a folder of its own, whole or not at all. A symbolic link in its place is replaced, never
+/// followed: nobody but this program says where such a file lies.
+pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    Staged::write(path, content)?.take_place().map(drop)
 }
 
 /// Finds out, before long work, that a folder is or can be made there and takes files. Makes nothing.
@@ -64,7 +105,7 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
         .map(|f| if f.as_os_str().is_empty() { Path::new(".") } else { f })
         .find(|f| f.exists());
     match there {
-        Some(there) if there.is_dir() => Waiting::write(&there.join(".scaleproof"), b"").map(drop),
+        Some(there) if there.is_dir() => Staged::write(&there.join(".scaleproof"), b"").map(drop),
         Some(file) => Err(failed(format!("{} is a file", file.display()))),
         None => Err(failed("no part of the path exists".into())),
     }
@@ -81,56 +122,10 @@ pub fn remove(path: &Path) -> Result<(), FileError> {
     }
 }
 
-/// A whole file under a temporary name, removed unless it takes its place.
-struct Waiting {
-    temporary: PathBuf,
-    path: PathBuf,
-}
-
-impl Waiting {
-    fn write(path: &Path, content: &[u8]) -> Result<Waiting, FileError> {
-        let failed = |e: std::io::Error| FileError::Write {
-            path: path.to_owned(),
-            reason: plain(&e),
-        };
-        if path.is_dir() {
-            return Err(FileError::Write {
-                path: path.to_owned(),
-                reason: "a folder is in its place".into(),
-            });
-        }
-        let Some(name) = path.file_name() else {
-            return Err(FileError::Write {
-                path: path.to_owned(),
-                reason: "it is not a file name".into(),
-            });
-        };
-        if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(failed)?;
-        }
-        let temporary = path.with_file_name(format!(".{}.{}.partial", name.to_string_lossy(), std::process::id()));
-        let waiting = Waiting {
-            temporary,
-            path: path.to_owned(),
-        };
-        let mut file = std::fs::File::create(&waiting.temporary).map_err(failed)?;
-        file.write_all(content).and_then(|()| file.sync_all()).map_err(failed)?;
-        Ok(waiting)
-    }
-
-    fn take_place(self) -> Result<(), FileError> {
-        std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::Write {
-            path: self.path.clone(),
-            reason: plain(&e),
-        })
-    }
-}
-
-impl Drop for Waiting {
-    fn drop(&mut self) {
-        // After the rename there is nothing under this name; that it cannot be removed is no second error.
-        let _ = std::fs::remove_file(&self.temporary);
-    }
+fn folder_of(path: &Path) -> &Path {
+    path.parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
 }
 
 /// SHA-256 of some bytes, in lower-case hex.

@@ -1,13 +1,16 @@
 //! Photos: decoded upright, or refused with the reason. A file is never written back.
 
+mod budget;
 mod file;
 mod lens;
+mod outline;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use image::codecs::png::PngDecoder;
 use image::metadata::Orientation;
-use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, RgbImage};
 use zune_core::bytestream::ZCursor;
 use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
@@ -15,11 +18,11 @@ use zune_jpeg::JpegDecoder;
 
 use crate::files;
 
+pub use budget::Budget;
+use budget::Cost;
 pub use file::PhotoFile;
 pub use lens::Lens;
-
-/// A picture beyond this is refused before it is decoded: a few kilobytes of PNG can claim to be terabytes.
-const MAX_MEGAPIXELS: u64 = 250;
+use outline::Outline;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -30,8 +33,10 @@ pub enum PhotoError {
     NotAPicture { path: PathBuf },
     #[error("{path} ends in the middle of the picture: copy it from the camera again", path = path.display())]
     Truncated { path: PathBuf },
-    #[error("{path} has {megapixels} megapixels, more than the {limit} that fit in memory safely: scale it down", path = path.display(), limit = MAX_MEGAPIXELS)]
-    TooLarge { path: PathBuf, megapixels: u64 },
+    #[error("{path} has {size}: scale it down", path = path.display())]
+    TooLarge { path: PathBuf, size: String },
+    #[error("{path} is a JPEG of {scans} scans, which no camera writes and which take too long to decode: save it anew", path = path.display())]
+    TooManyScans { path: PathBuf, scans: u64 },
     #[error("{path} cannot be decoded ({reason}): copy it from the camera again", path = path.display())]
     Damaged { path: PathBuf, reason: String },
 }
@@ -51,8 +56,8 @@ pub struct Photo {
 impl Photo {
     /// Reads and decodes a JPEG or PNG file, whatever its name says.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
-        let bytes = files::read(path)?;
-        let decoded = decode(&bytes).map_err(|problem| problem.at(path))?;
+        let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
+        let decoded = decode(&bytes, &Budget::FILE).map_err(|problem| problem.at(path))?;
         Ok(Photo {
             rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),
@@ -82,8 +87,9 @@ impl Photo {
 enum DecodeProblem {
     NotAPicture,
     Truncated,
-    /// Megapixels.
-    TooLarge(u64),
+    /// How large, as a clause.
+    TooLarge(String),
+    TooManyScans(u64),
     Damaged(String),
 }
 
@@ -93,7 +99,8 @@ impl DecodeProblem {
         match self {
             DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
             DecodeProblem::Truncated => PhotoError::Truncated { path },
-            DecodeProblem::TooLarge(megapixels) => PhotoError::TooLarge { path, megapixels },
+            DecodeProblem::TooLarge(size) => PhotoError::TooLarge { path, size },
+            DecodeProblem::TooManyScans(scans) => PhotoError::TooManyScans { path, scans },
             DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
         }
     }
@@ -107,10 +114,10 @@ struct Decoded {
     lens: Lens,
 }
 
-fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
-    let (mut picture, exif) = match picture_format(bytes)? {
-        ImageFormat::Jpeg => decode_jpeg(bytes)?,
-        _ => decode_png(bytes)?,
+fn decode(bytes: &[u8], budget: &Budget) -> Result<Decoded, DecodeProblem> {
+    let (mut picture, exif) = match Kind::of(bytes)? {
+        Kind::Jpeg(outline) => decode_jpeg(bytes, &outline, budget)?,
+        Kind::Png => decode_png(bytes, budget)?,
     };
     let orientation = exif.as_deref().and_then(Orientation::from_exif_chunk);
     let orientation = orientation.unwrap_or(Orientation::NoTransforms);
@@ -122,13 +129,32 @@ fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
     })
 }
 
-/// JPEG or PNG, by the first bytes. A cut JPEG ends here.
-fn picture_format(bytes: &[u8]) -> Result<ImageFormat, DecodeProblem> {
-    match image::guess_format(bytes) {
-        // Decoders fill the missing rows of a cut JPEG with grey and call it a success, so we look first.
-        Ok(ImageFormat::Jpeg) if !jpeg_is_complete(bytes) => Err(DecodeProblem::Truncated),
-        Ok(format @ (ImageFormat::Jpeg | ImageFormat::Png)) => Ok(format),
-        _ => Err(DecodeProblem::NotAPicture),
+/// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
+///
+/// # Errors
+/// What is no PNG, is damaged or costs too much, as a clause.
+pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, String> {
+    png_header(bytes, budget).map_err(|problem| match problem {
+        DecodeProblem::TooLarge(size) => format!("it has {size}"),
+        DecodeProblem::Damaged(reason) => reason,
+        _ => "it is no PNG".into(),
+    })
+}
+
+/// JPEG or PNG, by the first bytes.
+enum Kind {
+    Jpeg(Outline),
+    Png,
+}
+
+impl Kind {
+    /// A cut JPEG ends here: decoders fill its missing rows with grey and call it a success.
+    fn of(bytes: &[u8]) -> Result<Kind, DecodeProblem> {
+        match image::guess_format(bytes) {
+            Ok(ImageFormat::Jpeg) => Ok(Kind::Jpeg(Outline::of(bytes).ok_or(DecodeProblem::Truncated)?)),
+            Ok(ImageFormat::Png) => Ok(Kind::Png),
+            _ => Err(DecodeProblem::NotAPicture),
+        }
     }
 }
 
@@ -145,19 +171,28 @@ fn turned_deg(orientation: Orientation) -> u32 {
 /// A picture as it is stored, and its EXIF data.
 type Stored = (DynamicImage, Option<Vec<u8>>);
 
-fn decode_png(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
-    let mut decoder = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png)
-        .into_decoder()
-        .map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    check_size(width.into(), height.into())?;
+fn decode_png(bytes: &[u8], budget: &Budget) -> Result<Stored, DecodeProblem> {
+    let mut decoder = png_header(bytes, budget)?;
     // EXIF data that cannot be read is no reason to refuse the picture.
     let exif = decoder.exif_metadata().ok().flatten();
     Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, exif))
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
-    let (pixels, [width, height], exif) = jpeg_pixels(bytes, ColorSpace::RGB)?;
+fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<PngDecoder<Cursor<&'a [u8]>>, DecodeProblem> {
+    budget.check_bytes(bytes.len())?;
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(budget.memory);
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    budget.check(&Cost::of_png(
+        [width, height],
+        decoder.color_type().bytes_per_pixel().into(),
+    ))?;
+    Ok(decoder)
+}
+
+fn decode_jpeg(bytes: &[u8], outline: &Outline, budget: &Budget) -> Result<Stored, DecodeProblem> {
+    let (pixels, [width, height], exif) = jpeg_pixels(bytes, outline, ColorSpace::RGB, budget)?;
     let picture = RgbImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
     Ok((picture.into(), exif))
 }
@@ -165,33 +200,38 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Stored, DecodeProblem> {
 /// Pixels as they are stored, width and height, EXIF data.
 type JpegPixels = (Vec<u8>, [u32; 2], Option<Vec<u8>>);
 
-fn jpeg_pixels(bytes: &[u8], colours: ColorSpace) -> Result<JpegPixels, DecodeProblem> {
-    let mut decoder = jpeg_header(bytes, colours)?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
-    check_size(width as u64, height as u64)?;
+fn jpeg_pixels(
+    bytes: &[u8],
+    outline: &Outline,
+    colours: ColorSpace,
+    budget: &Budget,
+) -> Result<JpegPixels, DecodeProblem> {
+    let (mut decoder, [width, height]) = jpeg_header(bytes, outline, colours, budget)?;
     let pixels = decoder.decode().map_err(damaged)?;
-    Ok((pixels, [width as u32, height as u32], decoder.exif().cloned()))
+    Ok((pixels, [width, height], decoder.exif().cloned()))
 }
 
-/// A decoder that has read the header. Strict: by default it fills what damaged data leaves open with grey.
-fn jpeg_header(bytes: &[u8], colours: ColorSpace) -> Result<JpegDecoder<ZCursor<&[u8]>>, DecodeProblem> {
+/// A decoder that has read the header, and the picture's size. Strict: by default it fills what damaged data leaves open with grey.
+fn jpeg_header<'a>(
+    bytes: &'a [u8],
+    outline: &Outline,
+    colours: ColorSpace,
+    budget: &Budget,
+) -> Result<(JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2]), DecodeProblem> {
+    budget.check_bytes(bytes.len())?;
     let options = DecoderOptions::default()
         .set_strict_mode(true)
         .set_max_width(usize::MAX)
         .set_max_height(usize::MAX)
+        .jpeg_set_max_scans(Budget::SCANS as usize)
         .jpeg_set_out_colorspace(colours);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(damaged)?;
-    Ok(decoder)
-}
-
-fn check_size(width: u64, height: u64) -> Result<(), DecodeProblem> {
-    let megapixels = width * height / 1_000_000;
-    if megapixels > MAX_MEGAPIXELS {
-        Err(DecodeProblem::TooLarge(megapixels))
-    } else {
-        Ok(())
-    }
+    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    // A JPEG's sides fit 16 bits.
+    let size = [width as u32, height as u32];
+    budget.check(&Cost::of_jpeg(size, outline))?;
+    Ok((decoder, size))
 }
 
 /// The first line of what a decoder says, without the internals it prints in braces.
@@ -201,45 +241,14 @@ fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
     DecodeProblem::Damaged(line.split(" {").next().unwrap_or(line).to_owned())
 }
 
-/// True when the first picture of a JPEG file reaches its end-of-image marker (ITU-T T.81, annex B).
-///
-/// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the
-/// end (motion photos, depth maps) do not matter.
-pub fn jpeg_is_complete(bytes: &[u8]) -> bool {
-    const END_OF_IMAGE: u8 = 0xD9;
-    let mut at = 2; // behind the start-of-image marker
-    loop {
-        let Some(marker_at) = find_marker(bytes, at) else {
-            return false;
-        };
-        let marker = bytes[marker_at + 1];
-        at = marker_at + 2;
-        match marker {
-            END_OF_IMAGE => return true,
-            // Markers without a segment: TEM and the restart markers, which also stand inside scan data.
-            0x01 | 0xD0..=0xD7 => {}
-            _ => {
-                let Some(length) = bytes.get(at..at + 2) else {
-                    return false;
-                };
-                at += usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);
-            }
-        }
-    }
-}
-
-/// The next marker at or after `from`: 0xFF followed by neither a stuffed zero nor another fill byte.
-fn find_marker(bytes: &[u8], from: usize) -> Option<usize> {
-    let rest = bytes.get(from..)?;
-    rest.windows(2)
-        .position(|pair| pair[0] == 0xFF && !matches!(pair[1], 0x00 | 0xFF))
-        .map(|i| from + i)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
+        super::decode(bytes, &Budget::FILE)
+    }
 
     fn small_jpeg() -> Vec<u8> {
         let picture = RgbImage::from_fn(64, 48, |x, y| {
@@ -282,7 +291,11 @@ mod tests {
         bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
         let crc = crc32(&bytes[12..29]);
         bytes[29..33].copy_from_slice(&crc.to_be_bytes());
-        assert_eq!(decode(&bytes).unwrap_err(), DecodeProblem::TooLarge(10_000));
+        let problem = decode(&bytes).unwrap_err();
+        assert!(
+            matches!(&problem, DecodeProblem::TooLarge(size) if size.starts_with("10000 megapixels")),
+            "{problem:?}"
+        );
     }
 
     /// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.

@@ -670,7 +670,7 @@ origin = "made in a test"
 labels = "coco80"
 [weights]
 file = "one_box.onnx"
-sha256 = "00"
+sha256 = "0000000000000000000000000000000000000000000000000000000000000000"
 [input]
 size_px = [32, 32]
 resize = "stretch"

@@ -469,6 +469,14 @@ fn bad_input_is_one_sentence_and_no_manifest() {
         &["-o", "manifest.json"],
         &["manifest.json does not end in .toml"],
     );
+    let renamed = folder.path().join("model.bin");
+    let rows = Output::floats("output0", &[1, 300, 6], [10.0, 10.0, 50.0, 40.0, 0.5, 1.0].repeat(300));
+    std::fs::write(&renamed, onnx::network(&[picture()], &[rows])).unwrap();
+    assert_refused(
+        &add(&renamed, &["--labels", "coco80"]),
+        &["model.bin", "weights.file", ".onnx or .ort"],
+    );
+    assert!(!renamed.with_extension("toml").exists(), "a manifest was left behind");
     let twice = folder.path().join("twice.txt");
     std::fs::write(&twice, "car\ncar\n").unwrap();
     refused(

@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::{assert_refused, program, shared, skyline, stdout};
-use scaleproof::detect::{Detector, Manifest, Runtime, Speeds};
+use scaleproof::detect::{Detector, Manifest, Recorded, RecordedPhoto, Recording, Runtime, Speeds};
 
 #[path = "common/onnx.rs"]
 mod onnx;
@@ -43,6 +43,38 @@ fn a_network_made_here_runs_and_its_box_lands_in_the_photo() {
     for (found, wanted) in b.iter().zip(wanted) {
         assert!((found - wanted).abs() < 0.02, "{b:?}");
     }
+}
+
+/// A sigmoid may round up to a hair above 1, which no file of results may have.
+#[test]
+fn a_score_a_hair_above_one_survives_its_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tiny.onnx");
+    let mut answer = yolox_answer();
+    let row = &mut answer[(13 * 52 + 26) * 85..][..85];
+    (row[4], row[5 + 2]) = (1.0, 1.0005);
+    std::fs::write(&path, constant_network(&[1, 3549, 85], answer)).unwrap();
+    let manifest = Manifest::named("yolox_nano").unwrap();
+    let mut detector = Detector::open(Runtime::load().unwrap(), &manifest, &path).unwrap();
+    let found = detector.detect(&image::RgbImage::new(1001, 613)).unwrap();
+    assert_eq!((found[0].label, found[0].score), (2, 1.0));
+    let photo = RecordedPhoto {
+        id: 1,
+        file: "a.jpg".into(),
+        sha256: "0a".into(),
+    };
+    let recording = Recording {
+        detector: manifest.name.clone(),
+        weights_sha256: manifest.weights.sha256.clone(),
+        results_sha256: String::new(),
+        scaleproof: String::new(),
+        runtime: String::new(),
+        score_floor: 0.001,
+        photos: vec![photo],
+    };
+    Recorded::save(folder.path(), &manifest, recording, &[found.as_slice()]).unwrap();
+    let recorded = Recorded::open(folder.path(), &manifest).unwrap();
+    assert_eq!(recorded.of_photo("0a"), Some(&found[..]));
 }
 
 #[test]
@@ -271,6 +303,13 @@ fn detectors_that_their_manifest_does_not_describe_are_refused_before_anything_i
         "\"coco80\"",
         end_to_end,
         &["made answered with infinity in its output output0"],
+    );
+    let minus = onnx::Output::floats("output0", &[1, 1, 6], vec![8.0, 8.0, f32::NEG_INFINITY, 56.0, 0.9, 2.0]);
+    refused(
+        &onnx::network(&[small_picture()], &[minus]),
+        "\"coco80\"",
+        end_to_end,
+        &["made answered with a box that is not finite", "in its output output0"],
     );
     let head = "kind = \"yolov8\"\nnms_iou = 0.7";
     refused(

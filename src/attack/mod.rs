@@ -29,6 +29,8 @@ pub mod photos;
 pub mod projection;
 #[cfg(feature = "attack")]
 mod quietly;
+#[cfg(feature = "attack")]
+pub use quietly::is_refusing;
 pub mod render;
 pub mod renderer;
 pub mod run;

@@ -1,27 +1,22 @@
 //! Libraries that panic where they should refuse.
 
 use std::cell::Cell;
-use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
-use std::sync::Once;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 thread_local! {
-    static IS_QUIET: Cell<bool> = const { Cell::new(false) };
+    static IS_REFUSING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs what may panic on what a user gave; `None` when it did. Nothing of that panic reaches standard error; those of other threads
-/// do. What it was at work on is to be given up.
+/// Runs what may panic on what a user gave; `None` when it did. What it was at work on is to be given up.
 pub(super) fn quietly<T>(may_panic: impl FnOnce() -> T) -> Option<T> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let usual = take_hook();
-        set_hook(Box::new(move |about| {
-            if !IS_QUIET.get() {
-                usual(about);
-            }
-        }));
-    });
-    let was_quiet = IS_QUIET.replace(true);
+    let before = IS_REFUSING.replace(true);
     let result = catch_unwind(AssertUnwindSafe(may_panic));
-    IS_QUIET.set(was_quiet);
+    IS_REFUSING.set(before);
     result.ok()
+}
+
+/// Whether a panic of this thread would be caught, and told as an error. A program's panic hook may ask, to say nothing of it: the library
+/// itself leaves the hook, which is the whole process's, alone.
+pub fn is_refusing() -> bool {
+    IS_REFUSING.get()
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::files;
+use crate::geometry::length;
 
 /// Why a board file was refused, or could not be put together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -62,6 +63,8 @@ impl Definition {
     pub const MOST_SQUARES: u32 = 100;
     /// Modules of a Kalibr tag: 6 of code, 2 of border on each side.
     pub const GRID_TAG_MODULES: u32 = 10;
+    /// Wider borders leave no code in a tag.
+    const MOST_BORDER_MODULES: u32 = 4;
 
     /// Reads a board file.
     ///
@@ -92,7 +95,7 @@ impl Definition {
                 if marker_mm >= square_mm {
                     return Err("marker_mm must be below square_mm".into());
                 }
-                (vec![*square_mm, *marker_mm], squares, 3)
+                (vec![("square_mm", *square_mm), ("marker_mm", *marker_mm)], squares, 3)
             }
             Self::Chessboard {
                 squares,
@@ -102,23 +105,28 @@ impl Definition {
                 if *inner_corners != squares.map(|n| n.saturating_sub(1)) {
                     return Err("inner_corners must be one below squares each way".into());
                 }
-                (vec![*square_mm], squares, 3)
+                (vec![("square_mm", *square_mm)], squares, 3)
             }
             Self::Aprilgrid {
                 tags,
                 tag_mm,
                 tag_spacing,
                 family,
-                ..
+                border_modules,
             } => {
                 if family != "tag36h11" {
                     return Err(format!("family {family} is not supported, only tag36h11"));
                 }
-                (vec![*tag_mm, *tag_spacing], tags, 1)
+                if !(1..=Self::MOST_BORDER_MODULES).contains(border_modules) {
+                    let most = Self::MOST_BORDER_MODULES;
+                    return Err(format!("border_modules must be 1 to {most}"));
+                }
+                let gap = ("tag_mm times tag_spacing", tag_mm * tag_spacing);
+                (vec![("tag_mm", *tag_mm), gap], tags, 1)
             }
         };
-        if lengths.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
-            return Err("its lengths must be above 0".into());
+        for (what, value) in lengths {
+            length::size_mm(what, value).map_err(|e| e.to_string())?;
         }
         if counts.iter().any(|n| !(least..=Self::MOST_SQUARES).contains(n)) {
             return Err(format!(

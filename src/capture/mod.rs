@@ -24,7 +24,7 @@ use crate::camera::{Camera, Fitted};
 use crate::files;
 use crate::geometry::rigid;
 use crate::locate::{Abstention, Located};
-use crate::photo::PhotoFile;
+use crate::photo::{Budget, PhotoFile};
 use crate::scene::{Bin, Scene, Viewpoint};
 use crate::session::PhotoEntry;
 use crate::tags::SeenTag;
@@ -208,7 +208,7 @@ impl Capture {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
             Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
             Original::Encoded(bytes) => {
-                let photo = PhotoFile::of_bytes(Path::new(&frame.name), bytes.clone());
+                let photo = PhotoFile::of_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
                 if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
                     return Err(known);
                 }

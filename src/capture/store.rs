@@ -149,10 +149,10 @@ impl Store {
         let name = format!("{}_{:03}.{extension}", slug(&sidecar.photo.variant), self.next);
         sidecar.photo.file = name.clone();
         let text = json(&sidecar)?;
-        files::write_atomically(&self.folder.join(&name), original)?;
+        files::replace_atomically(&self.folder.join(&name), original)?;
         // From here on the number is used, even when what follows fails.
         self.next += 1;
-        files::write_atomically(&self.folder.join(sidecar_of(&name)), text.as_bytes())?;
+        files::replace_atomically(&self.folder.join(sidecar_of(&name)), text.as_bytes())?;
         self.accepted.push(sidecar);
         self.write_list()?;
         Ok(name)
@@ -189,7 +189,7 @@ impl Store {
         }
         let photos = self.accepted.iter().map(|sidecar| sidecar.photo.clone()).collect();
         let text = session::text(&path, SCENE, Some(&self.camera), photos)?;
-        Ok(files::write_atomically(&path, text.as_bytes())?)
+        Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 }
 
@@ -199,10 +199,15 @@ pub(super) fn sidecar_of(photo: &str) -> String {
     format!("{stem}{SIDECAR}")
 }
 
-/// A variant as part of a file name: letters, digits, and dashes for all else.
+/// A variant as the beginning of a file name: ASCII letters and digits, and dashes for all else, but none at the ends: programs take a name
+/// that begins with one for an option.
 fn slug(variant: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-    variant.chars().map(plain).take(40).collect()
+    let dashed: String = variant.chars().map(plain).take(40).collect();
+    match dashed.trim_matches('-') {
+        "" => "photo".into(),
+        name => name.into(),
+    }
 }
 
 /// The number at the end of a name that this store gave.
@@ -233,7 +238,15 @@ pub(super) fn unwritable(path: &Path, e: &std::io::Error) -> FileError {
 /// The lock ends with the process, however that ends.
 fn locked(folder: &Path) -> Result<File, StoreError> {
     let path = folder.join(LOCK);
-    let file = File::create(&path).map_err(|e| unwritable(&path, &e))?;
+    // A link may lead to a photo, and opening a pipe would wait for ever.
+    if std::fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) {
+        return Err(StoreError::Content {
+            path,
+            message: "it is no file that a capture made: remove it".into(),
+        });
+    }
+    let opened = File::options().write(true).create(true).truncate(false).open(&path);
+    let file = opened.map_err(|e| unwritable(&path, &e))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse {
@@ -249,7 +262,7 @@ fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new:
     let path = folder.join(name);
     let same = match path.exists() {
         true => files::read(&path)? == content,
-        false if is_new => return Ok(files::write_atomically(&path, &content)?),
+        false if is_new => return Ok(files::replace_atomically(&path, &content)?),
         false => false,
     };
     match same {

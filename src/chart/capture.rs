@@ -6,7 +6,7 @@ use super::locate::detectors;
 use super::timing::fastest;
 use crate::camera::Camera;
 use crate::capture::{Guidance, Judge, Tolerance, viewpoints_of};
-use crate::photo::{PhotoError, PhotoFile};
+use crate::photo::{Budget, PhotoError, PhotoFile};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::scene::{Bins, Scene};
 use crate::tags::{CornersBy, StartError, TagDetectorChoice};
@@ -100,7 +100,7 @@ fn advice(
     camera: &Camera,
     guidance: &Guidance,
 ) -> Result<bool, MeasureError> {
-    let photo = PhotoFile::of_bytes(name.as_ref(), bytes.to_vec())?;
+    let photo = PhotoFile::of_bytes(name.as_ref(), bytes.to_vec(), Budget::FILE)?;
     let grey = photo.grey()?;
     let fitted = camera.for_photo(photo.width, photo.height, photo.turned_deg)?;
     let judgement = judge.judge(&grey, &fitted.camera, guidance);

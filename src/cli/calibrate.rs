@@ -66,9 +66,9 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         }
     }
     for left in &found.left_out {
-        eprintln!("left out {}: {}", left.file, left.reason);
+        say!("left out {}: {}", left.file, left.reason);
     }
-    found.cautions.iter().for_each(|c| eprintln!("note: {}", c.0));
+    found.cautions.iter().for_each(|c| say!("note: {}", c.0));
     Ok(Outcome::Done)
 }
 

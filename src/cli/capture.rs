@@ -164,7 +164,10 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
     let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
     let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
     let page = match browser.page {
-        true => Some(Page::open(browser.port, browser.lan, &args.output)?),
+        true => {
+            let at_once = || std::process::exit(130);
+            Some(Page::open(browser.port, browser.lan, &args.output, at_once)?)
+        }
         false => None,
     };
     let store = Store::open(&args.output, &args.scene, &args.camera)?;
@@ -249,7 +252,7 @@ fn take_back(
         (None, false) => return Ok(()),
     };
     if photos.is_empty() {
-        eprintln!("note: there is no photo of {} to take back", args.variant);
+        say!("note: there is no photo of {} to take back", args.variant);
     }
     let mut teller = Teller::new(args.json, false, out);
     photos.iter().try_for_each(|photo| teller.taken_back(photo))?;
@@ -310,7 +313,7 @@ impl Wanted {
         let (viewpoints, tolerance) = match &self.pair_with {
             Some(session) => {
                 let (viewpoints, faults) = pair::viewpoints(session, TagDetectorChoice::default())?;
-                faults.iter().for_each(|fault| eprintln!("note: no target for {fault}"));
+                faults.iter().for_each(|fault| say!("note: no target for {fault}"));
                 let tolerance = Tolerance::of_pairs(&viewpoints);
                 (viewpoints, tolerance)
             }
@@ -366,7 +369,8 @@ fn pace(text: &str) -> Result<Duration, String> {
 }
 
 fn meant(text: &str) -> Result<Meant, String> {
-    let numbers: Option<Vec<f64>> = text.split('/').map(|part| part.trim().parse().ok()).collect();
+    let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    let numbers: Option<Vec<f64>> = text.split('/').map(number).collect();
     match numbers.as_deref() {
         Some([azimuth_deg]) => Ok(Meant {
             azimuth_deg: *azimuth_deg,

@@ -142,7 +142,7 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
     let (samples, not_located) = placed(&session, &args.on)?;
     let rows = envelope_chart::measure(&samples, &outlines, model.envelope.name());
     for sentence in not_located {
-        eprintln!("not measured: {sentence}");
+        say!("not measured: {sentence}");
     }
     writeln!(out, "{}", envelope_chart::table(&rows))?;
     let inputs = [Some(args.on.truth.as_path()), args.mesh.as_deref()];

@@ -32,7 +32,7 @@ pub struct Args {
     #[command(flatten)]
     effort: score_command::Effort,
     /// Folder for comparison.html, comparison.tex and comparison.json.
-    #[arg(long)]
+    #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print comparison.json instead of the table.
     #[arg(long)]
@@ -56,7 +56,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let page = report::write_comparison(&args.out, &scores, &comparison)?;
     score_command::caution(&scores);
     for photo in &comparison.unpaired {
-        eprintln!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);
+        say!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);
     }
     match args.json {
         true => write!(out, "{}", report::comparison_json(&scores, &comparison)?)?,

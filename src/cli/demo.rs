@@ -20,7 +20,7 @@ use crate::session::Session;
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder for the template, the poses and the report.
-    #[arg(long, default_value = "out/demo")]
+    #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
     #[command(flatten)]
     folder: detectors::Folder,

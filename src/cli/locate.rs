@@ -154,7 +154,7 @@ fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
         .filter_map(|(p, r)| Some((p, r.as_ref().ok()?)))
     {
         for tag in found.located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()) {
-            eprintln!(
+            say!(
                 "note on {}: tag {} {}; it was left out",
                 path.display(),
                 tag.id,
@@ -169,8 +169,8 @@ fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
     {
         // What is wrong with a file names the file already.
         match no_pose.code {
-            UNREADABLE => eprintln!("error: {}", no_pose.reason),
-            _ => eprintln!("no pose for {}: {}", path.display(), no_pose.reason),
+            UNREADABLE => say!("error: {}", no_pose.reason),
+            _ => say!("no pose for {}: {}", path.display(), no_pose.reason),
         }
     }
     let cautions: BTreeSet<String> = results
@@ -178,7 +178,7 @@ fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
         .flatten()
         .flat_map(|found| found.fitted.cautions())
         .collect();
-    cautions.iter().for_each(|caution| eprintln!("note: {caution}"));
+    cautions.iter().for_each(|caution| say!("note: {caution}"));
 }
 
 fn locate_file(path: &Path, tags: &mut dyn TagDetector, scene: &Scene, camera: &Camera) -> Result<Found, NoPose> {

@@ -21,7 +21,7 @@ pub struct Args {
     #[command(flatten)]
     judging: score_command::Judging,
     /// Folder for the report, as of `score`.
-    #[arg(long, short)]
+    #[arg(long, short, value_name = "DIR")]
     out: PathBuf,
 }
 

@@ -1,5 +1,8 @@
 //! One file per subcommand: arguments in, library call, text out.
 
+#[macro_use]
+mod say;
+
 mod attack;
 mod calibrate;
 mod camera;
@@ -11,6 +14,7 @@ mod demo;
 mod detectors;
 mod locate;
 mod merge;
+mod output;
 mod pattern;
 mod plan;
 mod print;
@@ -25,7 +29,8 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use say::Visible;
 
 /// Print an adversarial pattern at 1:10, photograph the model, and get numbers you can defend.
 #[derive(Parser)]
@@ -68,12 +73,20 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    keep_refusals_quiet();
+    let parsed = Cli::command().try_get_matches();
+    let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(e) if is_mistake(&e) => return refuse(&first_paragraph(&e.to_string())),
         Err(help_or_version) => help_or_version.exit(),
     };
-    let out = &mut std::io::stdout().lock();
+    // A file that goes to standard output is alone there.
+    let out: &mut dyn Write = match output::goes_to_standard_output(&matches) {
+        Err(sentence) => return refuse(&sentence),
+        Ok(true) => &mut Visible(std::io::stderr().lock()),
+        Ok(false) => &mut Visible(std::io::stdout().lock()),
+    };
     let result = match cli.command {
         Command::Attack(args) => attack::run(args, out),
         Command::Calibrate(args) => calibrate::run(args, out),
@@ -103,8 +116,21 @@ pub fn main() -> ExitCode {
 }
 
 fn refuse(sentence: &str) -> ExitCode {
-    eprintln!("error: {sentence}");
+    say!("error: {sentence}");
     ExitCode::from(2)
+}
+
+/// Libraries that panic on a damaged network are caught where they are called; nobody needs to read of it.
+fn keep_refusals_quiet() {
+    #[cfg(feature = "attack")]
+    {
+        let usual = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |about| {
+            if !crate::attack::is_refusing() {
+                usual(about);
+            }
+        }));
+    }
 }
 
 /// False for help and version, also when help is shown because nothing was asked.

@@ -136,7 +136,7 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
         tilt_deg: args.tilt_deg,
     };
     let text = ring.scene()?.to_toml();
-    // The reader's checks are the checks: scale, bins.
+    // What is written can be read.
     Scene::parse(&text, path)?;
     files::write_atomically(path, text.as_bytes())?;
     let (count, radius) = (args.tags, args.radius_mm);

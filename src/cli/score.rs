@@ -31,7 +31,7 @@ pub struct Args {
     #[command(flatten)]
     effort: Effort,
     /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv and the COCO files.
-    #[arg(long)]
+    #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Score the detections stored in the sessions instead of running the detectors.
     #[arg(long)]
@@ -202,7 +202,7 @@ pub fn score_with_progress(
 
 fn complain(options: &Options) {
     for complaint in options.cache.iter().flat_map(Cache::complaints) {
-        eprintln!("note: {complaint}");
+        say!("note: {complaint}");
     }
 }
 
@@ -276,10 +276,10 @@ pub fn fingerprint(c: &Contestant) -> String {
 /// Says on standard error which photos were left out, and what to know before believing the figures.
 pub fn caution(scores: &Scores) {
     for photo in &scores.not_scored {
-        eprintln!("not scored: {}/{}: {}", photo.session, photo.file, photo.reason);
+        say!("not scored: {}/{}: {}", photo.session, photo.file, photo.reason);
     }
     for caution in &scores.cautions {
-        eprintln!("note: {caution}");
+        say!("note: {caution}");
     }
 }
 

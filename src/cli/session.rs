@@ -60,7 +60,7 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     files::write_atomically(&imported.path, imported.text.as_bytes())?;
     if let Some(first) = imported.without_box.first() {
         let count = imported.without_box.len();
-        eprintln!("note: {count} photos have no box of the model and are left out (the first: {first})");
+        say!("note: {count} photos have no box of the model and are left out (the first: {first})");
     }
     let mut variants: BTreeMap<&str, usize> = BTreeMap::new();
     for photo in &imported.session.photos {

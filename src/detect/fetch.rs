@@ -32,15 +32,32 @@ pub enum FetchError {
     File(#[from] files::FileError),
     #[error("the file at {url} is not the one {name} was described with; it was not kept")]
     WrongFile { name: String, url: String },
+    #[error("{path} is already there and is not the file {name} was described with: move it away, or fetch into another folder by --detectors", path = path.display())]
+    Taken { name: String, path: PathBuf },
+    #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
+    NoPart { path: PathBuf },
 }
 
 /// Nothing this program fetches is near this size; a longer answer is not the file.
 const MAX_BYTES: u64 = 2 << 30;
 
+/// A download breaks off when nothing came for so long.
+const PATIENCE: Duration = Duration::from_secs(30);
+
 /// Downloads a detector's weights into a folder. `progress` is told the bytes so far and, if known, in all.
 ///
-/// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified.
+/// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified. The right file that is
+/// there already stays, and another one is never replaced.
 pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u64>)) -> Result<PathBuf, FetchError> {
+    fetch_with(manifest, folder, progress, PATIENCE)
+}
+
+fn fetch_with(
+    manifest: &Manifest,
+    folder: &Path,
+    progress: &dyn Fn(u64, Option<u64>),
+    patience: Duration,
+) -> Result<PathBuf, FetchError> {
     if manifest.weights.url.is_empty() {
         return Err(FetchError::NoUrl {
             name: manifest.name.clone(),
@@ -48,31 +65,56 @@ pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u
         });
     }
     let target = folder.join(&manifest.weights.file);
+    if std::fs::symlink_metadata(&target).is_ok() {
+        return already_there(manifest, target);
+    }
     let part = folder.join(format!("{}.part", manifest.weights.file));
     let failed = |e: std::io::Error| files::FileError::Write {
         path: part.clone(),
         reason: files::plain(&e),
     };
-    let have = std::fs::metadata(&part).map_or(0, |m| m.len());
-    if let Some(response) = request(manifest, folder, have)? {
+    let have = part_bytes(&part)?;
+    if let Some(response) = request(manifest, folder, have, patience)? {
         std::fs::create_dir_all(folder).map_err(failed)?;
         let resumed = response.status() == 206;
         let have = if resumed { have } else { 0 };
         let mut file = open_part(&part, resumed).map_err(failed)?;
-        receive(manifest, response, &mut file, have, progress)?;
+        receive(manifest, response, &mut file, have, progress, patience)?;
         file.sync_all().map_err(failed)?;
     }
     keep(manifest, &part, &target)
 }
 
+fn already_there(manifest: &Manifest, target: PathBuf) -> Result<PathBuf, FetchError> {
+    match check_hash(manifest, &target) {
+        Ok(()) => Ok(target),
+        Err(WeightsError::File(e)) => Err(e.into()),
+        Err(_) => Err(FetchError::Taken {
+            name: manifest.name.clone(),
+            path: target,
+        }),
+    }
+}
+
+/// How many bytes an earlier call has collected. A link is not followed: the download would be written to wherever it points.
+fn part_bytes(part: &Path) -> Result<u64, FetchError> {
+    match std::fs::symlink_metadata(part) {
+        Ok(about) if about.is_file() => Ok(about.len()),
+        Ok(_) => Err(FetchError::NoPart { path: part.to_owned() }),
+        Err(_) => Ok(0),
+    }
+}
+
 type Response = ureq::http::Response<ureq::Body>;
 
 /// Asks for the file from byte `have` on. `None`: there is nothing after it, the part is already whole.
-fn request(manifest: &Manifest, folder: &Path, have: u64) -> Result<Option<Response>, FetchError> {
+fn request(manifest: &Manifest, folder: &Path, have: u64, patience: Duration) -> Result<Option<Response>, FetchError> {
     let url = &manifest.weights.url;
     let agent: ureq::Agent = ureq::Agent::config_builder()
         .timeout_connect(Some(Duration::from_secs(8)))
         .timeout_recv_response(Some(Duration::from_secs(30)))
+        // Starts anew with every byte, unlike the time-out of the body, which a slow line and a large file would exceed.
+        .timeout_per_read(Some(patience))
         .http_status_as_error(false)
         .build()
         .into();
@@ -99,10 +141,14 @@ fn request(manifest: &Manifest, folder: &Path, have: u64) -> Result<Option<Respo
 }
 
 fn open_part(part: &Path, resumed: bool) -> std::io::Result<File> {
-    match resumed {
-        true => OpenOptions::new().append(true).open(part),
-        false => File::create(part),
+    if resumed {
+        return OpenOptions::new().append(true).open(part);
     }
+    // A new file, so that nothing is written through a link that came in between.
+    if std::fs::symlink_metadata(part).is_ok() {
+        std::fs::remove_file(part)?;
+    }
+    OpenOptions::new().write(true).create_new(true).open(part)
 }
 
 fn receive(
@@ -111,6 +157,7 @@ fn receive(
     file: &mut File,
     mut have: u64,
     progress: &dyn Fn(u64, Option<u64>),
+    patience: Duration,
 ) -> Result<(), FetchError> {
     let total = response.body().content_length().map(|rest| have + rest);
     let mut body = response.into_body().into_with_config().limit(MAX_BYTES).reader();
@@ -120,7 +167,10 @@ fn receive(
         let broke_off = |e: std::io::Error| FetchError::BrokeOff {
             name: manifest.name.clone(),
             bytes: have,
-            reason: files::plain(&e),
+            reason: match is_late(&e) {
+                true => format!("nothing came for {} s", patience.as_secs_f64()),
+                false => files::plain(&e),
+            },
         };
         match body.read(&mut buffer).map_err(broke_off)? {
             0 => return Ok(()),
@@ -128,6 +178,12 @@ fn receive(
         };
         have = file.metadata().map_err(broke_off)?.len();
     }
+}
+
+/// Only single reads have a time limit while a body comes.
+fn is_late(e: &std::io::Error) -> bool {
+    let cause = e.get_ref().and_then(|cause| cause.downcast_ref::<ureq::Error>());
+    matches!(cause, Some(ureq::Error::Timeout(_)))
 }
 
 fn keep(manifest: &Manifest, part: &Path, target: &Path) -> Result<PathBuf, FetchError> {
@@ -162,6 +218,14 @@ mod tests {
 
     /// A server on this machine that answers each request with the next of `answers`, and returns the Range headers it saw.
     fn serve(answers: Vec<Vec<u8>>) -> (String, std::thread::JoinHandle<Vec<Option<String>>>) {
+        serve_and_stall(answers, Duration::ZERO)
+    }
+
+    /// The same, which says nothing more after each answer and closes the connection so much later.
+    fn serve_and_stall(
+        answers: Vec<Vec<u8>>,
+        stall: Duration,
+    ) -> (String, std::thread::JoinHandle<Vec<Option<String>>>) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let url = format!("http://{}/model.onnx", listener.local_addr().unwrap());
         let server = std::thread::spawn(move || {
@@ -172,6 +236,7 @@ mod tests {
                     let lines = BufReader::new(stream.try_clone().unwrap()).lines();
                     let head: Vec<String> = lines.map(Result::unwrap).take_while(|l| !l.is_empty()).collect();
                     stream.write_all(&answer).unwrap();
+                    std::thread::sleep(stall);
                     head.iter()
                         .find_map(|l| l.to_lowercase().strip_prefix("range: ").map(str::to_owned))
                 })
@@ -214,6 +279,69 @@ mod tests {
             1,
             "no part stays behind"
         );
+    }
+
+    #[test]
+    fn a_download_that_stalls_breaks_off_and_can_go_on() {
+        let content = vec![7; 100_000];
+        let stalled = answer("200 OK", content.len(), &content[..70_000]);
+        let (url, _) = serve_and_stall(vec![stalled], Duration::from_secs(20));
+        let folder = tempfile::tempdir().unwrap();
+        let patience = Duration::from_secs(1);
+        let error = fetch_with(&manifest(url, &content), folder.path(), &|_, _| {}, patience).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("broke off after 70000 bytes (nothing came for 1 s)"),
+            "{error}"
+        );
+        let rest = answer("206 Partial Content", 30_000, &content[70_000..]);
+        let (url, server) = serve(vec![rest]);
+        let path = fetch(&manifest(url, &content), folder.path(), &|_, _| {}).unwrap();
+        assert_eq!(std::fs::read(path).unwrap(), content);
+        assert_eq!(server.join().unwrap(), [Some("bytes=70000-".into())]);
+    }
+
+    #[test]
+    fn a_file_that_is_there_is_never_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("yolox_nano.onnx");
+        std::fs::write(&target, b"mine").unwrap();
+        let (url, _) = serve(vec![answer("200 OK", 5, b"model")]);
+        let error = fetch(&manifest(url.clone(), b"model"), folder.path(), &|_, _| {})
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("yolox_nano.onnx is already there"), "{error}");
+        assert_eq!(std::fs::read(&target).unwrap(), b"mine");
+        // The right one needs no download.
+        assert_eq!(
+            fetch(&manifest(url, b"mine"), folder.path(), &|_, _| {}).unwrap(),
+            target
+        );
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_in_the_place_of_the_part_is_not_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mine, part) = (
+            folder.path().join("mine.txt"),
+            folder.path().join("yolox_nano.onnx.part"),
+        );
+        for content in ["", "mine"] {
+            std::fs::write(&mine, content).unwrap();
+            std::os::unix::fs::symlink(&mine, &part).unwrap();
+            let (url, _) = serve(vec![answer("200 OK", 5, b"model")]);
+            let error = fetch(&manifest(url, b"model"), folder.path(), &|_, _| {})
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains("yolox_nano.onnx.part is a link or a folder") && error.ends_with("remove it"),
+                "{error}"
+            );
+            assert_eq!(std::fs::read_to_string(&mine).unwrap(), content);
+            std::fs::remove_file(&part).unwrap();
+        }
     }
 
     #[test]

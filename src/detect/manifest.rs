@@ -1,6 +1,6 @@
 //! Detector manifests: one TOML file per detector says where its weights come from, how to feed it and how to read it.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -30,11 +30,12 @@ pub struct Manifest {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weights {
+    /// A plain file name; without `url` it may also be a whole path, as `detectors add` writes for a network in another folder.
     pub file: String,
     /// The raw file at a pinned commit; empty when there is none to fetch.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub url: String,
-    /// SHA-256, hex.
+    /// SHA-256, 64 lower-case hex digits.
     pub sha256: String,
 }
 
@@ -237,15 +238,21 @@ impl Manifest {
         Placement::new(&self.input, photo_width, photo_height).least_px(&self.input)
     }
 
+    /// Whether a detector may have this name: files are named by it.
+    pub fn is_name(name: &str) -> bool {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        !name.is_empty() && !name.starts_with('.') && name.chars().all(is_plain)
+    }
+
     /// What TOML alone cannot say.
     fn check(&self) -> Result<(), String> {
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(is_plain) {
+        if !Manifest::is_name(&self.name) {
             return Err(format!(
                 "name is {:?}: use letters, digits, `_`, `-` and `.`, as files are named by it",
                 self.name
             ));
         }
+        self.weights.check()?;
         let Input {
             size_px,
             mean,
@@ -285,6 +292,43 @@ impl Manifest {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl Weights {
+    /// A manifest may come from anybody, and `detectors fetch` writes what it names: into the folder of weights and nowhere else.
+    fn check(&self) -> Result<(), String> {
+        let Weights { file, url, sha256 } = self;
+        if !self.names_a_network() {
+            return Err(format!(
+                "weights.file is {file:?}: give the name of an .onnx or .ort file beside the manifest, without a folder"
+            ));
+        }
+        let is_web = url.starts_with("https://") || url.starts_with("http://");
+        if !url.is_empty() && (!is_web || url.contains(char::is_control)) {
+            return Err(format!(
+                "weights.url is {url:?}: give an address that begins with https:// or http://, or leave it out"
+            ));
+        }
+        let is_digit = |b: u8| matches!(b, b'0'..=b'9' | b'a'..=b'f');
+        if sha256.len() != 64 || !sha256.bytes().all(is_digit) {
+            return Err(format!(
+                "weights.sha256 is {sha256:?}: give the 64 lower-case hex digits that `sha256sum` prints"
+            ));
+        }
+        Ok(())
+    }
+
+    fn names_a_network(&self) -> bool {
+        let (path, lower) = (Path::new(&self.file), self.file.to_ascii_lowercase());
+        let mut parts = path.components();
+        let is_one_part = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
+        let is_plain = is_one_part && !self.file.starts_with('.') && !self.file.contains(['/', '\\']);
+        // A whole path is only read, never written to.
+        let is_whole_path =
+            self.url.is_empty() && path.is_absolute() && !path.components().any(|c| c == Component::ParentDir);
+        let is_network = lower.ends_with(".onnx") || lower.ends_with(".ort");
+        is_network && (is_plain || is_whole_path) && !self.file.contains(char::is_control)
     }
 }
 
@@ -332,6 +376,32 @@ mod tests {
             text.contains("yolo99") && text.contains("yolox_nano, nanodet_m"),
             "{text}"
         );
+    }
+
+    /// A manifest without an address to fetch from, whose weights have this name.
+    fn with_file(file: &str) -> Result<Manifest, ManifestError> {
+        let mut manifest = Manifest::named("yolox_nano").unwrap();
+        manifest.weights.url.clear();
+        manifest.weights.file = file.into();
+        Manifest::parse(&manifest.to_toml()?, "x.toml")
+    }
+
+    #[test]
+    fn a_whole_path_may_be_read_and_never_fetched_to() {
+        for file in ["/home/me/my car.onnx", "my car.onnx", "CAR.ONNX", "car.ort"] {
+            assert_eq!(with_file(file).unwrap().weights.file, file);
+        }
+        for file in [
+            "/home/../etc/car.onnx",
+            "cars/car.onnx",
+            "./car.onnx",
+            "",
+            ".onnx",
+            "/",
+            "car.onnx/",
+        ] {
+            assert!(with_file(file).is_err(), "{file:?}");
+        }
     }
 
     #[test]

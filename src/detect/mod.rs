@@ -29,7 +29,7 @@ pub use labels::Labels;
 pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{Candidate, suppress};
-pub use propose::{Family, Hints, Proposal, ProposeError, propose};
+pub use propose::{Family, Hints, Proposal, ProposeError, propose, propose_within};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{ROUNDS, Speed, SpeedError, Speeds, measure};
 pub use weights::{WeightFolders, WeightsError};

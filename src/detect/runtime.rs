@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use image::RgbImage;
 use ort::environment::Environment;
 use ort::logging::LogLevel;
-use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
+use ort::session::{RunOptions, Session};
 use ort::value::{DynValue, Tensor as OrtTensor};
 
-use super::heads::{self, Data, Tensor};
+use super::heads::{self, Data, Decoded, Tensor, Unreadable};
 use super::input::{self, Placement};
 use super::manifest::{Input, Layout, Values};
 use super::{Detection, MAX_DETECTIONS, Manifest};
@@ -27,21 +29,28 @@ pub enum DetectError {
     Model { path: PathBuf, reason: String },
     #[error("{detector} failed: {reason}")]
     Run { detector: String, reason: String },
-    #[error("{detector} answered with {value} in its output {output}: no box of it can be trusted")]
+    #[error("{detector} answered with {what}: no box of it can be trusted")]
     NotANumber {
         detector: String,
-        output: String,
-        /// `NaN` or `infinity`.
-        value: &'static str,
+        /// A NaN, an infinity or a box that is not finite, and where.
+        what: String,
     },
     #[error(
         "{detector} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?"
     )]
     NotAScore { detector: String, score: f64 },
+    #[error(
+        "{detector} has not answered within {seconds} s and was stopped: its network may run in an endless loop, so export it anew, \
+         or use another one"
+    )]
+    TooLong { detector: String, seconds: f64 },
 }
 
-/// A sigmoid or softmax may round up a little.
+/// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.
 const HIGHEST_SCORE: f64 = 1.001;
+
+/// A network has so much time for one photo, far more than any takes on a single core. A loop in its file may never end.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// The loaded ONNX Runtime.
 pub struct Runtime {
@@ -108,6 +117,7 @@ fn default_library() -> &'static str {
 pub struct Detector {
     pub manifest: Manifest,
     session: Session,
+    time_limit: Duration,
 }
 
 impl Detector {
@@ -120,7 +130,13 @@ impl Detector {
         Ok(Detector {
             manifest: manifest.clone(),
             session,
+            time_limit: TIME_LIMIT,
         })
+    }
+
+    /// The same detector, which is stopped after another time than two minutes a photo.
+    pub fn with_time_limit(self, time_limit: Duration) -> Detector {
+        Detector { time_limit, ..self }
     }
 
     /// Every detection of a photo above the score floor, best first, at most [`MAX_DETECTIONS`].
@@ -130,38 +146,47 @@ impl Detector {
 
     /// The same for a photo of a size in pixels of which `photo` is a reduced picture, no smaller than [`Manifest::least_px`].
     pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
+        let detector = || self.manifest.name.clone();
         let failed = |reason: String| DetectError::Run {
-            detector: self.manifest.name.clone(),
+            detector: detector(),
             reason,
+        };
+        let not_a_number = |what: String| DetectError::NotANumber {
+            detector: detector(),
+            what,
         };
         let placement = Placement::new(&self.manifest.input, width, height);
         let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(failed)?;
-        let outputs = run(&mut self.session, &self.manifest, tensor, &placement).map_err(|e| DetectError::Run {
-            detector: self.manifest.name.clone(),
-            reason: e.to_string().replace('\n', " "),
+        let outputs = run(&mut self.session, &self.manifest, tensor, &placement, self.time_limit);
+        let outputs = outputs.map_err(|e| match e {
+            NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
+            NoAnswer::TooLong => DetectError::TooLong {
+                detector: detector(),
+                seconds: self.time_limit.as_secs_f64(),
+            },
         })?;
-        if let Some((output, value)) = heads::with_no_number(&outputs) {
-            return Err(DetectError::NotANumber {
-                detector: self.manifest.name.clone(),
-                output: output.to_owned(),
-                value,
-            });
+        if let Some(what) = heads::with_no_number(&outputs) {
+            return Err(not_a_number(what));
         }
-        let decoded = heads::decode(&self.manifest, &outputs, placement.canvas).map_err(failed)?;
-        if let Some(c) = decoded.candidates.iter().find(|c| c.score > HIGHEST_SCORE) {
+        let decoded = heads::decode(&self.manifest, &outputs, placement.canvas);
+        let Decoded {
+            candidates,
+            in_photo_px,
+        } = decoded.map_err(|e| match e {
+            Unreadable::Misfit(reason) => failed(reason),
+            Unreadable::NotFinite(what) => not_a_number(what),
+        })?;
+        if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
             return Err(DetectError::NotAScore {
-                detector: self.manifest.name.clone(),
-                score: c.score,
+                detector: detector(),
+                score,
             });
         }
-        let to_photo = |b: BoxPx| match decoded.in_photo_px {
+        let to_photo = |b: BoxPx| match in_photo_px {
             true => b.clipped(placement.photo[0], placement.photo[1]),
             false => placement.to_photo(b),
         };
-        let detections = decoded
-            .candidates
-            .iter()
-            .filter_map(|c| Detection::new(c.label, c.score, to_photo(c.b)));
+        let detections = candidates.filter_map(|c| Detection::new(c.label, c.score.min(1.0), to_photo(c.b)));
         Ok(detections.take(MAX_DETECTIONS).collect())
     }
 }
@@ -174,20 +199,69 @@ pub(super) fn session(runtime: &Runtime, weights: &Path) -> ort::Result<Session>
         .commit_from_file(weights)
 }
 
+/// Why a network gave no answer.
+pub(super) enum NoAnswer {
+    Failed(ort::Error),
+    TooLong,
+}
+
+impl From<ort::Error> for NoAnswer {
+    fn from(e: ort::Error) -> NoAnswer {
+        NoAnswer::Failed(e)
+    }
+}
+
+/// The network's outputs, if it answers within the time limit.
 pub(super) fn run(
     session: &mut Session,
     manifest: &Manifest,
     tensor: Vec<f32>,
     placement: &Placement,
-) -> ort::Result<Vec<Tensor>> {
+    time_limit: Duration,
+) -> Result<Vec<Tensor>, NoAnswer> {
     let picture = picture(&manifest.input, tensor, placement)?;
-    let outputs = if heads::wants_photo_size(&manifest.head) {
-        let size = placement.photo.map(|v| v as i64).to_vec();
-        session.run(ort::inputs![picture, OrtTensor::from_array(([1, 2], size))?])?
-    } else {
-        session.run(ort::inputs![picture])?
+    let photo_px = heads::wants_photo_size(&manifest.head).then(|| placement.photo.map(|v| v as i64).to_vec());
+    let mut options = RunOptions::new()?;
+    // Its complaints come back as errors; on standard error they would be a second sentence.
+    options.set_log_level(LogLevel::Fatal)?;
+    let work = || answer(session, picture, photo_px, &options);
+    match stopped_after(time_limit, &options, work) {
+        (Ok(outputs), _) => Ok(outputs),
+        (Err(_), true) => Err(NoAnswer::TooLong),
+        (Err(e), false) => Err(NoAnswer::Failed(e)),
+    }
+}
+
+fn answer(
+    session: &mut Session,
+    picture: DynValue,
+    photo_px: Option<Vec<i64>>,
+    options: &RunOptions,
+) -> ort::Result<Vec<Tensor>> {
+    let outputs = match photo_px {
+        Some(size) => {
+            let size = OrtTensor::from_array(([1, 2], size))?;
+            session.run_with_options(ort::inputs![picture, size], options)?
+        }
+        None => session.run_with_options(ort::inputs![picture], options)?,
     };
     outputs.iter().map(|(name, value)| copied(name, &value)).collect()
+}
+
+/// Does some work, and what ONNX Runtime runs for it with these options is stopped after the time limit; true: it was. ONNX Runtime stops
+/// between two operators, also inside a loop.
+fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnce() -> T) -> (T, bool) {
+    std::thread::scope(|scope| {
+        let (working, is_over) = mpsc::channel::<()>();
+        // Nothing is sent: the channel closes when the work is done, or when it panics, and the watchdog ends at once.
+        let watchdog = scope.spawn(move || {
+            let is_late = is_over.recv_timeout(time_limit) == Err(RecvTimeoutError::Timeout);
+            is_late && options.terminate().is_ok()
+        });
+        let done = work();
+        drop(working);
+        (done, watchdog.join().unwrap_or(false))
+    })
 }
 
 /// The picture in the shape and type the network takes.

@@ -1,8 +1,9 @@
-//! Boxes, angles, convex hulls and rigid transforms: the words every other room speaks.
+//! Boxes, angles, lengths, convex hulls and rigid transforms: the words every other room speaks.
 
 pub mod angle;
 pub mod bbox;
 mod hull;
+pub mod length;
 pub mod rigid;
 
 pub use bbox::BoxPx;

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use crate::files::{self, FileError};
+use crate::geometry::length::shown;
 
 /// Larger files are no model for a table. A triangle takes 50 bytes in a binary STL.
 pub const MAX_BYTES: usize = 200_000_000;
@@ -49,7 +50,8 @@ pub enum MeshError {
     #[error("front and up of the mesh lie along the same axis; give two different ones")]
     FrontIsUp,
     #[error(
-        "the mesh's length cannot be set to {value} mm; give the model's length from front to rear in mm, as in 455"
+        "the mesh's length cannot be set to {} mm; give the model's length from front to rear in mm, as in 455",
+        shown(*value)
     )]
     BadLength { value: f64 },
     #[error(

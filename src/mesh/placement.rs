@@ -6,9 +6,8 @@ use std::str::FromStr;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{Mesh, MeshError};
+use crate::geometry::length::is_size;
 
-/// The longest model, mm: a full-size lorry and more.
-const MAX_LENGTH_MM: f64 = 100_000.0;
 /// Nothing is so short in any unit; scaling it up would leave the range of numbers.
 const LEAST_LENGTH: f64 = 1e-9;
 
@@ -72,9 +71,7 @@ impl Placement {
         let unit_mm = if is_gltf { 1000.0 } else { 1.0 };
         let scale = match self.length_mm {
             None => unit_mm,
-            Some(length) if !(length > 0.0 && length <= MAX_LENGTH_MM) => {
-                return Err(MeshError::BadLength { value: length });
-            }
+            Some(value) if !is_size(value) => return Err(MeshError::BadLength { value }),
             Some(_) if high.x - low.x < LEAST_LENGTH => return Err(MeshError::NoLength),
             Some(length) => length / (high.x - low.x),
         };

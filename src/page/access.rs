@@ -10,13 +10,13 @@ use rand::rngs::SysRng;
 
 use crate::files;
 
-const COOKIE_NAME: &str = "scaleproof";
-
 /// What the page's server asks of a request before anything else.
 #[derive(Debug)]
 pub(super) struct Access {
     /// `None`: this machine only, and no token.
     keys: Option<Mutex<Keys>>,
+    /// Cookies belong to an address, whatever the port: a name for each port keeps two captures on one machine apart.
+    cookie_name: String,
 }
 
 /// SHA-256 of the secrets, so that comparing them tells nothing by its time.
@@ -31,11 +31,14 @@ struct Keys {
 impl Access {
     /// Everybody on this machine.
     pub(super) fn local() -> Access {
-        Access { keys: None }
+        Access {
+            keys: None,
+            cookie_name: String::new(),
+        }
     }
 
-    /// Whoever brings one of two tokens, each of them once. Returns the tokens.
-    pub(super) fn by_token() -> Result<(Access, [String; 2]), String> {
+    /// Whoever brings one of two tokens to this port, each of them once. Returns the tokens.
+    pub(super) fn by_token(port: u16) -> Result<(Access, [String; 2]), String> {
         let tokens = [secret()?, secret()?];
         let keys = Keys {
             tokens: tokens.iter().map(|token| files::sha256_hex(token.as_bytes())).collect(),
@@ -44,6 +47,7 @@ impl Access {
         Ok((
             Access {
                 keys: Some(Mutex::new(keys)),
+                cookie_name: format!("scaleproof_{port}"),
             },
             tokens,
         ))
@@ -87,19 +91,20 @@ impl Access {
         }
     }
 
-    /// Whether the request carries the cookie that a token was exchanged for, where one is needed.
-    pub(super) fn is_known(&self, headers: &HeaderMap) -> bool {
-        let Some(keys) = &self.keys else { return true };
+    /// Which browser asks, by a hash of the cookie that its token was exchanged for; all on this machine are one where none is needed.
+    pub(super) fn browser(&self, headers: &HeaderMap) -> Option<String> {
+        let Some(keys) = &self.keys else {
+            return Some(String::new());
+        };
         let cookies = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
         let pairs = cookies
             .flat_map(|line| line.split(';'))
             .filter_map(|pair| pair.trim().split_once('='));
-        let hashes: Vec<String> = pairs
-            .filter(|(name, _)| *name == COOKIE_NAME)
-            .map(|(_, value)| files::sha256_hex(value.as_bytes()))
-            .collect();
+        let mut hashes = pairs
+            .filter(|(name, _)| *name == self.cookie_name)
+            .map(|(_, value)| files::sha256_hex(value.as_bytes()));
         let keys = keys.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        hashes.iter().any(|hash| keys.sessions.contains(hash))
+        hashes.find(|hash| keys.sessions.contains(hash))
     }
 
     /// Exchanges a token for a cookie, the whole `Set-Cookie` value. A token is good once.
@@ -114,7 +119,10 @@ impl Access {
         let cookie = secret().ok()?;
         keys.tokens.remove(at);
         keys.sessions.push(files::sha256_hex(cookie.as_bytes()));
-        Some(format!("{COOKIE_NAME}={cookie}; Path=/; HttpOnly; SameSite=Strict"))
+        Some(format!(
+            "{}={cookie}; Path=/; HttpOnly; SameSite=Strict",
+            self.cookie_name
+        ))
     }
 }
 
@@ -138,7 +146,7 @@ mod tests {
 
     #[test]
     fn only_addresses_of_this_machine_are_answered_and_under_lan_any_address_but_no_name() {
-        let (lan, _) = Access::by_token().unwrap();
+        let (lan, _) = Access::by_token(8710).unwrap();
         let cases = [
             ("127.0.0.1:8710", true, true),
             ("localhost:9", true, true),
@@ -156,6 +164,7 @@ mod tests {
                 Access::local(),
                 Access {
                     keys: Some(Mutex::default()),
+                    cookie_name: String::new(),
                 },
             ]
             .map(|access| access.check_site(&Method::GET, &headers).is_ok());
@@ -191,14 +200,21 @@ mod tests {
 
     #[test]
     fn a_token_is_good_once_and_its_cookie_lasts() {
-        let (access, tokens) = Access::by_token().unwrap();
+        let (access, tokens) = Access::by_token(8710).unwrap();
+        let (other, _) = Access::by_token(8711).unwrap();
         assert!(access.join("guess").is_none());
         let cookie = access.join(&tokens[0]).unwrap();
         assert!(access.join(&tokens[0]).is_none());
         assert!(cookie.ends_with("; HttpOnly; SameSite=Strict"));
         let pair = cookie.split(';').next().unwrap();
-        assert!(access.is_known(&headers(&[("cookie", &format!("a=b; {pair}"))])));
-        assert!(!access.is_known(&headers(&[("cookie", &format!("{pair}0"))])));
-        assert!(!access.is_known(&headers(&[("cookie", &format!("scaleproof={}", tokens[1]))])));
+        let knows = |access: &Access, cookie: String| access.browser(&headers(&[("cookie", &cookie)])).is_some();
+        assert!(knows(&access, format!("a=b; {pair}")));
+        assert!(
+            knows(&access, format!("scaleproof_8711=0; {pair}")),
+            "beside another capture's"
+        );
+        assert!(!knows(&access, format!("{pair}0")));
+        assert!(!knows(&access, format!("scaleproof_8710={}", tokens[1])));
+        assert!(!knows(&other, pair.to_owned()));
     }
 }

@@ -10,6 +10,7 @@ mod desk;
 mod dial;
 mod meters;
 mod picture;
+mod places;
 mod routes;
 mod server;
 mod state;
@@ -72,11 +73,17 @@ pub struct Lan {
 
 impl Page {
     /// Serves on 127.0.0.1, or with `lan` on all networks of this machine to whoever brings a one-time token: one for a browser on this
-    /// machine, one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown.
+    /// machine, one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown. The first Ctrl-C finishes
+    /// the capture; `hurry` is what a second one does.
     ///
     /// # Errors
     /// A port that is in use; no network.
-    pub fn open(port: u16, lan: bool, session: &Path) -> Result<Page, PageError> {
+    pub fn open(
+        port: u16,
+        lan: bool,
+        session: &Path,
+        hurry: impl FnOnce() + Send + 'static,
+    ) -> Result<Page, PageError> {
         let unserved = |e: io::Error| PageError::Server {
             reason: files::plain(&e),
         };
@@ -99,7 +106,7 @@ impl Page {
         let (access, address, lan) = match network {
             None => (Access::local(), here, None),
             Some(ip) => {
-                let tokens = Access::by_token().map_err(|reason| PageError::Server { reason })?;
+                let tokens = Access::by_token(port).map_err(|reason| PageError::Server { reason })?;
                 let (access, [for_here, for_phone]) = tokens;
                 let address = format!("http://{ip}:{port}/join/{for_phone}");
                 let code = code::drawn(&address).map_err(|reason| PageError::Server { reason })?;
@@ -109,7 +116,7 @@ impl Page {
         let (own, events) = channel();
         let (published, newest) = watch::channel(Arc::new(Published::nothing()));
         let site = Site::new(access, newest, own.clone(), session.to_owned());
-        let server = Server::start(listener, site.router(), own.clone()).map_err(unserved)?;
+        let server = Server::start(listener, site.router(), own.clone(), Box::new(hurry)).map_err(unserved)?;
         Ok(Page {
             server,
             own,

@@ -7,7 +7,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
 use crate::capture::Original;
-use crate::photo::PhotoFile;
+use crate::photo::{Budget, PhotoFile};
 
 /// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
@@ -15,7 +15,7 @@ pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<
         Original::Unreadable(_) => None,
         Original::Pixels(rgb) => jpeg(rgb, fitting([rgb.width(), rgb.height()], longest_side_px)),
         Original::Encoded(bytes) => {
-            let file = PhotoFile::of_bytes(Path::new("frame"), bytes.clone()).ok()?;
+            let file = PhotoFile::of_bytes(Path::new("frame"), bytes.clone(), Budget::UPLOAD).ok()?;
             of_file(&file, longest_side_px)
         }
     }
@@ -28,7 +28,11 @@ pub(super) fn of_photo(path: &Path, longest_side_px: u32) -> Option<Vec<u8>> {
 
 fn of_file(file: &PhotoFile, longest_side_px: u32) -> Option<Vec<u8>> {
     let size = fitting([file.width, file.height], longest_side_px);
-    jpeg(&file.rgb(file.reduction(size)).ok()?, size)
+    let reduction = file.reduction(size);
+    if file.memory(reduction) > Budget::PREVIEW_MEMORY {
+        return None;
+    }
+    jpeg(&file.rgb(reduction).ok()?, size)
 }
 
 fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {

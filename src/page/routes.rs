@@ -8,15 +8,16 @@ use std::time::Duration;
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{Path, Request, State};
-use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, LOCATION, SET_COOKIE};
+use axum::http::header::{CACHE_CONTROL, CONNECTION, CONTENT_TYPE, LOCATION, SET_COOKIE};
 use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use tokio::sync::{Semaphore, oneshot, watch};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 
 use super::access::Access;
 use super::desk::{Event, Published, Reply, Told};
+use super::places::Place;
 use super::{picture, upload};
 
 const PAGE: &str = include_str!("page.html");
@@ -103,7 +104,7 @@ impl Site {
 async fn from_here(State(site): State<Site>, request: Request, next: Next) -> Response {
     let mut response = match site.access.check_site(request.method(), request.headers()) {
         Ok(()) => next.run(request).await,
-        Err((status, sentence)) => plain(status, sentence),
+        Err((status, sentence)) => stranger(status, sentence),
     };
     for (name, value) in HEADERS {
         let headers = response.headers_mut();
@@ -115,13 +116,16 @@ async fn from_here(State(site): State<Site>, request: Request, next: Next) -> Re
 }
 
 async fn known(State(site): State<Site>, request: Request, next: Next) -> Response {
-    match site.access.is_known(request.headers()) {
-        true => next.run(request).await,
-        false => plain(
+    let Some(browser) = site.access.browser(request.headers()) else {
+        return stranger(
             StatusCode::UNAUTHORIZED,
             "open the address with its code, which the terminal shows; each is good once",
-        ),
+        );
+    };
+    if let Some(place) = request.extensions().get::<Arc<Place>>() {
+        place.belongs_to(&browser);
     }
+    next.run(request).await
 }
 
 async fn join(State(site): State<Site>, Path(token): Path<String>, request: Request) -> Response {
@@ -129,8 +133,8 @@ async fn join(State(site): State<Site>, Path(token): Path<String>, request: Requ
     match site.access.join(&token) {
         Some(cookie) => (StatusCode::SEE_OTHER, to_page, [(SET_COOKIE, cookie)]).into_response(),
         // The same browser once more: it has its cookie.
-        None if site.access.is_known(request.headers()) => (StatusCode::SEE_OTHER, to_page).into_response(),
-        None => plain(
+        None if site.access.browser(request.headers()).is_some() => (StatusCode::SEE_OTHER, to_page).into_response(),
+        None => stranger(
             StatusCode::UNAUTHORIZED,
             "this code is not known, or another browser has used it: start the capture again for a new one",
         ),
@@ -148,12 +152,12 @@ async fn state(State(site): State<Site>, Path(seen): Path<u64>) -> Response {
 
 /// The newest frame; an older one is gone.
 async fn preview(State(site): State<Site>, Path(number): Path<u64>) -> Response {
-    let Ok(_turn) = site.pictures.acquire().await else {
+    let Ok(turn) = site.pictures.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
     };
     let newest = site.published.borrow().frame.clone();
     match newest.filter(|picture| picture.number == number) {
-        Some(newest) => jpeg(move || picture::of_frame(&newest.frame.original, PREVIEW_PX)).await,
+        Some(newest) => jpeg(turn, move || picture::of_frame(&newest.frame.original, PREVIEW_PX)).await,
         None => StatusCode::GONE.into_response(),
     }
 }
@@ -164,19 +168,24 @@ async fn photo(State(site): State<Site>, Path(name): Path<String>) -> Response {
     if !is_one {
         return StatusCode::NOT_FOUND.into_response();
     }
-    let Ok(_turn) = site.pictures.acquire().await else {
+    let Ok(turn) = site.pictures.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
     };
     let path = site.session.join(name);
-    let mut response = jpeg(move || picture::of_photo(&path, THUMBNAIL_PX)).await;
+    let mut response = jpeg(turn, move || picture::of_photo(&path, THUMBNAIL_PX)).await;
     // Names are given once.
     let kept = HeaderValue::from_static("private, max-age=86400, immutable");
     response.headers_mut().insert(CACHE_CONTROL, kept);
     response
 }
 
-async fn jpeg(make: impl FnOnce() -> Option<Vec<u8>> + Send + 'static) -> Response {
-    match tokio::task::spawn_blocking(make).await {
+/// The turn goes with the work, which goes on when the browser that asked has left.
+async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>> + Send + 'static) -> Response {
+    let work = move || {
+        let _turn = turn;
+        make()
+    };
+    match tokio::task::spawn_blocking(work).await {
         Ok(Some(jpeg)) => ([(CONTENT_TYPE, "image/jpeg")], jpeg).into_response(),
         _ => StatusCode::NOT_FOUND.into_response(),
     }
@@ -227,8 +236,10 @@ fn has_ended() -> Response {
     told(Told::refused(StatusCode::SERVICE_UNAVAILABLE, "The capture has ended"))
 }
 
-fn plain(status: StatusCode, sentence: &'static str) -> Response {
-    (status, [(CONTENT_TYPE, "text/plain; charset=utf-8")], sentence).into_response()
+/// The answer to somebody unknown, after which the connection ends: it is nobody's to keep.
+fn stranger(status: StatusCode, sentence: &'static str) -> Response {
+    let headers = [(CONTENT_TYPE, "text/plain; charset=utf-8"), (CONNECTION, "close")];
+    (status, headers, sentence).into_response()
 }
 
 fn asset(kind: &'static str, text: &'static str) -> Response {

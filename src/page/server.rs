@@ -1,4 +1,4 @@
-//! The HTTP server: one thread, a bounded number of connections, and none that stays open without saying anything.
+//! The HTTP server: one thread, a bounded number of connections, and none that stays open without saying or hearing anything.
 
 use std::io;
 use std::net::TcpListener;
@@ -9,19 +9,30 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use axum::Router;
+use hyper::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::Service;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpStream;
 use tokio::sync::{Semaphore, watch};
+use tokio_io_timeout::TimeoutStream;
 
 use super::desk::Event;
+use super::places::{Place, Places};
 
-/// A laptop, some phones, and their parallel requests; further connections wait.
-const MAX_CONNECTIONS: usize = 64;
+/// With those that are about to leave; a process may have some 1000 files open. Further connections wait.
+const MAX_CONNECTIONS: usize = 512;
 
 /// A connection that sends no whole request head for so long is closed.
 const HEAD: Duration = Duration::from_secs(10);
+
+/// So is one that takes no byte of an answer for so long.
+const TAKES_NOTHING: Duration = Duration::from_secs(10);
+
+/// A request's head, and what of a body waits to be read.
+const MAX_BUFFERED: usize = 64 << 10;
 
 /// How long the last answers may take when the capture has ended.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -33,11 +44,16 @@ pub(super) struct Server {
 }
 
 impl Server {
-    /// Serves `router` until it is ended; Ctrl-C asks the desk to finish.
+    /// Serves `router` until it is ended; Ctrl-C asks the desk to finish, and a second one does `hurry`.
     ///
     /// # Errors
     /// The system gives no thread or sockets.
-    pub(super) fn start(listener: TcpListener, router: Router, events: Sender<Event>) -> io::Result<Server> {
+    pub(super) fn start(
+        listener: TcpListener,
+        router: Router,
+        events: Sender<Event>,
+        hurry: Box<dyn FnOnce() + Send>,
+    ) -> io::Result<Server> {
         listener.set_nonblocking(true)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (end, ended) = watch::channel(false);
@@ -46,7 +62,7 @@ impl Server {
                 let Ok(listener) = tokio::net::TcpListener::from_std(listener) else {
                     return;
                 };
-                tokio::spawn(interrupted(events));
+                tokio::spawn(interrupted(events, hurry));
                 accept(listener, router, ended).await;
             });
         };
@@ -61,52 +77,79 @@ impl Server {
     }
 }
 
-/// The first Ctrl-C finishes the capture as the button does, a second one ends the program at once; nothing accepted is lost either way.
-async fn interrupted(events: Sender<Event>) {
+/// The first Ctrl-C finishes the capture as the button does; nothing accepted is lost whatever a second one does.
+async fn interrupted(events: Sender<Event>, hurry: Box<dyn FnOnce() + Send>) {
     if tokio::signal::ctrl_c().await.is_ok()
         && events.send(Event::Finish).is_ok()
         && tokio::signal::ctrl_c().await.is_ok()
     {
-        std::process::exit(130);
+        hurry();
     }
 }
 
 async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: watch::Receiver<bool>) {
-    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let sockets = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let places = Arc::new(Places::default());
     loop {
         let next = async {
-            let place = places.clone().acquire_owned().await;
-            (place, listener.accept().await)
+            let socket = sockets.clone().acquire_owned().await;
+            (socket, listener.accept().await)
         };
-        let (place, stream) = tokio::select! {
+        let (socket, stream) = tokio::select! {
             next = next => next,
             _ = ended.wait_for(|ended| *ended) => break,
         };
         match stream {
-            Ok((stream, _)) => {
-                let work = connection(stream, router.clone(), ended.clone());
+            Ok((stream, from)) => {
+                let place = Arc::new(places.enter(from.ip()));
+                let work = connection(stream, router.clone(), place, ended.clone());
                 tokio::spawn(async move {
                     work.await;
-                    drop(place);
+                    drop(socket);
                 });
             }
             // Too many open files, or a peer that left already: others may get through in a moment.
             Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
         }
     }
-    let all_left = places.acquire_many(MAX_CONNECTIONS as u32);
+    let all_left = sockets.acquire_many(MAX_CONNECTIONS as u32);
     let _ = tokio::time::timeout(FAREWELL, all_left).await; // who has not left by now is left behind
 }
 
-async fn connection(stream: TcpStream, router: Router, mut ended: watch::Receiver<bool>) {
+async fn connection(stream: TcpStream, router: Router, place: Arc<Place>, mut ended: watch::Receiver<bool>) {
     let _ = stream.set_nodelay(true); // only slower without
+    let mut stream = TimeoutStream::new(stream);
+    stream.set_write_timeout(Some(TAKES_NOTHING));
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(HEAD);
-    let mut serving = pin!(builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)));
+    builder.max_buf_size(MAX_BUFFERED);
+    let guest = Guest {
+        router: TowerToHyperService::new(router),
+        place: place.clone(),
+    };
+    let mut serving = pin!(builder.serve_connection(TokioIo::new(Box::pin(stream)), guest));
     // What goes wrong on a connection is its peer's concern alone.
     tokio::select! {
         _ = serving.as_mut() => return,
+        () = place.asked_to_leave() => return,
         _ = ended.wait_for(|ended| *ended) => serving.as_mut().graceful_shutdown(),
     }
     let _ = serving.await;
+}
+
+/// The router, told with every request on which connection it came.
+struct Guest {
+    router: TowerToHyperService<Router>,
+    place: Arc<Place>,
+}
+
+impl Service<Request<Incoming>> for Guest {
+    type Response = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Response;
+    type Error = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Error;
+    type Future = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Future;
+
+    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
+        request.extensions_mut().insert(self.place.clone());
+        self.router.call(request)
+    }
 }

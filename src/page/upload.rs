@@ -7,19 +7,19 @@ use axum::body::Body;
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
 use axum::http::{HeaderMap, HeaderName, StatusCode};
 use http_body_util::BodyExt;
-use tokio::time::{Instant, timeout, timeout_at};
+use tokio::time::{Instant, timeout_at};
 
 use crate::capture::{Frame, Original};
-use crate::photo::PhotoFile;
+use crate::photo::{Budget, PhotoFile};
 
-/// A phone's 50-megapixel JPEG has 15 MB.
-pub(super) const MAX_BYTES: usize = 32 << 20;
+/// Of one photo.
+pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
 
-/// A picture of more would be no photo of a phone, and takes more memory to decode than an upload may.
-const MAX_MEGAPIXELS: u64 = 120;
+/// A sender has so long before its rate counts.
+const GRACE: Duration = Duration::from_secs(4);
 
-/// A sender that is silent for so long is gone.
-const SILENCE: Duration = Duration::from_secs(8);
+/// Who sends more slowly, on the whole, gives its place to others: the worst wireless network that shows a page is faster.
+const LEAST_BYTES_PER_S: f64 = 64_000.0;
 
 /// What takes longer than this is no upload over a local network.
 const WHOLE: Duration = Duration::from_secs(120);
@@ -57,7 +57,7 @@ fn text(headers: &HeaderMap, name: HeaderName) -> &str {
 
 /// The whole body, given up when it grows too large or too slowly.
 pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
-    let end = Instant::now() + WHOLE;
+    let begin = Instant::now();
     let slow = || {
         refusal(
             StatusCode::REQUEST_TIMEOUT,
@@ -66,8 +66,9 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
     };
     let mut bytes = Vec::new();
     loop {
-        let next = timeout_at(end, timeout(SILENCE, body.frame())).await;
-        let frame = match next.map_err(|_| slow())?.map_err(|_| slow())? {
+        let due = GRACE + Duration::from_secs_f64(bytes.len() as f64 / LEAST_BYTES_PER_S);
+        let next = timeout_at(begin + due.min(WHOLE), body.frame()).await;
+        let frame = match next.map_err(|_| slow())? {
             None => return Ok(bytes),
             Some(Err(_)) => {
                 return Err(refusal(
@@ -89,14 +90,9 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
 /// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
 pub(super) fn frame(number: u64, bytes: Vec<u8>) -> Frame {
     let name = format!("upload {number}");
-    let megapixels = |file: &PhotoFile| u64::from(file.width) * u64::from(file.height) / 1_000_000;
-    let original = match PhotoFile::of_bytes(Path::new(&name), bytes) {
+    let original = match PhotoFile::of_bytes(Path::new(&name), bytes, Budget::UPLOAD) {
         Err(e) => Original::Unreadable(e.to_string()),
-        Ok(file) if megapixels(&file) > MAX_MEGAPIXELS => Original::Unreadable(format!(
-            "{name} has {} megapixels, and {MAX_MEGAPIXELS} can be sent: let the camera make smaller pictures",
-            megapixels(&file)
-        )),
-        Ok(file) => Original::Encoded(file.bytes().to_vec()),
+        Ok(file) => Original::Encoded(file.into_bytes()),
     };
     Frame {
         name,

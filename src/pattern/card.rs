@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Pattern;
 use crate::files::{self, FileError};
+use crate::geometry::length::{is_size, shown};
 
 /// What every card says; makers add what they know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,7 +53,7 @@ impl Card {
 /// The width of a repeat: as given, else as the pattern's card says.
 ///
 /// # Errors
-/// Nothing given, and no card, a damaged one, or one of another pattern.
+/// Nothing given, and no card, a damaged one, one whose width is none, or one of another pattern.
 pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
     if let Some(tile_mm) = given {
         return Ok(tile_mm);
@@ -74,8 +75,8 @@ pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64
             pattern: path.to_owned(),
         });
     }
-    match found.tile_mm > 0.0 && found.tile_mm.is_finite() {
+    match is_size(found.tile_mm) {
         true => Ok(found.tile_mm),
-        false => Err(bad(format!("its tile_mm is {}", found.tile_mm))),
+        false => Err(bad(format!("its tile_mm is {}", shown(found.tile_mm)))),
     }
 }

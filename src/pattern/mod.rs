@@ -12,11 +12,12 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
 use crate::files::{self, FileError};
+use crate::photo::{Budget, open_png};
 
 /// Most cells a pattern may have along one side. Above this a picture is almost surely meant, not a grid of cells.
 pub const MAX_CELLS: u32 = 512;
@@ -130,12 +131,11 @@ impl Pattern {
 }
 
 fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
-    let damaged = |e: image::ImageError| PatternError::Damaged {
+    let damaged = |reason: String| PatternError::Damaged {
         path: path.to_owned(),
-        reason: e.to_string(),
+        reason,
     };
-    let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
-    let decoder = reader.into_decoder().map_err(damaged)?;
+    let decoder = open_png(bytes, &Budget::FILE).map_err(damaged)?;
     // The size stands in the header: a huge picture is refused before its pixels take memory.
     let (columns, rows) = decoder.dimensions();
     if columns > MAX_CELLS || rows > MAX_CELLS {
@@ -145,7 +145,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
             rows,
         });
     }
-    DynamicImage::from_decoder(decoder).map_err(damaged)
+    DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
 }
 
 fn refuse_transparency(path: &Path, picture: &DynamicImage) -> Result<(), PatternError> {

@@ -1,14 +1,14 @@
 //! A picture file whose pixels are decoded only as far as somebody needs them.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use image::metadata::Orientation;
-use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, GrayImage, ImageDecoder, RgbImage};
 use zune_core::colorspace::ColorSpace;
 
 use super::{
-    DecodeProblem, PhotoError, check_size, damaged, decode, jpeg_header, jpeg_pixels, picture_format, turned_deg,
+    Budget, Cost, DecodeProblem, Kind, Outline, PhotoError, damaged, decode, jpeg_header, jpeg_pixels, png_header,
+    turned_deg,
 };
 use crate::files;
 
@@ -28,6 +28,9 @@ pub struct PhotoFile {
     /// How far EXIF turned the picture clockwise: 0, 90, 180 or 270.
     pub turned_deg: u32,
     orientation: Orientation,
+    budget: Budget,
+    /// `None` for a PNG.
+    jpeg: Option<Outline>,
     /// A JPEG that keeps brightness by itself, as almost all do: the others are CMYK or plain RGB.
     has_luma: bool,
 }
@@ -35,12 +38,13 @@ pub struct PhotoFile {
 impl PhotoFile {
     /// Reads a JPEG or PNG file, whatever its name says. A cut JPEG is refused here already.
     pub fn open(path: &Path) -> Result<PhotoFile, PhotoError> {
-        PhotoFile::of_bytes(path, files::read(path)?)
+        let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
+        PhotoFile::of_bytes(path, bytes, Budget::FILE)
     }
 
-    /// The same of bytes that are in memory; `path` is what messages call them.
-    pub fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<PhotoFile, PhotoError> {
-        let header = Header::of(&bytes).map_err(|problem| problem.at(path))?;
+    /// The same of bytes that are in memory, within a budget; `path` is what messages call them.
+    pub fn of_bytes(path: &Path, bytes: Vec<u8>, budget: Budget) -> Result<PhotoFile, PhotoError> {
+        let header = Header::of(&bytes, &budget).map_err(|problem| problem.at(path))?;
         let [width, height] = match lies_across(header.orientation) {
             true => [header.size[1], header.size[0]],
             false => header.size,
@@ -53,6 +57,8 @@ impl PhotoFile {
             height,
             turned_deg: turned_deg(header.orientation),
             orientation: header.orientation,
+            budget,
+            jpeg: header.jpeg,
             has_luma: header.has_luma,
         })
     }
@@ -62,22 +68,36 @@ impl PhotoFile {
         &self.bytes
     }
 
+    /// The same, without a copy.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
+
+    /// What holding the picture at 1/`reduction` of its size takes while it is decoded, in bytes.
+    pub fn memory(&self, reduction: u32) -> u64 {
+        let size = [self.width, self.height];
+        match self.jpeg {
+            Some(outline) => Cost::of_jpeg(size, &outline).memory(reduction),
+            None => Cost::of_png(size, 3).memory(reduction),
+        }
+    }
+
     /// `jpg` or `png`, by the content.
     pub fn extension(&self) -> &'static str {
-        match image::guess_format(&self.bytes) {
-            Ok(ImageFormat::Png) => "png",
-            _ => "jpg",
+        match self.jpeg {
+            Some(_) => "jpg",
+            None => "png",
         }
     }
 
     /// Brightness at full size, upright: the Y' that a JPEG keeps (ITU-T T.871), else made from the colours. Decoding it alone
     /// takes less than half the time of decoding colours too.
     pub fn grey(&self) -> Result<GrayImage, PhotoError> {
-        if !self.has_luma {
+        let Some(outline) = self.jpeg.filter(|_| self.has_luma) else {
             return Ok(image::imageops::grayscale(&self.rgb(1)?));
-        }
+        };
         let luma = || {
-            let (pixels, [width, height], _) = jpeg_pixels(&self.bytes, ColorSpace::Luma)?;
+            let (pixels, [width, height], _) = jpeg_pixels(&self.bytes, &outline, ColorSpace::Luma, &self.budget)?;
             GrayImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no grey picture"))
         };
         let mut picture = DynamicImage::from(luma().map_err(|problem| problem.at(&self.path))?);
@@ -87,7 +107,7 @@ impl PhotoFile {
 
     /// Colours at 1/`reduction` of the size, upright; `reduction` is 1 or what [`PhotoFile::reduction`] gave.
     pub fn rgb(&self, reduction: u32) -> Result<RgbImage, PhotoError> {
-        let full_size = || Ok(decode(&self.bytes)?.rgb);
+        let full_size = || Ok(decode(&self.bytes, &self.budget)?.rgb);
         if reduction == 1 {
             return full_size().map_err(|problem: DecodeProblem| problem.at(&self.path));
         }
@@ -129,32 +149,31 @@ struct Header {
     /// Width, height as stored.
     size: [u32; 2],
     orientation: Orientation,
+    jpeg: Option<Outline>,
     has_luma: bool,
 }
 
 impl Header {
-    fn of(bytes: &[u8]) -> Result<Header, DecodeProblem> {
-        let (size, exif, has_luma) = match picture_format(bytes)? {
-            ImageFormat::Jpeg => {
-                let decoder = jpeg_header(bytes, ColorSpace::RGB)?;
-                let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    fn of(bytes: &[u8], budget: &Budget) -> Result<Header, DecodeProblem> {
+        let (size, exif, jpeg, has_luma) = match Kind::of(bytes)? {
+            Kind::Jpeg(outline) => {
+                let (decoder, size) = jpeg_header(bytes, &outline, ColorSpace::RGB, budget)?;
                 let colours = decoder.input_colorspace();
                 let has_luma = matches!(colours, Some(ColorSpace::YCbCr | ColorSpace::Luma));
-                ([width as u32, height as u32], decoder.exif().cloned(), has_luma)
+                (size, decoder.exif().cloned(), Some(outline), has_luma)
             }
-            _ => {
-                let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
-                let mut decoder = reader.into_decoder().map_err(damaged)?;
+            Kind::Png => {
+                let mut decoder = png_header(bytes, budget)?;
                 let (width, height) = decoder.dimensions();
                 // EXIF data that cannot be read is no reason to refuse the picture.
-                ([width, height], decoder.exif_metadata().ok().flatten(), false)
+                ([width, height], decoder.exif_metadata().ok().flatten(), None, false)
             }
         };
-        check_size(size[0].into(), size[1].into())?;
         let orientation = exif.as_deref().and_then(Orientation::from_exif_chunk);
         Ok(Header {
             size,
             orientation: orientation.unwrap_or(Orientation::NoTransforms),
+            jpeg,
             has_luma,
         })
     }

@@ -49,13 +49,6 @@ pub struct CheckPlan {
 /// # Errors
 /// A margin that is no length, paper too small for the boxes and their blanks.
 pub fn plan(request: &CheckRequest) -> Result<CheckPlan, PrintError> {
-    if !(request.margin_mm >= 0.0 && request.margin_mm.is_finite()) {
-        return Err(PrintError::BadNumber {
-            what: "margin",
-            value: request.margin_mm,
-            wanted: "0 mm or more",
-        });
-    }
     let page = match request.paper {
         Stock::Cut(paper) => paper.portrait(),
         Stock::Roll { width_mm } => Paper {

@@ -9,6 +9,7 @@ use super::paper::Paper;
 use super::printer::Printer;
 use super::ruler;
 use super::sheet::{PointMm, RectMm};
+use crate::geometry::length;
 
 /// Free strip around the content in which crop marks stand.
 pub const CROP_STRIP_MM: f64 = 5.5;
@@ -79,9 +80,9 @@ pub struct Frame {
 
 impl Frame {
     /// # Errors
-    /// Paper too small for the rulers and the captions.
+    /// A margin that is no length, paper too small for the rulers and the captions.
     pub fn new(page: Paper, setup: Setup) -> Result<Self, PrintError> {
-        let margin_mm = setup.margin_mm;
+        let margin_mm = length::strip_mm("margin", setup.margin_mm)?;
         let share = setup.share();
         let needed = (
             LEAST_MM.0 / share.0 + 2.0 * margin_mm,

@@ -26,6 +26,8 @@ pub mod wrap;
 
 use std::path::PathBuf;
 
+use crate::geometry::length::{BadLength, shown};
+
 /// Why nothing was printed. Each variant is a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PrintError {
@@ -35,7 +37,9 @@ pub enum PrintError {
     UnknownPaper { text: String },
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
     UnknownSize { text: String },
-    #[error("{what} cannot be {value}; give {wanted}")]
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    #[error("{what} cannot be {value}; give {wanted}", value = shown(*value))]
     BadNumber {
         what: &'static str,
         value: f64,
@@ -62,6 +66,14 @@ pub enum PrintError {
     #[error("this needs more than {most} sheets; use larger paper, less overlap or a smaller size")]
     TooManySheets { most: usize },
     #[error(
+        "the pattern would be placed {count:.0} times, more than {most:.0}; use a larger tile, a smaller size, or less overlap and bleed"
+    )]
+    TooManyPlacements { count: f64, most: f64 },
+    #[error(
+        "the unrolled strips would take {count} cells, more than {most}; use a larger tile, or a larger --max-stretch"
+    )]
+    TooManyStripCells { count: usize, most: usize },
+    #[error(
         "a cell would be {cell_mm:.3} mm, smaller than the {least_mm} mm a printer can show; use a larger tile or fewer cells"
     )]
     CellTooSmall { cell_mm: f64, least_mm: f64 },
@@ -69,7 +81,8 @@ pub enum PrintError {
     BadDate { text: String },
     #[error(
         "100 mm that measure {measured_mm} mm along {axis} are more than 5 % off: the print was scaled; print the check page again \
-         at 100 % (no fit to page) and measure both rulers in mm"
+         at 100 % (no fit to page) and measure both rulers in mm",
+        measured_mm = shown(*measured_mm)
     )]
     ImplausiblePrinter { axis: &'static str, measured_mm: f64 },
     #[error("the smallest colour chart is {chart_mm} mm and the paper has {free_mm} mm for it; use larger paper")]

@@ -1,10 +1,9 @@
 //! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
 
-use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
-use image::{ImageDecoder, ImageFormat, ImageReader, RgbImage};
+use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
 use super::PrintError;
 use super::printer;
@@ -12,7 +11,9 @@ use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::template::{Layout, SheetPlan, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
+use crate::geometry::length;
 use crate::pattern::world_aligned::Side;
+use crate::photo::{Budget, PhotoFile, open_png};
 
 /// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
 pub const MAX_PIXELS: u32 = 8192;
@@ -45,17 +46,25 @@ impl Picture {
         let format = format
             .filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg))
             .ok_or_else(|| bad("it is neither PNG nor JPEG".into()))?;
-        let damaged = |e: image::ImageError| bad(format!("it is damaged: {e}"));
-        let decoder = ImageReader::with_format(Cursor::new(&bytes), format)
-            .into_decoder()
-            .map_err(damaged)?;
-        let (width, height) = decoder.dimensions();
-        if width > MAX_PIXELS || height > MAX_PIXELS {
-            return Err(bad(format!(
+        let damaged = |reason: String| bad(format!("it is damaged: {reason}"));
+        let check_size = |(width, height): (u32, u32)| match width > MAX_PIXELS || height > MAX_PIXELS {
+            true => Err(bad(format!(
                 "it has {width}×{height} pixels, more than {MAX_PIXELS} along a side"
-            )));
-        }
-        let picture = image::DynamicImage::from_decoder(decoder).map_err(damaged)?;
+            ))),
+            false => Ok(()),
+        };
+        let picture = match format {
+            ImageFormat::Png => {
+                let decoder = open_png(&bytes, &Budget::FILE).map_err(damaged)?;
+                check_size(decoder.dimensions())?;
+                DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))?
+            }
+            _ => {
+                let file = PhotoFile::of_bytes(path, bytes.clone(), Budget::FILE).map_err(|e| bad(e.to_string()))?;
+                check_size((file.width, file.height))?;
+                file.rgb(1).map_err(|e| bad(e.to_string()))?.into()
+            }
+        };
         if picture.color().has_alpha() && picture.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
             return Err(bad(
                 "it is see-through in places: flatten it onto an opaque colour".into()
@@ -156,6 +165,8 @@ pub struct Patches {
 /// layout refuses.
 pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PrintError> {
     check_scale(request.scale)?;
+    // All before the first is drawn: a panel's sheets show every patch on it.
+    patches.iter().try_for_each(check)?;
     let mut made = Patches {
         pages: Vec::new(),
         page_names: Vec::new(),
@@ -163,7 +174,6 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
     };
     let mut shown = Vec::new();
     for (i, patch) in patches.iter().enumerate() {
-        check(patch)?;
         let side = patch.side.name();
         let panel = panels.iter().find(|panel| panel.side == patch.side);
         let panel = panel.ok_or(PrintError::NoPanel { side })?;
@@ -192,16 +202,16 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
 /// # Errors
 /// A place or size that no patch has.
 pub fn check(patch: &Patch) -> Result<(), PrintError> {
-    let refuse = |what, value, wanted| Err(PrintError::BadNumber { what, value, wanted });
-    for (what, side) in [("patch width", patch.size_mm.0), ("patch height", patch.size_mm.1)] {
-        if !(1.0..=10_000.0).contains(&side) {
-            return refuse(what, side, "a width and height of 1 to 10000 mm");
+    for (what, value) in [("patch width", patch.size_mm.0), ("patch height", patch.size_mm.1)] {
+        if !(1.0..=10_000.0).contains(&value) {
+            let wanted = "a width and height of 1 to 10000 mm";
+            return Err(PrintError::BadNumber { what, value, wanted });
         }
     }
-    match patch.at_mm.iter().find(|at| !at.is_finite()) {
-        Some(at) => refuse("patch place", *at, "two lengths in mm, as in -40,65"),
-        None => Ok(()),
+    for at in patch.at_mm {
+        length::place_mm("patch place", at)?;
     }
+    Ok(())
 }
 
 impl Patches {

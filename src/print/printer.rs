@@ -149,7 +149,8 @@ impl PrinterFile {
     }
 
     fn parse(text: &str) -> Result<Self, String> {
-        let plain = |e: toml::de::Error| e.message().to_owned();
+        // The message of the parser may have several lines; the sentence has one.
+        let plain = |e: toml::de::Error| e.message().replace('\n', " ");
         let mut table: toml::Table = toml::from_str(text).map_err(plain)?;
         let colours: Option<PrintedColours> = table
             .remove("colour")

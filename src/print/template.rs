@@ -15,6 +15,7 @@ use super::PrintError;
 use super::date::Date;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use crate::geometry::length::SCALES;
 use crate::pattern::Pattern;
 
 /// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
@@ -24,6 +25,8 @@ pub const MAX_TILE_MM: f64 = 10_000.0;
 
 /// A stamp is made of as many repeats as reach this length, so that tiny patterns do not fill the file with placements.
 const STAMP_MM: f64 = 50.0;
+/// More placements than this fill hundreds of megabytes: 2400 m² of pattern on the largest sheets.
+const MOST_PLACEMENTS: f64 = 1e6;
 
 /// What to print. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,11 +92,13 @@ impl Template {
 /// Draws the sheets of a template. The pattern's top-left cell starts at the template's top-left corner.
 ///
 /// # Errors
-/// Numbers that are not positive, cells below [`MIN_CELL_MM`], and whatever [`layout`] refuses.
+/// Numbers that are not positive, cells below [`MIN_CELL_MM`], more placements of the pattern than a file can hold, and whatever
+/// [`layout`] refuses.
 pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, PrintError> {
     let cell_mm = cell_mm(pattern, request)?;
     let layout = layout(&request.layout)?;
     let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
+    stamp.check_placements(&layout.sheets)?;
     let captions = Captions::new(pattern, request, cell_mm);
     let sheet = |plan: &SheetPlan| {
         let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
@@ -145,9 +150,6 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Prin
     Ok(cell_mm)
 }
 
-/// From a fly at a hundred times its size to a city.
-const SCALES: std::ops::RangeInclusive<f64> = 0.01..=10_000.0;
-
 /// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
 pub fn check_scale(scale: f64) -> Result<(), PrintError> {
     // False for NaN too.
@@ -193,6 +195,24 @@ impl PatternStamp {
             width_mm,
             height_mm,
         }
+    }
+
+    /// Refuses sheets on which the block would be placed more often than a file can hold.
+    pub(super) fn check_placements<'a>(
+        &self,
+        sheets: impl IntoIterator<Item = &'a SheetPlan>,
+    ) -> Result<(), PrintError> {
+        let along = |sheet_mm: f64, block_mm: f64| (sheet_mm / block_mm).ceil() + 1.0;
+        let on = |plan: &SheetPlan| {
+            let (width, height) = (plan.printed.width_mm(), plan.printed.height_mm());
+            along(width, self.width_mm) * along(height, self.height_mm)
+        };
+        let count: f64 = sheets.into_iter().map(on).sum();
+        if count > MOST_PLACEMENTS {
+            let most = MOST_PLACEMENTS;
+            return Err(PrintError::TooManyPlacements { count, most });
+        }
+        Ok(())
     }
 
     /// The part of the repeated pattern that a sheet carries; a top-left cell begins at `start_mm` of the template frame.

@@ -14,6 +14,8 @@ mod truth;
 
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
 use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
 use crate::score::{Contestant, ScoredPhoto, Scores};
@@ -22,6 +24,8 @@ pub use comparison::{comparison_json, comparison_table, write_comparison};
 pub use evaluation::{Evaluation, evaluation_tables, write_evaluation};
 pub use table::summary_table;
 pub use truth::truth_boxes;
+
+const SUMMARY: &str = "summary.json";
 
 /// Why the report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -40,7 +44,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
     let format = |e: serde_json::Error| ReportError::Format(e.to_string());
     let mut contents = vec![
         (
-            "summary.json".to_owned(),
+            SUMMARY.to_owned(),
             summary_json::render(scores, speeds).map_err(format)?,
         ),
         (
@@ -64,16 +68,39 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .into_iter()
         .map(|(name, content)| (folder.join(name), content.into_bytes()))
         .collect();
+    let before = detectors_before(folder);
     files::write_all_atomically(&files)?;
-    remove_stale(folder, &scores.contestants)?;
+    remove_stale(folder, &before, &scores.contestants)?;
     Ok(folder.join("report.html"))
 }
 
+/// The detectors of the report that is in the folder, if one is.
+fn detectors_before(folder: &Path) -> Vec<String> {
+    #[derive(Deserialize)]
+    struct Before {
+        results: Vec<Result>,
+    }
+    #[derive(Deserialize)]
+    struct Result {
+        detector: String,
+    }
+    let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();
+    let before: Option<Before> = serde_json::from_str(&text).ok();
+    let names = before.map_or_else(Vec::new, |before| before.results);
+    names.into_iter().map(|result| result.detector).collect()
+}
+
 /// Removes the COCO results an earlier run left for detectors that are not in this one: their ids mean other photos now.
-fn remove_stale(folder: &Path, contestants: &[Contestant]) -> Result<(), ReportError> {
-    for manifest in Manifest::all().unwrap_or_default() {
-        if contestants.iter().all(|c| c.manifest.name != manifest.name) {
-            files::remove(&folder.join(results_name(&manifest.name)))?;
+fn remove_stale(folder: &Path, before: &[String], contestants: &[Contestant]) -> Result<(), ReportError> {
+    let built_in = Manifest::all()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|manifest| manifest.name);
+    // The summary may be somebody else's: only what can be a detector's name becomes part of a path.
+    let names = before.iter().filter(|name| Manifest::is_name(name)).cloned();
+    for name in built_in.chain(names) {
+        if contestants.iter().all(|c| c.manifest.name != name) {
+            files::remove(&folder.join(results_name(&name)))?;
         }
     }
     Ok(())

@@ -8,6 +8,12 @@ use serde::Deserialize;
 
 use super::{Bins, Envelope, Model, Scene, Tag, TagFamily, TagSigma};
 use crate::files;
+use crate::geometry::length::{self, BadLength, FARTHEST_MM, LONGEST_MM, SCALES, shown};
+
+/// More tags than this were written by a program, and take minutes to pair up on cards.
+const MOST_TAGS: u64 = 2000;
+/// More bins than this are no bins: each wants photos.
+const MOST_BINS: usize = 100_000;
 
 /// Why a scene was refused. Every variant names the file and what to change.
 #[derive(Debug, thiserror::Error)]
@@ -101,14 +107,15 @@ fn checked(file: SceneFile) -> Result<Scene, String> {
     let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
     let model = Model {
         name: file.model.name,
-        scale: positive(file.model.scale, "model.scale")?,
+        scale: checked_scale(file.model.scale)?,
         class: file.model.class,
         size_mm: file.model.size_mm,
         envelope,
     };
     for size in model.size_mm {
-        positive(size, "each of model.size_mm")?;
+        length::size_mm("a side of model.size_mm", size).map_err(sentence)?;
     }
+    check_tag_count(file.tags.len() as u64)?;
     let tags = file.tags.into_iter().map(checked_tag).collect::<Result<Vec<_>, _>>()?;
     for (i, tag) in tags.iter().enumerate() {
         if tags[..i].iter().any(|t| (t.family, t.id) == (tag.family, tag.id)) {
@@ -120,9 +127,34 @@ fn checked(file: SceneFile) -> Result<Scene, String> {
     }
     Ok(Scene {
         model,
-        bins: checked_bins(file.bins)?,
+        bins: checked_bins(Bins {
+            azimuth_deg: file.bins.azimuth_deg,
+            pitch_deg: file.bins.pitch_deg,
+            distance_mm: file.bins.distance_mm,
+        })?,
         tags,
     })
+}
+
+/// The scale of a file's or a preset's model.
+pub(super) fn checked_scale(scale: f64) -> Result<f64, String> {
+    // False for NaN too.
+    if SCALES.contains(&scale) {
+        return Ok(scale);
+    }
+    let (least, most) = (*SCALES.start(), *SCALES.end());
+    let scale = shown(scale);
+    Err(format!(
+        "model.scale is {scale}: give 10 for a 1:10 model, from {least} to {most}"
+    ))
+}
+
+/// Refuses more tags than anyone places.
+pub(super) fn check_tag_count(count: u64) -> Result<(), String> {
+    if count <= MOST_TAGS {
+        return Ok(());
+    }
+    Err(format!("{count} tags are too many: a scene has at most {MOST_TAGS}"))
 }
 
 fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelope, String> {
@@ -142,17 +174,29 @@ fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelop
     }
 }
 
-fn checked_bins(bins: BinsTable) -> Result<Bins, String> {
-    let step = positive(bins.azimuth_deg, "bins.azimuth_deg")?;
+/// The bins of a file or a preset, with their centres in order.
+pub(super) fn checked_bins(bins: Bins) -> Result<Bins, String> {
+    let step = bins.azimuth_deg;
     let count = 360.0 / step;
+    // False for NaN, and for a step of 0.
     if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
-        return Err(format!("bins.azimuth_deg = {step} does not divide 360°: use 45, 30, …"));
+        let step = shown(step);
+        return Err(format!(
+            "bins.azimuth_deg = {step} does not divide 360° into 1 to 360 bins: use 45, 30, …"
+        ));
     }
-    Ok(Bins {
+    let bins = Bins {
         azimuth_deg: step,
         pitch_deg: checked_centres(bins.pitch_deg, -90.0..=90.0, "bins.pitch_deg")?,
-        distance_mm: checked_centres(bins.distance_mm, 1.0..=1e6, "bins.distance_mm")?,
-    })
+        distance_mm: checked_centres(bins.distance_mm, 1.0..=FARTHEST_MM, "bins.distance_mm")?,
+    };
+    let all = count.round() as usize * bins.pitch_deg.len() * bins.distance_mm.len();
+    if all > MOST_BINS {
+        return Err(format!(
+            "bins make {all} bins, more than {MOST_BINS}: give fewer centres or a larger azimuth_deg"
+        ));
+    }
+    Ok(bins)
 }
 
 fn checked_centres(mut centres: Vec<f64>, range: RangeInclusive<f64>, what: &str) -> Result<Vec<f64>, String> {
@@ -164,7 +208,8 @@ fn checked_centres(mut centres: Vec<f64>, range: RangeInclusive<f64>, what: &str
     }
     if let Some(odd) = centres.iter().find(|c| !range.contains(c)) {
         return Err(format!(
-            "{what} has {odd}: give numbers from {} to {}",
+            "{what} has {}: give numbers from {} to {}",
+            shown(*odd),
             range.start(),
             range.end()
         ));
@@ -182,8 +227,8 @@ fn checked_tag(t: TagTable) -> Result<Tag, String> {
             t.family.count() - 1
         ));
     }
-    if t.centre_mm.iter().any(|v| !v.is_finite()) {
-        return Err(format!("centre_mm of tag {id} has a number that is not finite"));
+    for v in t.centre_mm {
+        length::place_mm(&format!("centre_mm of tag {id}"), v).map_err(sentence)?;
     }
     let (right, up) = (unit(t.right, "right", id)?, unit(t.up, "up", id)?);
     if right.dot(&up).abs() > 1e-3 {
@@ -196,7 +241,7 @@ fn checked_tag(t: TagTable) -> Result<Tag, String> {
     Ok(Tag {
         id,
         family: t.family,
-        size_mm: positive(t.size_mm, &format!("size_mm of tag {id}"))?,
+        size_mm: length::size_mm(&format!("size_mm of tag {id}"), t.size_mm).map_err(sentence)?,
         centre_mm: Point3::from(t.centre_mm),
         right,
         up,
@@ -207,11 +252,11 @@ fn checked_tag(t: TagTable) -> Result<Tag, String> {
 fn checked_sigma(mm: Option<f64>, deg: Option<f64>, id: u32) -> Result<Option<TagSigma>, String> {
     match (mm, deg) {
         (None, None) => Ok(None),
-        (Some(mm), Some(deg)) if mm >= 0.0 && deg >= 0.0 && mm.is_finite() && deg.is_finite() => {
+        (Some(mm), Some(deg)) if (0.0..=LONGEST_MM).contains(&mm) && (0.0..=360.0).contains(&deg) => {
             Ok(Some(TagSigma { mm, deg }))
         }
         _ => Err(format!(
-            "sigma_mm and sigma_deg of tag {id} go together and are 0 or more: give both or neither"
+            "sigma_mm and sigma_deg of tag {id} go together and are 0 or more, up to {LONGEST_MM} mm and 360°: give both or neither"
         )),
     }
 }
@@ -228,12 +273,8 @@ fn unit(v: [f64; 3], what: &str, id: u32) -> Result<Vector3<f64>, String> {
     }
 }
 
-fn positive(value: f64, what: &str) -> Result<f64, String> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(format!("{what} is {value}: give a number above 0"))
-    }
+fn sentence(refused: BadLength) -> String {
+    refused.to_string()
 }
 
 #[cfg(test)]
@@ -310,7 +351,23 @@ up = [-0.5, 0.0, 0.866]
                 "envelope = \"mesh\"\nmesh = \"\"\n[bins]",
                 "model.mesh is empty",
             ),
-            ("size_mm = 50.0", "size_mm = nan", "size_mm of tag 0 is NaN"),
+            ("size_mm = 50.0", "size_mm = nan", "size_mm of tag 0 cannot be NaN"),
+            (
+                "size_mm = 50.0",
+                "size_mm = 1e200",
+                "size_mm of tag 0 cannot be 1e200 mm",
+            ),
+            ("396.1, 0.0", "396.1, 1e6", "centre_mm of tag 0 cannot be 1000000 mm"),
+            ("[455.0, 186.0", "[455.0, 1e-300", "model.size_mm cannot be 1e-300 mm"),
+            ("scale = 10", "scale = 1e9", "model.scale is 1e9"),
+            ("azimuth_deg = 45", "azimuth_deg = 1e-9", "1e-9 does not divide 360"),
+            ("azimuth_deg = 45", "azimuth_deg = nan", "NaN does not divide 360"),
+            ("pitch_deg = [15]", "pitch_deg = [nan]", "bins.pitch_deg has NaN"),
+            (
+                "distance_mm = [850]",
+                "distance_mm = [1e200]",
+                "bins.distance_mm has 1e200",
+            ),
             ("id = 0", "id = 0\nsigma_mm = 0.1", "sigma_mm and sigma_deg of tag 0"),
             ("id = 0", "id = 0\nsigma_mm = -1\nsigma_deg = 1", "0 or more"),
         ] {

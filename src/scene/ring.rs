@@ -2,7 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::file::{check_tag_count, checked_bins, checked_scale};
 use super::{Bins, Model, Scene, Tag, TagFamily};
+use crate::geometry::length::{BadLength, shown, size_mm};
 
 /// Between a tag's white ring and the ground or the ridge of its card.
 const CARD_MARGIN_MM: f64 = 2.0;
@@ -31,9 +33,12 @@ pub struct Ring {
 /// Why there is no such ring.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RingError {
-    #[error("{what} cannot be {value}; give a number above 0")]
-    NotPositive { what: &'static str, value: f64 },
-    #[error("faces at {tilt_deg}° do not make a card that stands; give 30 to 75")]
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    /// What no scene file may say either.
+    #[error("{0}")]
+    Scene(String),
+    #[error("faces at {tilt_deg}° do not make a card that stands; give 30 to 75", tilt_deg = shown(*tilt_deg))]
     Tilt { tilt_deg: f64 },
     #[error(
         "a ring of {count} has {needed} tags and the family has {ids}; give {FEWEST} to {most}, or a larger family"
@@ -57,15 +62,16 @@ impl Ring {
     /// card, the outer face first.
     ///
     /// # Errors
-    /// Numbers that are not positive, too few or too many tags, and a ring in which things would overlap.
+    /// Numbers out of bounds, too few or too many tags, and a ring in which things would overlap.
     pub fn scene(&self) -> Result<Scene, RingError> {
         self.check()?;
+        let bins = checked_bins(self.bins.clone()).map_err(RingError::Scene)?;
         let step_deg = 360.0 / f64::from(self.count);
         let flat = (0..self.count).map(|i| self.flat_tag(i, (f64::from(i) + 0.5) * step_deg));
         let tents = (0..self.count).flat_map(|i| self.tent_tags(self.count + 2 * i, f64::from(i) * step_deg));
         Ok(Scene {
             model: self.model.clone(),
-            bins: self.bins.clone(),
+            bins,
             tags: flat.chain(tents).collect(),
         })
     }
@@ -79,10 +85,9 @@ impl Ring {
             ("model width", width),
             ("model height", height),
         ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(RingError::NotPositive { what, value });
-            }
+            size_mm(what, value)?;
         }
+        checked_scale(self.model.scale).map_err(RingError::Scene)?;
         if !TILT_DEG.contains(&self.tilt_deg) {
             return Err(RingError::Tilt {
                 tilt_deg: self.tilt_deg,
@@ -97,6 +102,7 @@ impl Ring {
                 most: ids / 3,
             });
         }
+        check_tag_count(needed).map_err(RingError::Scene)?;
         self.check_room(length.hypot(width) / 2.0)
     }
 

@@ -6,7 +6,7 @@ use opencv::core::{Mat, Point2f, Ptr, Vector, no_array};
 #[allow(unused_imports)]
 use opencv::{aruco::*, objdetect::*, prelude::*};
 
-use super::search::{Found, Search};
+use super::search::{Found, Search, within_bounds};
 use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
@@ -65,6 +65,12 @@ impl TagDetector for ArucoOpenCv {
 
 impl Search for ArucoOpenCv {
     fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
+        within_bounds(grey, |grey| self.search_all(grey))
+    }
+}
+
+impl ArucoOpenCv {
+    fn search_all(&self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
         for (family, dictionary) in &self.dictionaries {
             // An exception of OpenCV is a picture it finds nothing in.

@@ -5,6 +5,7 @@
 const FLOAT: u64 = 1;
 const UINT8: u64 = 2;
 const INT64: u64 = 7;
+const BOOL: u64 = 9;
 
 pub struct Input {
     name: String,
@@ -29,6 +30,10 @@ impl Input {
 
     pub fn whole(name: &str, shape: &[i64]) -> Input {
         Input::new(name, INT64, shape)
+    }
+
+    pub fn truth(name: &str, shape: &[i64]) -> Input {
+        Input::new(name, BOOL, shape)
     }
 }
 
@@ -105,6 +110,40 @@ pub fn graph(input: &Input, parts: &[Vec<u8>], outputs: &[&str], opset: u64) -> 
     [int(1, 8), bytes(7, &graph), bytes(8, &int(2, opset))].concat()
 }
 
+/// A network that turns its answer's sign in a loop: after an even number of turns it is `answer`.
+pub fn loop_network(input: &Input, answer: &Output, turns: i64) -> Vec<u8> {
+    let name = answer.name.as_str();
+    let shape: Vec<i64> = answer.shape.iter().map(|side| *side as i64).collect();
+    let [before, after] = ["before", "after"].map(|name| Input::new(name, answer.element, &shape));
+    let steps = [
+        step("Identity", &["go_on"], &["goes_on"], &[]),
+        step("Neg", &["before"], &["after"], &[]),
+    ];
+    let inputs = [Input::whole("turn", &[]), Input::truth("go_on", &[]), before];
+    let one_turn = graph_attribute("body", &body(&inputs, &steps, &[Input::truth("goes_on", &[]), after]));
+    let parts = [
+        whole_constant("turns", &[], &[turns]),
+        initializer("start", answer.element, &answer.shape, &answer.raw),
+        step("Loop", &["turns", "", "start"], &[name], &[one_turn]),
+    ];
+    graph(input, &parts, &[name], 13)
+}
+
+/// The graph inside a `Loop` or an `If`, for [`graph_attribute`].
+pub fn body(inputs: &[Input], parts: &[Vec<u8>], outputs: &[Input]) -> Vec<u8> {
+    let listed = |field: u64, ports: &[Input]| -> Vec<u8> {
+        let one = |port: &Input| bytes(field, &value(&port.name, port.element, &port.shape));
+        ports.iter().flat_map(one).collect()
+    };
+    [
+        bytes(2, b"body"),
+        parts.concat(),
+        listed(11, inputs),
+        listed(12, outputs),
+    ]
+    .concat()
+}
+
 /// Weights of a network.
 pub fn constant(name: &str, shape: &[usize], data: &[f32]) -> Vec<u8> {
     assert_eq!(data.len(), shape.iter().product::<usize>(), "{name}");
@@ -139,6 +178,10 @@ pub fn step(operator: &str, inputs: &[&str], outputs: &[&str], attributes: &[Vec
 
 pub fn whole_attribute(name: &str, v: i64) -> Vec<u8> {
     [bytes(1, name.as_bytes()), int(3, v as u64), int(20, 2)].concat()
+}
+
+pub fn graph_attribute(name: &str, graph: &[u8]) -> Vec<u8> {
+    [bytes(1, name.as_bytes()), bytes(6, graph), int(20, 5)].concat()
 }
 
 pub fn list_attribute(name: &str, v: &[i64]) -> Vec<u8> {

@@ -3,10 +3,13 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use image::DynamicImage;
+
 use super::{EvaluateError, Evaluation};
 use crate::attack::frames::encode_rgb;
 use crate::attack::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
 use crate::files::{self, FileError};
+use crate::photo::{Budget, open_png};
 
 /// Renders the missing photos into `folder`.
 pub(super) fn render(
@@ -77,8 +80,10 @@ fn missing(evaluation: &Evaluation, folder: &Path) -> Result<Missing, EvaluateEr
 
 fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
     let bytes = files::read(path)?;
-    let reason = match image::load_from_memory_with_format(&bytes, image::ImageFormat::Png) {
-        Err(e) => e.to_string(),
+    let decoded = open_png(&bytes, &Budget::FILE)
+        .and_then(|decoder| DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()));
+    let reason = match decoded {
+        Err(reason) => reason,
         Ok(picture) => {
             let [width, height] = size_px;
             let found = (picture.width(), picture.height());

@@ -1,13 +1,13 @@
 //! The pictures of frames: PNG in, PNG out.
 
-use std::io::Cursor;
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ColorType, DynamicImage, ExtendedColorType, GrayImage, ImageDecoder, ImageEncoder, ImageReader, RgbImage};
+use image::{ColorType, DynamicImage, ExtendedColorType, GrayImage, ImageDecoder, ImageEncoder, RgbImage};
 
 use super::FramesError;
 use crate::files;
+use crate::photo::{Budget, open_png};
 
 /// Linear light in 16 bits.
 pub type Linear16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
@@ -62,14 +62,12 @@ pub fn read_png(path: &Path, key: &str, size_px: [u32; 2], kind: ColorType) -> R
         path: path.to_owned(),
         message,
     };
-    let damaged = |e: image::ImageError| content(format!("the PNG cannot be decoded ({e}): make the frame again"));
+    let damaged = |reason: String| content(format!("the PNG cannot be decoded ({reason}): make the frame again"));
     let bytes = files::read(path)?;
     if image::guess_format(&bytes).ok() != Some(image::ImageFormat::Png) {
         return Err(content(format!("the {key} is no PNG: make the frame again")));
     }
-    let decoder = ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png)
-        .into_decoder()
-        .map_err(damaged)?;
+    let decoder = open_png(&bytes, &Budget::FILE).map_err(damaged)?;
     // The size stands in the header: a huge picture is refused before its pixels take memory.
     let (found, wanted) = (decoder.dimensions(), (size_px[0], size_px[1]));
     if found != wanted {
@@ -86,5 +84,5 @@ pub fn read_png(path: &Path, key: &str, size_px: [u32; 2], kind: ColorType) -> R
         };
         return Err(content(format!("the {key} must be {name}: save it so")));
     }
-    DynamicImage::from_decoder(decoder).map_err(damaged)
+    DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
 }

@@ -77,6 +77,6 @@ impl Checkpoint {
         let rest = postcard::to_allocvec(self).map_err(encode)?;
         let mut bytes = files::sha256_hex(&rest).into_bytes();
         bytes.extend(rest);
-        Ok(files::write_atomically(&folder.join(FILE), &bytes)?)
+        Ok(files::replace_atomically(&folder.join(FILE), &bytes)?)
     }
 }

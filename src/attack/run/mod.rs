@@ -189,29 +189,58 @@ impl<'a> Attack<'a> {
     ) -> Result<(Vec<Rgb>, Vec<Entry>), RunError> {
         let wall_before = self.checkpoint.history.last().map_or(0.0, |e| e.wall_s);
         let mut saved = Instant::now();
+        // What was stopped before it judged its last step, judges it now.
+        self.judge_if_due(folder)?;
         for step in self.checkpoint.steps..self.config.steps {
             // A step that fails has moved nothing.
-            let mut entry = match self.step(step) {
+            let entry = match self.step(step) {
                 Ok(entry) => entry,
                 Err(e) => {
                     self.save(folder)?;
                     return Err(e);
                 }
             };
-            let is_last = step + 1 == self.config.steps;
-            if is_last || step % (self.config.steps / JUDGED_TIMES).max(1) == 0 {
-                entry.held_out = Some(judge::judge(self.stage, self.detectors, &self.state.cells)?);
-            }
-            entry.wall_s = wall_before + self.started.elapsed().as_secs_f64();
-            on_step(step + 1, &entry);
             self.checkpoint.history.push(entry);
             self.checkpoint.steps = step + 1;
-            if is_last || saved.elapsed() > checkpoint::AT_MOST {
+            self.judge_if_due(folder)?;
+            if let Some(entry) = self.checkpoint.history.last_mut() {
+                entry.wall_s = wall_before + self.started.elapsed().as_secs_f64();
+                on_step(step + 1, entry);
+            }
+            if step + 1 == self.config.steps || saved.elapsed() > checkpoint::AT_MOST {
                 self.save(folder)?;
                 saved = Instant::now();
             }
         }
         Ok((finished(&self.state.cells, self.config), self.checkpoint.history))
+    }
+
+    /// Judges the pattern of the last step, where that step is one of those whose pattern is judged. The step itself is kept when judging
+    /// fails.
+    fn judge_if_due(&mut self, folder: &Path) -> Result<(), RunError> {
+        let (done, steps) = (self.checkpoint.steps, self.config.steps);
+        let is_due = done > 0 && (done == steps || (done - 1) % (steps / JUDGED_TIMES).max(1) == 0);
+        if !is_due
+            || self
+                .checkpoint
+                .history
+                .last()
+                .is_none_or(|entry| entry.held_out.is_some())
+        {
+            return Ok(());
+        }
+        match judge::judge(self.stage, self.detectors, &self.state.cells) {
+            Ok(judgement) => {
+                if let Some(entry) = self.checkpoint.history.last_mut() {
+                    entry.held_out = Some(judgement);
+                }
+                Ok(())
+            }
+            Err(e) => {
+                self.save(folder)?;
+                Err(e)
+            }
+        }
     }
 
     fn save(&mut self, folder: &Path) -> Result<(), RunError> {

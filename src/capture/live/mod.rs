@@ -21,6 +21,10 @@ const SETTLING: Duration = Duration::from_millis(1500);
 /// A camera that gives nothing for so long is gone.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// A camera that does not open within this time never will; some drivers wait for ever for a device that hangs. Where the system asks a
+/// person first, that takes its time, too.
+const OPENING: Duration = Duration::from_secs(if cfg!(target_os = "macos") { 75 } else { 15 });
+
 /// A single picture may fail; so many in a row, this far apart, mean that the camera is gone.
 const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
@@ -83,15 +87,26 @@ impl LiveCamera {
         let shared = Arc::new(Shared::default());
         let reading = Reading(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
-        let mut state = shared.locked();
+        let camera = LiveCamera { number, shared };
+        camera
+            .opened()
+            .map_err(|reason| SourceError::NoCamera { number, reason })?;
+        Ok(camera)
+    }
+
+    /// Waits until the camera is open.
+    fn opened(&self) -> Result<(), String> {
+        let (mut state, until) = (self.shared.locked(), Instant::now() + OPENING);
         while !state.is_open {
             if let Some(reason) = state.ended.take() {
-                return Err(SourceError::NoCamera { number, reason });
+                return Err(reason);
             }
-            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state = self.shared.changed_before(state, until).ok_or_else(|| {
+                let seconds = OPENING.as_secs();
+                format!("it did not open within {seconds} s: plug it out and in again")
+            })?;
         }
-        drop(state);
-        Ok(LiveCamera { number, shared })
+        Ok(())
     }
 
     /// The picture that came last, if it was not given before; waits for one.
@@ -104,12 +119,8 @@ impl LiveCamera {
             if let Some(reason) = &state.ended {
                 return Err(reason.clone());
             }
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Err(format!("none came for {} s", PATIENCE.as_secs()));
-            }
-            let waited = self.shared.changed.wait_timeout(state, left);
-            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+            let changed = self.shared.changed_before(state, until);
+            state = changed.ok_or_else(|| format!("none came for {} s", PATIENCE.as_secs()))?;
         }
     }
 }
@@ -147,6 +158,13 @@ impl Shared {
     /// A thread that failed leaves the state whole: every change is one assignment.
     fn locked(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The state once it has changed; `None` when the time is over.
+    fn changed_before<'a>(&'a self, state: MutexGuard<'a, State>, until: Instant) -> Option<MutexGuard<'a, State>> {
+        let left = until.saturating_duration_since(Instant::now());
+        let waited = (!left.is_zero()).then(|| self.changed.wait_timeout(state, left));
+        Some(waited?.unwrap_or_else(PoisonError::into_inner).0)
     }
 
     fn change(&self, change: impl FnOnce(&mut State)) {

@@ -24,7 +24,7 @@ const TILE_MM: f64 = 240.0;
 #[derive(clap::Args)]
 pub struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template
-    #[arg(long, default_value = "out/attack_demo")]
+    #[arg(long, value_name = "DIR", default_value = "out/attack_demo")]
     out: PathBuf,
     #[command(flatten)]
     folder: Folder,

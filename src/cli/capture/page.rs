@@ -44,8 +44,8 @@ fn invite(lan: &Lan) {
             false => eprintln!("{line}"),
         }
     }
-    eprintln!("phone: {}", lan.address);
-    eprintln!(
+    say!("phone: {}", lan.address);
+    say!(
         "warning: --lan opens this port to every machine in the network, and the connection is not encrypted: use a network you \
          trust. Each of the two addresses lets one browser in, once"
     );

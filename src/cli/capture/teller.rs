@@ -46,7 +46,7 @@ impl Teller<'_> {
 
     pub(super) fn seen(&mut self, frame: &str, answer: &Answer, guidance: &Guidance) -> io::Result<()> {
         for caution in answer.cautions.iter().filter(|caution| self.told.is_new(caution)) {
-            eprintln!("note: {caution}");
+            say!("note: {caution}");
         }
         match self.json {
             true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
@@ -59,7 +59,7 @@ impl Teller<'_> {
 
     /// What a camera is set to now.
     pub(super) fn set(&mut self, settings: &CameraSettings) {
-        eprintln!("note: {settings}");
+        say!("note: {settings}");
     }
 
     pub(super) fn taken_back(&mut self, photo: &str) -> io::Result<()> {

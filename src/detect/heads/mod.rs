@@ -18,7 +18,7 @@ mod yolox;
 
 use super::SCORE_FLOOR;
 use super::manifest::{Head, Manifest};
-use super::nms::{self, Candidate};
+use super::nms::{BestFirst, Candidate};
 use crate::geometry::BoxPx;
 
 /// One output tensor, row-major.
@@ -120,13 +120,26 @@ pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -
 
 /// Candidates in input pixels for most heads; DEIM answers in photo pixels.
 pub(super) struct Decoded {
-    /// Best first.
-    pub candidates: Vec<Candidate>,
+    pub candidates: BestFirst,
     pub in_photo_px: bool,
 }
 
+/// Why outputs have no boxes to read.
+pub(super) enum Unreadable {
+    /// They are not what the manifest says; the sentence says in what.
+    Misfit(String),
+    /// A box is not finite, and in which output; as the end of the sentence "it answered with …".
+    NotFinite(String),
+}
+
+impl From<String> for Unreadable {
+    fn from(misfit: String) -> Unreadable {
+        Unreadable::Misfit(misfit)
+    }
+}
+
 /// Reads a detector's outputs for an input of width × height `size` in pixels.
-pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Decoded, String> {
+pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Decoded, Unreadable> {
     let labels = manifest.labels.count();
     let mut candidates = match &manifest.head {
         Head::Yolov10 {} => yolov10::decode(outputs, labels)?,
@@ -140,22 +153,38 @@ pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) ->
     };
     // Numbers in the gaps of a list mean nothing, and no file could keep them.
     candidates.retain(|c| manifest.labels.name(c.label).is_some());
+    if let Some(c) = candidates.iter().find(|c| !is_finite(&c.b)) {
+        return Err(Unreadable::NotFinite(not_finite(&c.b, outputs)));
+    }
     Ok(Decoded {
-        candidates: match manifest.head.nms_iou() {
-            Some(iou) => nms::suppress(candidates, iou),
-            None => nms::sorted(candidates),
-        },
+        candidates: BestFirst::new(candidates, manifest.head.nms_iou()),
         in_photo_px: matches!(manifest.head, Head::Deim {}),
     })
 }
 
-/// The name of the first output that holds a NaN or an infinity, and which of them. Minus infinity is a logit like any other.
-pub(super) fn with_no_number(outputs: &[Tensor]) -> Option<(&str, &'static str)> {
+/// A NaN or an infinity and the first output that holds it, as the end of the sentence "it answered with …". Minus infinity is a logit
+/// like any other; in a box, [`decode`] finds it.
+pub(super) fn with_no_number(outputs: &[Tensor]) -> Option<String> {
     outputs.iter().find_map(|tensor| {
         let bad = |v: &&f32| v.is_nan() || **v == f32::INFINITY;
         let value = tensor.floats()?.iter().find(bad)?;
-        Some((tensor.name.as_str(), if value.is_nan() { "NaN" } else { "infinity" }))
+        let value = if value.is_nan() { "NaN" } else { "infinity" };
+        Some(format!("{value} in its output {}", tensor.name))
     })
+}
+
+/// A box whose numbers are minus infinity or have grown beyond all bounds, such as e^1000; the output where only one can have it.
+fn not_finite(b: &BoxPx, outputs: &[Tensor]) -> String {
+    let mut floats = outputs.iter().filter(|t| t.floats().is_some());
+    let place = match (floats.next(), floats.next()) {
+        (Some(only), None) => format!(" in its output {}", only.name),
+        _ => String::new(),
+    };
+    format!("a box that is not finite ({:?}){place}", <[f64; 4]>::from(*b))
+}
+
+fn is_finite(b: &BoxPx) -> bool {
+    <[f64; 4]>::from(*b).iter().all(|v| v.is_finite())
 }
 
 /// Does the detector want the photo's size as a second input?
@@ -175,14 +204,16 @@ fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
     BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)
 }
 
-/// A candidate by centre and size; `None` below the score floor or when a number is not finite.
+/// A candidate by centre and size; `None` as in [`from_corners`].
 fn from_centre(label: usize, score: f32, centre_and_size: [f32; 4]) -> Option<Candidate> {
     from_corners(label, score, centred(centre_and_size))
 }
 
+/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`decode`] refuses the whole
+/// answer, since dropping it would make a network that fails look like one that finds nothing.
 fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<Candidate> {
     let score = f64::from(score);
-    (score >= SCORE_FLOOR && b.is_solid()).then_some(Candidate { label, score, b })
+    (score >= SCORE_FLOOR && (b.is_solid() || !is_finite(&b))).then_some(Candidate { label, score, b })
 }
 
 /// The best label and its score; the first of equals. NaN scores never win.

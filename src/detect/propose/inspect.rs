@@ -1,6 +1,7 @@
 //! What an ONNX file says of its inputs, and what the network answers to a grey picture and to one of noise.
 
 use std::path::Path;
+use std::time::Duration;
 
 use image::{Rgb, RgbImage};
 use ort::session::Session;
@@ -11,7 +12,8 @@ use super::metadata::Metadata;
 use crate::detect::heads::Tensor;
 use crate::detect::input::{self, Placement};
 use crate::detect::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, SIDES_PX, Values, Weights};
-use crate::detect::{DetectError, Labels, Runtime, runtime};
+use crate::detect::runtime::{self, NoAnswer};
+use crate::detect::{DetectError, Labels, Runtime};
 
 /// A network, asked.
 pub(super) struct Inspected {
@@ -33,8 +35,13 @@ pub(super) struct Inspected {
 /// The side of the pictures where neither the file nor the user says one.
 const OPEN_SIDE_PX: u32 = 640;
 
-/// Loads a network and runs it twice. `size_px` is the user's, for files that leave it open.
-pub(super) fn inspect(runtime: &Runtime, path: &Path, size_px: Option<[u32; 2]>) -> Result<Inspected, ProposeError> {
+/// Loads a network and runs it twice, each time within the limit. `size_px` is the user's, for files that leave it open.
+pub(super) fn inspect(
+    runtime: &Runtime,
+    path: &Path,
+    size_px: Option<[u32; 2]>,
+    time_limit: Duration,
+) -> Result<Inspected, ProposeError> {
     let mut session = runtime::session(runtime, path).map_err(|e| DetectError::Model {
         path: path.to_owned(),
         reason: first_line(&e),
@@ -51,7 +58,7 @@ pub(super) fn inspect(runtime: &Runtime, path: &Path, size_px: Option<[u32; 2]>)
         return Err(ProposeError::Size { size_px });
     }
     let manifest = asked.manifest(size_px);
-    let mut answer = |picture: RgbImage| answer(&mut session, &manifest, &picture, size_px);
+    let mut answer = |picture: RgbImage| answer(&mut session, &manifest, &picture, path, time_limit);
     Ok(Inspected {
         layout: asked.layout,
         values: asked.values,
@@ -72,12 +79,23 @@ fn answer(
     session: &mut Session,
     manifest: &Manifest,
     picture: &RgbImage,
-    size_px: [u32; 2],
+    path: &Path,
+    time_limit: Duration,
 ) -> Result<Vec<Tensor>, ProposeError> {
-    let failed = |reason: String| ProposeError::Trial { size_px, reason };
+    let failed = |reason: String| ProposeError::Trial {
+        size_px: manifest.input.size_px,
+        reason,
+    };
     let placement = Placement::new(&manifest.input, picture.width(), picture.height());
     let tensor = input::tensor(picture, &manifest.input, &placement).map_err(failed)?;
-    runtime::run(session, manifest, tensor, &placement).map_err(|e| failed(first_line(&e)))
+    let outputs = runtime::run(session, manifest, tensor, &placement, time_limit);
+    outputs.map_err(|e| match e {
+        NoAnswer::Failed(e) => failed(first_line(&e)),
+        NoAnswer::TooLong => ProposeError::Detect(DetectError::TooLong {
+            detector: path.display().to_string(),
+            seconds: time_limit.as_secs_f64(),
+        }),
+    })
 }
 
 fn grey([width, height]: [u32; 2]) -> RgbImage {

@@ -7,10 +7,11 @@ mod recognise;
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::time::Duration;
 
 pub use family::Family;
 
-use super::heads::{self, Tensor};
+use super::heads::{self, Tensor, Unreadable};
 use super::manifest::{Input, SIDES_PX, Values, Weights};
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use crate::files;
@@ -67,10 +68,8 @@ pub enum ProposeError {
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
-    #[error(
-        "it answers a plain grey picture or noise with {value} in its output {output}: no box of it could be trusted"
-    )]
-    NotANumber { output: String, value: &'static str },
+    #[error("it answers a plain grey picture or noise with {what}: no box of it could be trusted")]
+    NotANumber { what: String },
     #[error("its outputs {outputs} are of no known family: see the table in detectors/README.md")]
     Unknown { outputs: String },
     #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
@@ -95,6 +94,9 @@ pub enum ProposeError {
     Misread { title: &'static str, reason: String },
 }
 
+/// A network has so much time for each of the two pictures.
+const TRIAL_LIMIT: Duration = Duration::from_secs(30);
+
 /// Inspects an ONNX file, runs it on a grey picture and on noise, and writes the manifest of the family that fits.
 ///
 /// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those
@@ -106,18 +108,25 @@ pub fn propose(
     name: &str,
     hints: Hints,
 ) -> Result<Proposal, ProposeError> {
+    propose_within(runtime, path, weights, name, hints, TRIAL_LIMIT)
+}
+
+/// The same with another time limit for each run of the network than 30 s.
+pub fn propose_within(
+    runtime: &Runtime,
+    path: &Path,
+    weights: &str,
+    name: &str,
+    hints: Hints,
+    time_limit: Duration,
+) -> Result<Proposal, ProposeError> {
     let sha256 = files::sha256_hex(&files::read(path)?);
-    let network = inspect::inspect(runtime, path, hints.size_px)?;
+    let network = inspect::inspect(runtime, path, hints.size_px, time_limit)?;
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
         return Err(ProposeError::OtherTask { task: task.clone() });
     }
-    if let Some((output, value)) = network
-        .answers
-        .iter()
-        .find_map(|outputs| heads::with_no_number(outputs))
-    {
-        let output = output.to_owned();
-        return Err(ProposeError::NotANumber { output, value });
+    if let Some(what) = network.answers.iter().find_map(|a| heads::with_no_number(a)) {
+        return Err(ProposeError::NotANumber { what });
     }
     let known = match (hints.labels, &network.metadata.names) {
         (Some(labels), _) => Some(labels),
@@ -145,9 +154,12 @@ pub fn propose(
     };
     let text = manifest.to_toml()?;
     for outputs in &network.answers {
-        heads::decode(&manifest, outputs, network.size_px).map_err(|reason| ProposeError::Misread {
-            title: candidate.family.title(),
-            reason,
+        heads::decode(&manifest, outputs, network.size_px).map_err(|e| match e {
+            Unreadable::Misfit(reason) => ProposeError::Misread {
+                title: candidate.family.title(),
+                reason,
+            },
+            Unreadable::NotFinite(what) => ProposeError::NotANumber { what },
         })?;
     }
     Ok(Proposal {

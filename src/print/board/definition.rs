@@ -1,6 +1,7 @@
 //! A request for a board becomes its definition, or a sentence why it cannot be printed.
 
 use super::{BoardError, BoardKind, BoardRequest, Definition, MIN_MODULE_MM};
+use crate::geometry::length;
 use crate::print::PrintError;
 use crate::tags::MarkerDictionary;
 
@@ -11,7 +12,7 @@ pub(super) fn definition(request: &BoardRequest) -> Result<Definition, BoardErro
     if !(least..=Definition::MOST_SQUARES).contains(&columns) || !(least..=Definition::MOST_SQUARES).contains(&rows) {
         return Err(BoardError::Squares { columns, rows, least });
     }
-    positive("square", request.square_mm)?;
+    size_mm("square", request.square_mm)?;
     match request.kind {
         BoardKind::Charuco => charuco(request),
         BoardKind::Chessboard => chessboard(request),
@@ -96,8 +97,7 @@ fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
 /// The marker's size, asked for or usual, in thousandths of a millimetre.
 fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError> {
     let usual = (request.square_mm * usual_share * 1000.0).round() / 1000.0;
-    let marker_mm = request.marker_mm.unwrap_or(usual);
-    positive("marker", marker_mm)?;
+    let marker_mm = size_mm("marker", request.marker_mm.unwrap_or(usual))?;
     if marker_mm >= 0.95 * request.square_mm {
         return Err(BoardError::MarkerTooLarge {
             marker_mm,
@@ -107,12 +107,8 @@ fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError
     Ok(marker_mm)
 }
 
-fn positive(what: &'static str, value: f64) -> Result<(), PrintError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    let wanted = "a side above 0 mm";
-    Err(PrintError::BadNumber { what, value, wanted })
+fn size_mm(what: &str, value: f64) -> Result<f64, PrintError> {
+    Ok(length::size_mm(what, value)?)
 }
 
 fn printable(module_mm: f64) -> Result<(), BoardError> {

@@ -30,6 +30,8 @@ pub const MAX_FEATURE_MM: f64 = 10.0;
 /// A bridge, and an opening on either side of it.
 const FEATURES_PER_CELL: f64 = 3.0;
 const RIM_MM: f64 = 10.0;
+/// Nobody paints more cells by number, and stencils of more take hours.
+const MOST_CELLS: usize = 250_000;
 
 /// Why there are no paint sheets.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -52,6 +54,8 @@ pub enum PaintError {
         "{paints} paints on {sheets} sheets would be {pages} pages, more than {MAX_SHEETS}; use fewer paints, larger paper or a smaller size"
     )]
     TooManyPages { paints: usize, sheets: usize, pages: usize },
+    #[error("the panel would have {cells} cells, more than {MOST_CELLS}; use a larger tile or a smaller size")]
+    TooManyCells { cells: usize },
 }
 
 /// What to print.
@@ -102,7 +106,7 @@ impl PaintSheets {
 ///
 /// # Errors
 /// Whatever [`super::template::template`] refuses; a least width outside [`MIN_FEATURE_MM`] to [`MAX_FEATURE_MM`]; cells below three
-/// times that; too many pages.
+/// times that; too many pages; too many cells.
 pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest) -> Result<PaintSheets, PaintError> {
     let cell_mm = cell_mm(pattern, &request.template)?;
     check_features(cell_mm, pattern.columns(), request.min_feature_mm)?;
@@ -112,6 +116,7 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
     };
     let layout = pieces::pieces(&request.template.layout, cell_mm, rules.rim_mm)?;
     check_pages(painted.paints.len(), layout.sheets.len())?;
+    check_cells(cell_mm, request.template.layout.size_mm)?;
     let grid = CellGrid { painted, cell_mm };
     let (stencils, areas) = cut(&grid, &layout, rules)?;
     let captions = Captions::new(pattern, &request.template, cell_mm);
@@ -179,6 +184,15 @@ fn check_pages(paints: usize, sheets: usize) -> Result<(), PaintError> {
     let pages = (paints + 1) * sheets;
     if pages > MAX_SHEETS {
         return Err(PaintError::TooManyPages { paints, sheets, pages });
+    }
+    Ok(())
+}
+
+fn check_cells(cell_mm: f64, (width_mm, height_mm): (f64, f64)) -> Result<(), PaintError> {
+    let [columns, rows] = [width_mm, height_mm].map(|mm| (mm / cell_mm).ceil() as usize);
+    let cells = columns * rows;
+    if cells > MOST_CELLS {
+        return Err(PaintError::TooManyCells { cells });
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
 
 use super::seams::letters;
+use crate::geometry::length;
 use crate::print::PrintError;
 use crate::print::frame::{Frame, Setup};
 use crate::print::lettering::number;
@@ -13,6 +14,9 @@ use crate::print::sheet::RectMm;
 
 /// More sheets than this are a mistake in the numbers, not a plan.
 pub const MAX_SHEETS: usize = 400;
+
+/// Longer than all sheets of the longest paper in a row.
+const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
 
 /// Usable length of the page with the instructions on a roll.
 const ROLL_COVER_MM: f64 = 160.0;
@@ -76,8 +80,8 @@ pub struct Layout {
 /// Spreads a template over the fewest sheets. All sheets carry equally large pieces, so that none is a sliver.
 ///
 /// # Errors
-/// Lengths that are not positive and finite, paper too small for the rulers, an overlap as large as the usable area, more
-/// than [`MAX_SHEETS`] sheets.
+/// Lengths out of bounds, paper too small for the rulers, an overlap as large as the usable area, more than [`MAX_SHEETS`]
+/// sheets.
 pub fn layout(request: &LayoutRequest) -> Result<Layout, PrintError> {
     check(request)?;
     let plan = match request.orientation {
@@ -89,25 +93,15 @@ pub fn layout(request: &LayoutRequest) -> Result<Layout, PrintError> {
 }
 
 fn check(request: &LayoutRequest) -> Result<(), PrintError> {
-    let refuse = |what, value, wanted| Err(PrintError::BadNumber { what, value, wanted });
-    for (what, side) in [
-        ("template width", request.size_mm.0),
-        ("template height", request.size_mm.1),
-    ] {
-        if !(side > 0.0 && side.is_finite()) {
-            return refuse(what, side, "a width and height above 0 mm");
-        }
+    let (width, height) = request.size_mm;
+    // Before the bounds of a length: that it takes too many sheets is the plainer reason.
+    if [width, height].iter().any(|side| side.is_finite() && *side > MOST_MM) {
+        return Err(PrintError::TooManySheets { most: MAX_SHEETS });
     }
-    let strips = [
-        ("overlap", request.overlap_mm),
-        ("bleed", request.bleed_mm),
-        ("margin", request.margin_mm),
-    ];
-    for (what, strip) in strips {
-        if !(strip >= 0.0 && strip.is_finite()) {
-            return refuse(what, strip, "0 mm or more");
-        }
-    }
+    length::size_mm("template width", width)?;
+    length::size_mm("template height", height)?;
+    length::strip_mm("overlap", request.overlap_mm)?;
+    length::strip_mm("bleed", request.bleed_mm)?;
     Ok(())
 }
 
@@ -177,7 +171,7 @@ fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), Prin
     }
     let columns = sheets_along(request.size_mm.0 + 2.0 * bleed_mm, across, overlap_mm);
     let rows = sheets_along(request.size_mm.1 + 2.0 * bleed_mm, down, overlap_mm);
-    // Compared before it becomes an integer: a template of 1e300 mm must not overflow.
+    // Compared before it becomes an integer, which the longest template on almost no usable area would overflow.
     if columns * rows > MAX_SHEETS as f64 {
         return Err(PrintError::TooManySheets { most: MAX_SHEETS });
     }

@@ -42,6 +42,7 @@ pub fn wrap(
     });
     let cell_mm = cell_mm(pattern, &request.template(Side::Front, largest))?;
     let stamp = PatternStamp::new(pattern, cell_mm, largest);
+    stamp.check_placements(pieces.iter().flat_map(|piece| &piece.layout.sheets))?;
     let mut made = Wrap {
         pieces,
         surface_mm2: paint.surface_mm2(),

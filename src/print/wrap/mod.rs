@@ -205,7 +205,8 @@ impl Wrap {
 /// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
 ///
 /// # Errors
-/// No surface on any side, a stretch limit below 1 or too many triangles beyond it, and whatever the layout and the cells of a template refuse.
+/// No surface on any side, a stretch limit that is none, too many triangles beyond it or cells on their strips, and whatever the layout
+/// and the cells of a template refuse.
 pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, PrintError> {
     let paint = Paint::of_materials(mesh, materials);
     let unrolling = strips::unrolling(&paint, request)?;

@@ -1,5 +1,7 @@
 //! Unrolled strips on paper: several to a page, each with its number, what it borders, and its area.
 
+use std::ops::RangeInclusive;
+
 use super::draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved, place};
 use super::region::{Point, Region};
 use super::seams::{CLEAR_MM, SeamMark};
@@ -30,6 +32,10 @@ const MOST_NAMED: usize = 6;
 /// How far a cell runs on under its neighbours.
 const RUN_ON_MM: f64 = 0.1;
 const PAGE_LABEL_MM: f64 = 4.0;
+/// Cells of all strips; more would take gigabytes.
+const MOST_CELLS: usize = 2_000_000;
+/// No surface is stretched by more than 1.8: it belongs to the side that it looks to most.
+const MOST_STRETCH: f64 = 1000.0;
 
 /// Where a strip is printed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +49,7 @@ pub struct StripPlace {
 /// What the request wants unrolled.
 ///
 /// # Errors
-/// A limit below 1, paper too small for the rulers, too many steep triangles.
+/// A limit that is no stretch, paper too small for the rulers, too many steep triangles.
 pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, PrintError> {
     let Some(limit) = request.max_stretch else {
         return Ok(Unrolling {
@@ -53,11 +59,11 @@ pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, Prin
         });
     };
     // False for NaN too.
-    if !(limit >= 1.0 && limit.is_finite()) {
+    if !(1.0..=MOST_STRETCH).contains(&limit) {
         return Err(PrintError::BadNumber {
             what: "largest stretch",
             value: limit,
-            wanted: "the mm on the surface that 1 mm on paper may stand for, from 1, as in 1.2",
+            wanted: "the mm on the surface that 1 mm on paper may stand for, from 1 to 1000, as in 1.2",
         });
     }
     let area = frame(request)?.usable;
@@ -146,7 +152,7 @@ pub fn fact(wrap: &Wrap) -> Option<String> {
 /// The pages of all strips; the first has the index `before`.
 ///
 /// # Errors
-/// Paper too small for the rulers.
+/// Paper too small for the rulers, more than [`MOST_CELLS`].
 pub fn sheets(
     wrap: &Wrap,
     before: usize,
@@ -161,6 +167,7 @@ pub fn sheets(
         pattern,
         cell_mm: wrap.cell_mm,
     };
+    check_cells(&wrap.strips, wrap.cell_mm)?;
     let boxes: Vec<Boxed> = wrap.strips.iter().enumerate().map(|(i, s)| Boxed::new(i, s)).collect();
     let sizes: Vec<_> = boxes.iter().map(|b| b.size_mm).collect();
     let spots = pack::pack(&sizes, frame.usable).map_err(|i| PrintError::Pdf {
@@ -301,23 +308,45 @@ fn drawn(strip: &Strip, laid: &WorldAligned, by: Point) -> Vec<Mark> {
     marks
 }
 
+/// Every triangle is drawn twice, with its bleed and without.
+fn check_cells(strips: &[Strip], cell_mm: f64) -> Result<(), PrintError> {
+    let faces = strips.iter().flat_map(|strip| &strip.faces);
+    let of = |face: &Unrolled| -> usize {
+        let spans = [BLEED_MM, 0.0].map(|around_mm| spans(face, cell_mm, around_mm));
+        spans
+            .into_iter()
+            .map(|[columns, rows]| columns.count() * rows.count())
+            .sum()
+    };
+    let count: usize = faces.map(of).sum();
+    if count > MOST_CELLS {
+        let most = MOST_CELLS;
+        return Err(PrintError::TooManyStripCells { count, most });
+    }
+    Ok(())
+}
+
+/// The columns, and the rows, of the cells of a triangle and of what lies within `around_mm` of it.
+fn spans(unrolled: &Unrolled, cell_mm: f64, around_mm: f64) -> [RangeInclusive<i64>; 2] {
+    let flat = unrolled.face.corners.map(|p| unrolled.face.side.project(&p));
+    // The projection shortens lengths, so that `around_mm` on the strip is no more than that in the side's plane.
+    [0, 1].map(|axis| {
+        let low = flat.iter().fold(f64::INFINITY, |low, p| low.min(p[axis])) - around_mm;
+        let high = flat.iter().fold(f64::NEG_INFINITY, |high, p| high.max(p[axis])) + around_mm;
+        (low / cell_mm).floor() as i64..=(high / cell_mm).floor() as i64
+    })
+}
+
 /// The cells of a triangle and of what lies within `around_mm` of it, each as it lies on the strip.
 fn cells(unrolled: &Unrolled, laid: &WorldAligned, around_mm: f64, by: Point) -> Vec<Mark> {
     let cell = laid.cell_mm;
-    let flat = unrolled.face.corners.map(|p| unrolled.face.side.project(&p));
-    // The projection shortens lengths, so that `around_mm` on the strip is no more than that in the side's plane.
-    let span = |axis: usize| {
-        let low = flat.iter().fold(f64::INFINITY, |low, p| low.min(p[axis])) - around_mm;
-        let high = flat.iter().fold(f64::NEG_INFINITY, |high, p| high.max(p[axis])) + around_mm;
-        ((low / cell).floor() as i64, (high / cell).floor() as i64)
-    };
-    let (columns, rows) = (span(0), span(1));
+    let [columns, rows] = spans(unrolled, cell, around_mm);
     // Each runs on under its right and its lower neighbour, which cover it. Not far: where a triangle's clip cuts through
     // covered colours, a viewer mixes them into the pixel of the cut.
     let more = RUN_ON_MM.min(cell);
     let mut marks = Vec::new();
-    for row in (rows.0..=rows.1).rev() {
-        for column in columns.0..=columns.1 {
+    for row in rows.rev() {
+        for column in columns.clone() {
             let (left, bottom) = (column as f64 * cell, row as f64 * cell);
             let (right, top, below) = (left + cell + more, bottom + cell, bottom - more);
             let corners = [[left, below], [right, below], [right, top], [left, top]];

@@ -1,0 +1,74 @@
+//! The one way to the terminal. Texts from elsewhere (file names, names in sessions and palettes, tensors) may hold characters that move the
+//! cursor, colour what follows or turn the direction of reading: they are shown by their numbers.
+
+use std::fmt;
+use std::io::{self, Write};
+
+/// Says a sentence on standard error. Nobody may be there to read it.
+pub fn say(sentence: fmt::Arguments) {
+    let text = sentence.to_string().replace('\n', "\\u000a");
+    let _ = writeln!(Visible(io::stderr().lock()), "{text}");
+}
+
+/// `eprintln!` for texts from elsewhere.
+macro_rules! say {
+    ($($text:tt)*) => {
+        $crate::cli::say::say(format_args!($($text)*))
+    };
+}
+
+/// Shows control characters as `\u001b`, which is also how JSON writes them. Lines and tabs stay.
+pub struct Visible<W>(pub W);
+
+impl<W: Write> Write for Visible<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let text = String::from_utf8_lossy(bytes);
+        match text.chars().any(is_hidden) {
+            true => self.0.write_all(shown(&text).as_bytes())?,
+            false => self.0.write_all(bytes)?,
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+fn shown(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match is_hidden(c) {
+            true => shown.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => shown.push(c),
+        }
+    }
+    shown
+}
+
+/// Control characters (C0, DEL, C1), and those that turn the direction of reading (Unicode Standard Annex 9) or end a line unseen.
+fn is_hidden(c: char) -> bool {
+    match c {
+        '\n' | '\t' => false,
+        '\u{061c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        c => c.is_control(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_moves_the_cursor_is_shown_and_json_stays_json() {
+        let mut out = Vec::new();
+        write!(Visible(&mut out), "a\x1b[2Jb\u{9b}c\u{202e}d\r\te\n").unwrap();
+        let shown = String::from_utf8(out).unwrap();
+        assert_eq!(shown, "a\\u001b[2Jb\\u009bc\\u202ed\\u000d\te\n");
+        let mut out = Vec::new();
+        let name = "x\u{9b}\u{7f}\x1b";
+        writeln!(Visible(&mut out), "{}", serde_json::json!({ "name": name })).unwrap();
+        let read: serde_json::Value = serde_json::from_slice(&out).unwrap();
+        assert_eq!(read["name"], name);
+    }
+}

@@ -1,0 +1,132 @@
+//! Files that take their places together: a note of what is to be renamed, by which the next run finishes what a killed one began.
+//!
+//! The note is written when every file is whole under its temporary name, and removed when the last has taken its place. Whoever holds its
+//! lock is at work on it; the lock ends with the process. The next run that writes into the folder finishes it before anything else, or old
+//! files would take the places of newer ones later. It names files of its own folder only: a folder from elsewhere cannot make this program
+//! rename anything outside.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{File, Metadata};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use super::staged::{Staged, name_of};
+use super::{FileError, folder_of};
+
+/// A temporary file that is younger may be about to be locked.
+const AT_WORK: Duration = Duration::from_secs(10);
+
+const ENDING: &str = ".scaleproof-journal";
+
+/// The note of one folder, removed when dropped.
+struct Journal {
+    path: PathBuf,
+    _lock: Option<File>,
+}
+
+/// Renames all to their places.
+pub(super) fn take_places(staged: Vec<Staged>) -> Result<(), FileError> {
+    // One file is whole or absent by itself.
+    let journals = match staged.len() {
+        0 | 1 => Vec::new(),
+        _ => by_folder(&staged)
+            .into_iter()
+            .map(|(folder, names)| Journal::write(&folder, &names))
+            .collect::<Result<_, _>>()?,
+    };
+    staged.into_iter().try_for_each(|file| file.take_place().map(drop))?;
+    drop(journals);
+    Ok(())
+}
+
+/// Temporary names by folder.
+fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
+    let mut folders: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
+    for file in staged {
+        // A name that is no line of text cannot be noted; the file is whole or absent all the same.
+        let name = file.temporary().file_name().and_then(|name| name.to_str());
+        let name = name.filter(|name| !name.contains('\n'));
+        let names = folders.entry(folder_of(file.path()).to_owned()).or_default();
+        names.extend(name.map(str::to_owned));
+    }
+    folders
+}
+
+impl Journal {
+    fn write(folder: &Path, names: &[String]) -> Result<Journal, FileError> {
+        let path = folder.join(format!(".{}{ENDING}", std::process::id()));
+        // It gets its name when it is whole and locked, so that nobody takes it for one left behind.
+        let staged = Staged::write(&path, names.join("\n").as_bytes())?;
+        let lock = staged.take_place()?;
+        Ok(Journal { path, _lock: lock })
+    }
+}
+
+impl Drop for Journal {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Finishes what killed runs began in a folder, and removes what they left half-written. What cannot be tidied is left as it is: it is in
+/// nobody's way. Each folder is looked at once in a run.
+pub(super) fn tidy(folder: &Path) {
+    static TIDIED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let is_new = TIDIED
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .insert(folder.to_owned());
+    if is_new {
+        tidy_now(folder);
+    }
+}
+
+fn tidy_now(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let names: Vec<String> = entries
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.starts_with('.'))
+        .collect();
+    for name in names.iter().filter(|name| name.ends_with(ENDING)) {
+        let path = folder.join(name);
+        if let Some(file) = left_behind(&path) {
+            finish(folder, file);
+            let _ = std::fs::remove_file(&path);
+        }
+    }
+    for name in names.iter().filter(|name| name_of(name).is_some()) {
+        let path = folder.join(name);
+        let is_old = |about: Metadata| about.modified().ok()?.elapsed().ok();
+        let age = std::fs::symlink_metadata(&path).ok().and_then(is_old);
+        if age.is_some_and(|age| age >= AT_WORK) && left_behind(&path).is_some() {
+            let _ = std::fs::remove_file(&path);
+        }
+    }
+}
+
+/// A regular file that no running program is at work on.
+fn left_behind(path: &Path) -> Option<File> {
+    let is_file = std::fs::symlink_metadata(path).ok()?.is_file();
+    let file = is_file.then(|| File::open(path).ok())??;
+    file.try_lock().ok()?;
+    Some(file)
+}
+
+/// A note is no longer.
+const MOST_NOTED: u64 = 1 << 20;
+
+fn finish(folder: &Path, note: File) {
+    let mut names = String::new();
+    if note.take(MOST_NOTED).read_to_string(&mut names).is_err() {
+        return;
+    }
+    for (temporary, name) in names.lines().filter_map(|line| Some((line, name_of(line)?))) {
+        let from = folder.join(temporary);
+        let is_file = std::fs::symlink_metadata(&from).is_ok_and(|about| about.is_file());
+        if is_file && !folder.join(name).is_dir() {
+            let _ = std::fs::rename(&from, folder.join(name));
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What lies where an output is to go: a file, a stream, or something that must stay as it is.
+
+use std::fs::{FileType, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{FileError, plain};
+
+/// Where an output goes.
+pub(super) enum Place {
+    /// A regular file, or one to be made; what a symbolic link points to.
+    File(PathBuf),
+    /// A named pipe or a character device.
+    Stream(PathBuf),
+    StandardOutput,
+}
+
+impl Place {
+    /// # Errors
+    /// A folder, a socket, a block device, a link to nothing, a path without a name.
+    pub(super) fn of(path: &Path) -> Result<Place, FileError> {
+        let refused = |reason: &str| {
+            Err(FileError::Write {
+                path: path.to_owned(),
+                reason: reason.into(),
+            })
+        };
+        if path == Path::new("-") {
+            return Ok(Place::StandardOutput);
+        }
+        match (std::fs::metadata(path), path.is_symlink()) {
+            (Ok(about), _) if about.is_dir() => refused("a folder is in its place"),
+            (Ok(about), _) if is_stream(about.file_type()) => Ok(Place::Stream(path.to_owned())),
+            (Ok(about), _) if !about.is_file() => refused("what is in its place is no file: name another output"),
+            (Ok(_), true) => match path.canonicalize() {
+                Ok(target) => Ok(Place::File(target)),
+                Err(e) => refused(&plain(&e)),
+            },
+            (Err(_), true) => refused("a symbolic link to nothing is in its place: remove it, or name another output"),
+            _ if path.file_name().is_none() => refused("it is not a file name"),
+            _ => Ok(Place::File(path.to_owned())),
+        }
+    }
+
+    /// Writes to what is a stream; files take their places by themselves.
+    pub(super) fn stream(&self, content: &[u8]) -> Result<(), FileError> {
+        let (written, path) = match self {
+            Place::File(_) => return Ok(()),
+            Place::StandardOutput => {
+                let mut out = std::io::stdout().lock();
+                let written = out.write_all(content).and_then(|()| out.flush());
+                (written, PathBuf::from("standard output"))
+            }
+            Place::Stream(path) => {
+                let opened = OpenOptions::new().write(true).open(path);
+                (opened.and_then(|mut stream| stream.write_all(content)), path.clone())
+            }
+        };
+        match written {
+            // Whoever reads has enough, as `| head` does.
+            Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            Err(e) => Err(FileError::Write {
+                path,
+                reason: plain(&e),
+            }),
+            Ok(()) => Ok(()),
+        }
+    }
+}
+
+#[cfg(unix)]
+fn is_stream(kind: FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    kind.is_fifo() || kind.is_char_device()
+}
+
+#[cfg(not(unix))]
+fn is_stream(_: FileType) -> bool {
+    false
+}

@@ -1,0 +1,171 @@
+//! Who stays connected when there are more than there is room for.
+//!
+//! A connection is a stranger's until a request on it was one of a known browser. When there are too many strangers, the longest connected
+//! of the address that has most of them leaves: a known browser says who it is as soon as it is heard, and who only holds a place does not
+//! keep others out.
+
+use std::collections::BTreeMap;
+use std::net::IpAddr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
+
+/// More than the runtime accepts before it lets the accepted ones speak, 128 at a time.
+const MOST_STRANGERS: usize = 256;
+
+/// A browser uses 6 connections to a site; several pages and phones share an address on this machine.
+const MOST_OF_A_BROWSER: usize = 48;
+
+/// All connections of a server.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    seats: Mutex<Seats>,
+}
+
+/// By the order in which they came.
+#[derive(Debug, Default)]
+struct Seats {
+    taken: BTreeMap<u64, Seat>,
+    next: u64,
+}
+
+#[derive(Debug)]
+struct Seat {
+    from: IpAddr,
+    /// `None` for a stranger.
+    browser: Option<String>,
+    leave: Arc<Notify>,
+}
+
+/// One connection's place, free again when dropped.
+#[derive(Debug)]
+pub(super) struct Place {
+    number: u64,
+    places: Arc<Places>,
+    leave: Arc<Notify>,
+}
+
+impl Places {
+    /// A place for a connection that has just come. Somebody else may have to leave for it.
+    pub(super) fn enter(self: &Arc<Places>, from: IpAddr) -> Place {
+        let mut seats = self.seats();
+        if seats.strangers().count() >= MOST_STRANGERS {
+            let longest = seats.longest_of_the_crowd();
+            seats.ask_to_leave(longest);
+        }
+        let (number, leave) = (seats.next, Arc::new(Notify::new()));
+        seats.next += 1;
+        let seat = Seat {
+            from,
+            browser: None,
+            leave: leave.clone(),
+        };
+        seats.taken.insert(number, seat);
+        Place {
+            number,
+            places: self.clone(),
+            leave,
+        }
+    }
+
+    fn seats(&self) -> MutexGuard<'_, Seats> {
+        self.seats.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Place {
+    /// The connection is one of this browser. One that has too many loses the one it has had longest.
+    pub(super) fn belongs_to(&self, browser: &str) {
+        let mut seats = self.places.seats();
+        let Some(seat) = seats.taken.get_mut(&self.number) else {
+            return;
+        };
+        if seat.browser.as_deref() == Some(browser) {
+            return;
+        }
+        seat.browser = Some(browser.to_owned());
+        let same = |(_, seat): &(&u64, &Seat)| seat.browser.as_deref() == Some(browser);
+        let of_browser: Vec<u64> = seats.taken.iter().filter(same).map(|(number, _)| *number).collect();
+        if of_browser.len() > MOST_OF_A_BROWSER {
+            let longest = of_browser.into_iter().find(|number| *number != self.number);
+            seats.ask_to_leave(longest);
+        }
+    }
+
+    /// Ends when somebody else needs the place.
+    pub(super) async fn asked_to_leave(&self) {
+        self.leave.notified().await;
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.places.seats().taken.remove(&self.number);
+    }
+}
+
+impl Seats {
+    fn strangers(&self) -> impl Iterator<Item = (&u64, &Seat)> {
+        self.taken.iter().filter(|(_, seat)| seat.browser.is_none())
+    }
+
+    /// Of the address with most strangers, the one that has been here longest.
+    fn longest_of_the_crowd(&self) -> Option<u64> {
+        let mut crowds: BTreeMap<IpAddr, (usize, u64)> = BTreeMap::new();
+        for (number, seat) in self.strangers() {
+            crowds.entry(seat.from).or_insert((0, *number)).0 += 1;
+        }
+        let largest = crowds.into_values().max_by_key(|(count, _)| *count);
+        largest.map(|(_, longest)| longest)
+    }
+
+    /// It no longer counts; its connection ends as soon as it hears of it.
+    fn ask_to_leave(&mut self, number: Option<u64>) {
+        if let Some(seat) = number.and_then(|number| self.taken.remove(&number)) {
+            seat.leave.notify_one();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::Ipv4Addr;
+
+    use super::*;
+
+    fn address(last: u8) -> IpAddr {
+        Ipv4Addr::new(192, 168, 0, last).into()
+    }
+
+    fn stays(place: &Place) -> bool {
+        place.places.seats().taken.contains_key(&place.number)
+    }
+
+    #[test]
+    fn the_longest_stranger_of_the_largest_crowd_leaves_and_known_browsers_stay() {
+        let places = Arc::new(Places::default());
+        let known = places.enter(address(1));
+        known.belongs_to("phone");
+        let lone = places.enter(address(2));
+        let crowd: Vec<Place> = (1..MOST_STRANGERS).map(|_| places.enter(address(1))).collect();
+        let late = places.enter(address(3));
+        assert!(stays(&known) && stays(&lone) && stays(&late));
+        assert!(!stays(&crowd[0]) && crowd[1..].iter().all(stays));
+        drop(crowd);
+        assert_eq!(places.seats().taken.len(), 3);
+    }
+
+    #[test]
+    fn a_browser_with_too_many_connections_loses_its_oldest() {
+        let places = Arc::new(Places::default());
+        let own: Vec<Place> = (0..MOST_OF_A_BROWSER + 1)
+            .map(|_| {
+                let place = places.enter(address(1));
+                place.belongs_to("phone");
+                place.belongs_to("phone");
+                place
+            })
+            .collect();
+        assert!(!stays(&own[0]) && own[1..].iter().all(stays));
+    }
+}

@@ -1,0 +1,260 @@
+//! Outputs that lead somewhere else: links, pipes, sockets, standard output; and runs that are killed while their files take their places.
+
+use std::os::unix::fs::symlink;
+use std::os::unix::net::UnixListener;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
+
+use crate::bounded;
+use crate::common::{assert_refused, program, read_json, skyline, stderr};
+
+/// Commands with one output file; `OUT` stands for it.
+const COMMANDS: [&[&str]; 2] = [
+    &["print", "check", "-o", "OUT"],
+    &["pattern", "random", "--cells", "4", "--seed", "1", "-o", "OUT"],
+];
+
+fn command(arguments: &[&str], out: &str) -> Command {
+    let mut command = program();
+    command.args(arguments.iter().map(|argument| argument.replace("OUT", out)));
+    command
+}
+
+fn run(arguments: &[&str], out: &Path) -> Output {
+    bounded::run(
+        &mut command(arguments, &out.display().to_string()),
+        Duration::from_secs(20),
+    )
+    .output
+}
+
+#[test]
+fn a_link_stays_and_its_target_is_written() {
+    for arguments in COMMANDS {
+        let folder = tempfile::tempdir().unwrap();
+        let (target, link, second) = (
+            folder.path().join("target"),
+            folder.path().join("link"),
+            folder.path().join("second"),
+        );
+        std::fs::write(&target, "").unwrap();
+        symlink("target", &link).unwrap();
+        symlink(&link, &second).unwrap();
+        let output = run(arguments, &second);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        assert!(second.is_symlink() && link.is_symlink(), "{arguments:?}");
+        assert!(std::fs::metadata(&target).unwrap().len() > 20, "{arguments:?}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_pipe_is_written_to_and_stays_a_pipe() {
+    for arguments in COMMANDS {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reads = pipe.clone();
+        let reader = std::thread::spawn(move || std::fs::read(reads).unwrap());
+        let output = run(arguments, &pipe);
+        // Whoever opens it next would wait for ever, were nothing written.
+        drop(std::fs::OpenOptions::new().read(true).write(true).open(&pipe));
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        assert!(reader.join().unwrap().len() > 20, "{arguments:?}");
+        assert!(!std::fs::metadata(&pipe).unwrap().is_file(), "{arguments:?}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_dash_is_standard_output_where_the_file_is_alone() {
+    for arguments in COMMANDS {
+        let folder = tempfile::tempdir().unwrap();
+        let named = folder.path().join("named");
+        assert!(run(arguments, &named).status.success());
+        let output = command(arguments, "-").current_dir(folder.path()).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        assert_eq!(output.stdout, std::fs::read(&named).unwrap(), "{arguments:?}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{arguments:?}");
+    }
+}
+
+/// Arguments, and words of the refusal.
+const REFUSED: [(&[&str], &[&str]); 5] = [
+    (&["print", "check", "-o", "socket"], &["socket", "is no file"]),
+    (
+        &["print", "check", "-o", "dangling"],
+        &["dangling", "symbolic link to nothing"],
+    ),
+    (&["print", "check", "-o", "folder"], &["folder", "in its place"]),
+    (
+        &["score", "SESSION", "--recorded", "--out", "-"],
+        &["--out is a folder"],
+    ),
+    (
+        &[
+            "print",
+            "board",
+            "--type",
+            "chessboard",
+            "--squares",
+            "7x5",
+            "--square-mm",
+            "20",
+            "-o",
+            "-",
+            "--definition",
+            "-",
+        ],
+        &["only one file"],
+    ),
+];
+
+#[test]
+fn what_takes_no_file_is_refused_and_stays() {
+    for (arguments, words) in REFUSED {
+        let folder = tempfile::tempdir().unwrap();
+        let _socket = UnixListener::bind(folder.path().join("socket")).unwrap();
+        symlink("nowhere", folder.path().join("dangling")).unwrap();
+        std::fs::create_dir(folder.path().join("folder")).unwrap();
+        let before = names(folder.path());
+        let session = skyline().display().to_string();
+        let arguments = arguments.iter().map(|argument| argument.replace("SESSION", &session));
+        let output = program().args(arguments).current_dir(folder.path()).output().unwrap();
+        assert_refused(&output, words);
+        assert_eq!(names(folder.path()), before);
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+/// A library that ends the program at its Nth renaming, when it is loaded before the system's.
+fn killer(folder: &Path) -> PathBuf {
+    let (source, library) = (folder.join("kill.c"), folder.join("kill.so"));
+    let text = r#"
+        #define _GNU_SOURCE
+        #include <dlfcn.h>
+        #include <signal.h>
+        #include <stdlib.h>
+        #include <string.h>
+        static int count;
+        int rename(const char *from, const char *to) {
+            if (strstr(to, "journal") == 0 && ++count == atoi(getenv("KILL_AT"))) raise(SIGKILL);
+            return ((int (*)(const char *, const char *))dlsym(RTLD_NEXT, "rename"))(from, to);
+        }
+    "#;
+    std::fs::write(&source, text).unwrap();
+    let built = Command::new("cc")
+        .args(["-shared", "-fPIC", "-o"])
+        .arg(&library)
+        .arg(&source)
+        .arg("-ldl")
+        .status();
+    assert!(built.unwrap().success());
+    library
+}
+
+fn score(out: &Path, confidence: &str) -> Command {
+    let mut command = program();
+    command
+        .arg("score")
+        .arg(skyline())
+        .args(["--recorded", "--confidence", confidence, "--out"])
+        .arg(out);
+    command
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_run_killed_between_two_of_its_files_is_finished_by_the_next_in_that_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, library) = (folder.path().join("out"), killer(folder.path()));
+    assert!(score(&out, "0.5").output().unwrap().status.success());
+    let expected = folder.path().join("expected");
+    assert!(score(&expected, "0.25").output().unwrap().status.success());
+    let killed = score(&out, "0.25")
+        .env("LD_PRELOAD", &library)
+        .env("KILL_AT", "3")
+        .output()
+        .unwrap();
+    assert_eq!(killed.status.code(), None, "it was killed: {}", stderr(&killed));
+    let confidence = |folder: &Path| {
+        read_json(&folder.join("summary.json"))["hit_confidence"]
+            .as_f64()
+            .unwrap()
+    };
+    let same = |name: &str| std::fs::read(out.join(name)).unwrap() == std::fs::read(expected.join(name)).unwrap();
+    let new = names(&expected).iter().filter(|name| same(name)).count();
+    assert!(
+        new >= 2 && new < names(&expected).len(),
+        "{new} files are of the killed run"
+    );
+    // Any run that writes there finishes it first.
+    let pattern = out.join("p.png");
+    assert!(run(COMMANDS[1], &pattern).status.success());
+    std::fs::remove_file(pattern).unwrap();
+    assert_eq!(confidence(&out), 0.25);
+    assert!(names(&expected).iter().all(|name| same(name)));
+    assert_eq!(names(&out), names(&expected), "nothing half-written stays");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn what_a_killed_run_left_half_written_is_removed_by_a_later_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, library) = (folder.path().join("out"), killer(folder.path()));
+    let mut killed = command(COMMANDS[1], &out.join("p.png").display().to_string());
+    killed.env("LD_PRELOAD", &library).env("KILL_AT", "1");
+    assert_eq!(killed.output().unwrap().status.code(), None);
+    let left = names(&out);
+    assert!(matches!(&left[..], [name] if name.ends_with(".partial")), "{left:?}");
+    // It is younger than what a run may be at work on; a day later it is not.
+    let yesterday = std::time::SystemTime::now() - Duration::from_secs(86_400);
+    let partial = std::fs::File::options().write(true).open(out.join(&left[0])).unwrap();
+    partial.set_modified(yesterday).unwrap();
+    // Somebody else's hidden file is none of ours.
+    std::fs::write(out.join(".mine.partial"), "").unwrap();
+    assert!(run(COMMANDS[1], &out.join("p.png")).status.success());
+    assert_eq!(names(&out), [".mine.partial", "p.png"]);
+}
+
+/// A note in a folder from elsewhere.
+#[test]
+fn a_forged_note_moves_nothing_out_of_its_folder_or_over_what_it_does_not_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(folder.path().join("victim"), "victim").unwrap();
+    std::fs::write(out.join("photo.jpg"), "photo").unwrap();
+    std::fs::write(out.join("evil"), "evil").unwrap();
+    let note = "evil\n../victim\n.../victim.1.partial\n./../victim.1.partial\n";
+    std::fs::write(out.join(".1.scaleproof-journal"), note).unwrap();
+    assert!(run(COMMANDS[1], &out.join("p.png")).status.success());
+    assert_eq!(std::fs::read(folder.path().join("victim")).unwrap(), b"victim");
+    assert_eq!(names(&out), ["evil", "p.png", "photo.jpg"]);
+}
+
+/// The files of a report of other detectors go, a stranger's file stays.
+#[test]
+fn results_of_detectors_that_are_no_longer_in_a_report_go() {
+    let out = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(out.path().join(name), text).unwrap();
+    write(
+        "summary.json",
+        r#"{"results": [{"detector": "mine"}, {"detector": "../outside"}]}"#,
+    );
+    write("coco_results_mine.json", "[]");
+    write("coco_results_somebodys.json", "[]");
+    assert!(score(out.path(), "0.5").output().unwrap().status.success());
+    let names = names(out.path());
+    assert!(!names.contains(&"coco_results_mine.json".to_owned()));
+    assert!(names.contains(&"coco_results_somebodys.json".to_owned()));
+}

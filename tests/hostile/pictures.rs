@@ -1,0 +1,354 @@
+//! Pictures that are tiny, huge, cut, or cost more than they seem, given to every command that reads one.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::time::Duration;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder, ImageFormat, Luma, RgbImage};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+use scaleproof::photo::{Budget, PhotoFile};
+use scaleproof::scene::TagFamily;
+use scaleproof::tags::TagDetectorChoice;
+
+use crate::bounded;
+use crate::common::{home, program, skyline, stderr};
+
+/// A name, its bytes, and words of the sentence about it; no words where a picture may be accepted or refused.
+type Case = (&'static str, Vec<u8>, &'static [&'static str]);
+
+fn cases() -> Vec<Case> {
+    let whole = std::fs::read(skyline().join("normal_000.jpg")).unwrap();
+    vec![
+        ("1x1.png", png(&flat(1, 1)), &[]),
+        ("4x2.png", png(&flat(4, 2)), &[]),
+        ("3x4.jpg", jpeg(&flat(3, 4)), &[]),
+        ("1x5000.png", png(&flat(1, 5000)), &[]),
+        ("15x15.jpg", jpeg(&flat(15, 15)), &[]),
+        ("empty.jpg", Vec::new(), &["not a JPEG or PNG"]),
+        ("text.png", b"this is a shopping list".to_vec(), &["not a JPEG or PNG"]),
+        ("cut.jpg", whole[..whole.len() / 2].to_vec(), &["ends in the middle"]),
+        (
+            "terapixels.png",
+            claiming(&png(&flat(1, 1)), 1_000_000),
+            &["megapixels"],
+        ),
+        (
+            "scans.jpg",
+            jpeg_of_scans(1600, 1200, 2000),
+            &["2001 scans", "save it anew"],
+        ),
+        ("many_scans.jpg", jpeg_of_scans(16_000, 12_000, 20), &["21 scans"]),
+        ("deep.png", deep(15_000, 12_000), &["MB to decode"]),
+    ]
+}
+
+/// Every command that reads a picture of a user's; `PICTURE` stands for it, `OUT` for a folder.
+const COMMANDS: [(&str, &[&str]); 8] = [
+    (
+        "locate",
+        &["locate", "PICTURE", "--scene", "SCENE", "--camera", "CAMERA"],
+    ),
+    (
+        "calibrate",
+        &["calibrate", "--board", "BOARD", "PICTURE", "-o", "OUT/camera.yaml"],
+    ),
+    ("colour read", &["colour", "read", "PICTURE", "-o", "OUT/printer.toml"]),
+    ("camera guess", &["camera", "guess", "PICTURE", "-o", "OUT/camera.yaml"]),
+    (
+        "survey",
+        &[
+            "survey",
+            "PICTURE",
+            "--camera",
+            "CAMERA",
+            "--scene",
+            "SCENE",
+            "--fixed",
+            "mat",
+            "-o",
+            "OUT/scene.toml",
+        ],
+    ),
+    ("pattern check", &["pattern", "check", "PICTURE"]),
+    (
+        "print patch",
+        &[
+            "print",
+            "patch",
+            "--scene",
+            "SCENE",
+            "--patch",
+            "PICTURE",
+            "--panel",
+            "left",
+            "--at-mm",
+            "0,50",
+            "--size-mm",
+            "60x40",
+            "-o",
+            "OUT/patch.pdf",
+        ],
+    ),
+    (
+        "capture",
+        &[
+            "capture",
+            "--source",
+            "watch:FOLDER",
+            "--headless",
+            "--scene",
+            "SCENE",
+            "--camera",
+            "CAMERA",
+            "--variant",
+            "normal",
+            "--place",
+            "yard",
+            "-o",
+            "OUT/session",
+        ],
+    ),
+];
+
+#[test]
+fn every_command_survives_every_picture() {
+    for (name, bytes, words) in cases() {
+        let folder = tempfile::tempdir().unwrap();
+        let pictures = folder.path().join("pictures");
+        std::fs::create_dir(&pictures).unwrap();
+        std::fs::write(pictures.join(name), &bytes).unwrap();
+        for (command, arguments) in COMMANDS {
+            let out = folder.path().join(command.replace(' ', "_"));
+            std::fs::create_dir(&out).unwrap();
+            let filled = |argument: &&str| match *argument {
+                "PICTURE" => pictures.join(name).display().to_string(),
+                "SCENE" => skyline().join("scene.toml").display().to_string(),
+                "CAMERA" => skyline().join("camera.yaml").display().to_string(),
+                "BOARD" => home().join("calibration/charuco_9x7_22mm.toml").display().to_string(),
+                other => other
+                    .replace("OUT", &out.display().to_string())
+                    .replace("FOLDER", &pictures.display().to_string()),
+            };
+            let ended = bounded::run(program().args(arguments.iter().map(filled)), Duration::from_secs(20));
+            let said = stderr(&ended.output) + &String::from_utf8_lossy(&ended.output.stdout);
+            assert!(ended.memory < 1 << 30, "{command} {name}: {} MB", ended.memory >> 20);
+            let code = ended.output.status.code();
+            assert!(matches!(code, Some(0 | 2)), "{command} {name}: {code:?} {said}");
+            // Commands that take PNG patterns say in their own words what is no pattern.
+            if !words.is_empty() && !command.starts_with(['p']) {
+                assert_eq!(code, Some(2), "{command} {name}: {said}");
+                words
+                    .iter()
+                    .for_each(|word| assert!(said.contains(word), "{command} {name}: `{word}` is not in {said}"));
+            }
+            if code == Some(2) {
+                assert_eq!(left_in(&out), Vec::<String>::new(), "{command} {name} leaves files");
+            }
+        }
+    }
+}
+
+/// Files in an output folder, without what a capture keeps of its scene and camera.
+fn left_in(folder: &Path) -> Vec<String> {
+    let kept = ["scene.toml", "camera.yaml", ".capture.lock"];
+    let mut left = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        match path.is_dir() {
+            true => left.extend(left_in(&path)),
+            false if folder.ends_with("session") && kept.contains(&name.as_str()) => {}
+            false => left.push(name),
+        }
+    }
+    left
+}
+
+/// A JPEG of so many scans is refused alike by who decodes it whole and by who decodes it reduced.
+#[test]
+fn score_refuses_the_scan_bomb_that_locate_refuses() {
+    let session = crate::common::copy_of_skyline();
+    std::fs::write(session.path().join("normal_000.jpg"), jpeg_of_scans(1600, 1200, 2000)).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command
+        .arg("score")
+        .arg(session.path())
+        .arg("--recorded")
+        .arg("--out")
+        .arg(out.path());
+    let ended = bounded::run(&mut command, Duration::from_secs(30));
+    let said = stderr(&ended.output);
+    assert_eq!(ended.output.status.code(), Some(0), "{said}");
+    let about: Vec<&str> = said.lines().filter(|line| line.contains("normal_000.jpg")).collect();
+    assert!(matches!(about[..], [line] if line.contains("2001 scans")), "{said}");
+    // By the library, at the size that a network needs.
+    let file = PhotoFile::of_bytes(Path::new("bomb"), jpeg_of_scans(1600, 1200, 2000), Budget::UPLOAD);
+    assert!(file.unwrap_err().to_string().contains("2001 scans"));
+}
+
+/// What is within the budgets may cost what the README's table says, and no more.
+#[test]
+fn fine_texture_of_many_megapixels_is_searched_in_time_and_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let photo = folder.path().join("texture.png");
+    std::fs::write(&photo, texture(10_960, 10_960)).unwrap();
+    let mut command = program();
+    command.arg("locate").arg(&photo);
+    command.arg("--scene").arg(skyline().join("scene.toml"));
+    let camera = folder.path().join("square.yaml");
+    let text = std::fs::read_to_string(skyline().join("camera.yaml")).unwrap();
+    std::fs::write(&camera, text.replace("image_width: 1280", "image_width: 960")).unwrap();
+    command.arg("--camera").arg(camera);
+    let ended = bounded::run(&mut command, Duration::from_secs(40));
+    println!("120 megapixels: {} MB", ended.memory >> 20);
+    assert_eq!(ended.output.status.code(), Some(2), "{}", stderr(&ended.output));
+    assert!(ended.memory < 1_500_000_000, "{} MB", ended.memory >> 20);
+}
+
+/// In this process: what a C library reads beyond its picture would end the test.
+#[test]
+fn every_tag_detector_survives_all_small_sizes() {
+    let mut random = Pcg64::seed_from_u64(13);
+    for choice in TagDetectorChoice::ALL {
+        let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
+        for (width, height) in (1..=64).flat_map(|w| (1..=64).map(move |h| (w, h))) {
+            let mut noise = GrayImage::new(width, height);
+            random.fill_bytes(&mut noise);
+            detector.find(&noise);
+        }
+        detector.find(&GrayImage::from_pixel(40_000, 3, Luma([90])));
+        detector.find(&GrayImage::new(0, 0));
+    }
+}
+
+fn flat(width: u32, height: u32) -> RgbImage {
+    RgbImage::from_pixel(width, height, image::Rgb([120, 130, 140]))
+}
+
+fn png(picture: &RgbImage) -> Vec<u8> {
+    encoded(picture, ImageFormat::Png)
+}
+
+fn jpeg(picture: &RgbImage) -> Vec<u8> {
+    encoded(picture, ImageFormat::Jpeg)
+}
+
+fn encoded(picture: &RgbImage, format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::from(picture.clone())
+        .write_to(&mut bytes, format)
+        .unwrap();
+    bytes.into_inner()
+}
+
+/// A PNG whose header claims a square of this side.
+fn claiming(png: &[u8], side: u32) -> Vec<u8> {
+    let mut bytes = png.to_vec();
+    bytes[16..20].copy_from_slice(&side.to_be_bytes());
+    bytes[20..24].copy_from_slice(&side.to_be_bytes());
+    let crc = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+    bytes
+}
+
+/// A small file: 16-bit RGBA of one colour.
+fn deep(width: u32, height: u32) -> Vec<u8> {
+    // Its header is all that is read.
+    let mut bytes = Vec::new();
+    let one = [0x40; 8];
+    PngEncoder::new(&mut bytes)
+        .write_image(&one, 1, 1, ExtendedColorType::Rgba16)
+        .unwrap();
+    bytes[16..20].copy_from_slice(&width.to_be_bytes());
+    bytes[20..24].copy_from_slice(&height.to_be_bytes());
+    let crc = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+    bytes
+}
+
+/// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, b| {
+        (0..8).fold(crc ^ u32::from(*b), |c, _| {
+            if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
+        })
+    })
+}
+
+/// A PNG of some hundred kilobytes that is all edges: small squares, shifted from row to row.
+fn texture(width: u32, height: u32) -> Vec<u8> {
+    let rows: Vec<Vec<u8>> = (0..16)
+        .map(|y: u32| {
+            let dark = |x: u32| ((x + 3 * (y / 8)) / 5 + y / 7).is_multiple_of(2);
+            (0..width).map(|x| if dark(x) { 20 } else { 235 }).collect()
+        })
+        .collect();
+    let pixels: Vec<u8> = (0..height as usize)
+        .flat_map(|y| rows[y % 16].iter().copied())
+        .collect();
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Up)
+        .write_image(&pixels, width, height, ExtendedColorType::L8)
+        .unwrap();
+    bytes
+}
+
+/// A progressive grey JPEG (ITU-T T.81) with a first scan of the DC coefficients and `more` scans of AC coefficients that are all zero: each
+/// costs a decoder a walk over the whole picture, and a dozen bytes for each 200,000 blocks.
+pub fn jpeg_of_scans(width: u16, height: u16, more: usize) -> Vec<u8> {
+    let blocks = usize::from(width.div_ceil(8)) * usize::from(height.div_ceil(8));
+    let mut bytes = vec![0xFF, 0xD8];
+    let mut segment = |marker: u8, content: &[u8]| {
+        bytes.extend([0xFF, marker]);
+        bytes.extend((content.len() as u16 + 2).to_be_bytes());
+        bytes.extend(content);
+    };
+    segment(0xDB, &[&[0][..], &[16; 64]].concat());
+    let [w1, w0] = width.to_be_bytes();
+    let [h1, h0] = height.to_be_bytes();
+    segment(0xC2, &[8, h1, h0, w1, w0, 1, 1, 0x11, 0]);
+    // One code of one bit each: difference 0 for DC, "the next 16,384 blocks and more are zero" for AC.
+    let code = |class: u8, symbol: u8| [&[class, 1][..], &[0; 15], &[symbol]].concat();
+    segment(0xC4, &code(0x00, 0x00));
+    segment(0xC4, &code(0x10, 0xE0));
+    segment(0xDA, &[1, 1, 0x00, 0, 0, 0]);
+    let mut dc = Bits::default();
+    (0..blocks).for_each(|_| dc.push(0, 1));
+    bytes.extend(dc.bytes());
+    let mut ac = Bits::default();
+    let mut left = blocks;
+    while left >= 1 << 14 {
+        let run = left.min((1 << 15) - 1);
+        ac.push(0, 1);
+        ac.push(run as u32 - (1 << 14), 14);
+        left -= run;
+    }
+    // The last blocks: a shorter run would need another code, so the scan ends with one that is too long.
+    if left > 0 {
+        ac.push(0, 1);
+        ac.push(0, 14);
+    }
+    let scan = [&[0xFF, 0xDA, 0, 8, 1, 1, 0x00, 1, 63, 0][..], &ac.bytes()].concat();
+    (0..more).for_each(|_| bytes.extend(&scan));
+    bytes.extend([0xFF, 0xD9]);
+    bytes
+}
+
+/// Bits as a scan has them: the highest first, 0xFF followed by 0, the rest filled with ones.
+#[derive(Default)]
+struct Bits(Vec<bool>);
+
+impl Bits {
+    fn push(&mut self, value: u32, count: u32) {
+        self.0.extend((0..count).rev().map(|i| value >> i & 1 == 1));
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let byte = |bits: &[bool]| (0..8).fold(0u8, |byte, i| byte << 1 | u8::from(*bits.get(i).unwrap_or(&true)));
+        let stuffed = |byte: u8| if byte == 0xFF { vec![0xFF, 0] } else { vec![byte] };
+        self.0.chunks(8).flat_map(|bits| stuffed(byte(bits))).collect()
+    }
+}

@@ -1,0 +1,237 @@
+//! Requests and connections that are no browser's, against the page of a capture.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::bounded::highest_memory;
+use crate::common::skyline;
+use crate::http::{Request, connect, upload};
+use crate::running::Running;
+
+/// Heads, and the status of the answer; `None` where the connection may also end without one. `{host}` is the server's.
+const REQUESTS: [(&str, Option<u16>); 16] = [
+    ("GET / HTTP/1.1\r\n", Some(421)),
+    ("GET / HTTP/1.1\r\nHost: evil.example\r\n", Some(421)),
+    ("GET http://{host}/ HTTP/1.1\r\nHost: {host}\r\n", None),
+    ("GET / HTTP/9.9\r\nHost: {host}\r\n", None),
+    ("NONSENSE\r\n", None),
+    (
+        "GET /photo/..%2f..%2fetc%2fpasswd HTTP/1.1\r\nHost: {host}\r\n",
+        Some(404),
+    ),
+    ("GET /photo/scene.toml HTTP/1.1\r\nHost: {host}\r\n", Some(404)),
+    (
+        "GET /state/99999999999999999999999 HTTP/1.1\r\nHost: {host}\r\n",
+        Some(400),
+    ),
+    ("GET /state/-1 HTTP/1.1\r\nHost: {host}\r\n", Some(400)),
+    ("GET /preview/nan HTTP/1.1\r\nHost: {host}\r\n", Some(400)),
+    (
+        "POST /redo/99999 HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Length: 0\r\n",
+        Some(200),
+    ),
+    (
+        "POST /redo/x HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Length: 0\r\n",
+        Some(400),
+    ),
+    (
+        "POST /upload HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: image/jpeg\r\nContent-Length: 99999999999\r\n",
+        Some(413),
+    ),
+    (
+        "POST /upload HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: image/jpeg\r\nContent-Length: -5\r\n",
+        None,
+    ),
+    (
+        "DELETE / HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n",
+        Some(405),
+    ),
+    ("GET /join/0 HTTP/1.1\r\nHost: {host}\r\n", None),
+];
+
+#[test]
+fn every_route_answers_every_request_and_goes_on() {
+    let running = Running::start("upload", &[]);
+    for (head, status) in REQUESTS {
+        let answer = running.client().try_to_send(&Request {
+            head: head.into(),
+            body: Vec::new(),
+        });
+        if let Some(status) = status {
+            assert_eq!(answer.map(|answer| answer.status), Some(status), "{head}");
+        }
+        assert_eq!(running.client().get("/page.css").status, 200, "after {head}");
+    }
+    // A head that does not end, and one of a megabyte.
+    let long = format!("GET / HTTP/1.1\r\nHost: {{host}}\r\nX: {}\r\n", "x".repeat(1 << 20));
+    let answer = running.client().try_to_send(&Request {
+        head: long,
+        body: Vec::new(),
+    });
+    assert!(answer.is_none_or(|answer| answer.status == 431));
+    assert_eq!(running.client().get("/page.css").status, 200);
+}
+
+#[test]
+fn connections_that_ask_and_read_nothing_keep_nobody_out() {
+    let running = Running::start("upload", &[]);
+    let host = running.host();
+    let questions = format!("GET /page.js HTTP/1.1\r\nHost: {host}\r\n\r\n").repeat(500);
+    let deaf: Vec<TcpStream> = (0..300)
+        .map(|_| {
+            let mut stream = TcpStream::connect(&host).unwrap();
+            stream.set_write_timeout(Some(Duration::from_millis(20))).unwrap();
+            let _ = stream.write_all(questions.as_bytes()); // as much as the server takes
+            stream
+        })
+        .collect();
+    let begin = Instant::now();
+    assert_eq!(running.client().get("/state/0").status, 200);
+    assert!(begin.elapsed() < Duration::from_secs(3), "{:?}", begin.elapsed());
+    drop(deaf);
+}
+
+#[test]
+fn a_deaf_connection_is_closed() {
+    let running = Running::start("upload", &[]);
+    let mut deaf = connect(&running.host());
+    let questions = format!("GET /page.js HTTP/1.1\r\nHost: {}\r\n\r\n", running.host()).repeat(2000);
+    deaf.get_mut().set_write_timeout(Some(Duration::from_secs(30))).unwrap();
+    let (begin, mut sent) = (Instant::now(), Ok(()));
+    while sent.is_ok() && begin.elapsed() < Duration::from_secs(25) {
+        sent = deaf.get_mut().write_all(questions.as_bytes());
+    }
+    // Reset or closed by the other side, and not by our own limit.
+    let kind = sent.unwrap_err().kind();
+    assert!(
+        matches!(
+            kind,
+            std::io::ErrorKind::ConnectionReset | std::io::ErrorKind::BrokenPipe
+        ),
+        "{kind:?} after {:?}",
+        begin.elapsed()
+    );
+}
+
+#[test]
+fn slow_uploads_give_their_places_to_a_good_one() {
+    let running = Running::start("upload", &[]);
+    let photo = std::fs::read(skyline().join("normal_000.jpg")).unwrap();
+    let slow: Vec<TcpStream> = (0..8)
+        .map(|_| {
+            let mut stream = TcpStream::connect(running.host()).unwrap();
+            let head = upload("image/jpeg", &photo).head.replace("{host}", &running.host());
+            stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
+            stream.write_all(&photo[..1]).unwrap();
+            stream
+        })
+        .collect();
+    std::thread::sleep(Duration::from_millis(300));
+    let drip = std::thread::spawn(move || {
+        // A byte each second, from all of them.
+        for at in 2..20 {
+            std::thread::sleep(Duration::from_secs(1));
+            slow.iter().for_each(|mut stream| drop(stream.write_all(&[at])));
+        }
+    });
+    let begin = Instant::now();
+    let answer = running.client().send(&upload("image/jpeg", &photo));
+    let waited = begin.elapsed();
+    assert_eq!(answer.json()["photo"], "normal_000.jpg");
+    // Two rounds of four that are given up after four seconds each.
+    assert!(waited < Duration::from_secs(14), "{waited:?}");
+    drop(drip);
+}
+
+#[test]
+fn previews_that_nobody_waits_for_are_made_one_at_a_time() {
+    let running = Running::start("upload", &[]);
+    let mut client = running.client();
+    client.send(&upload("image/png", &noise(6000, 4000)));
+    let number = client.get("/state/0").json()["frame"]["number"].as_u64().unwrap();
+    for _ in 0..12 {
+        let mut leaves = TcpStream::connect(running.host()).unwrap();
+        let head = format!("GET /preview/{number} HTTP/1.1\r\nHost: {}\r\n\r\n", running.host());
+        leaves.write_all(head.as_bytes()).unwrap();
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    // Its turn comes after those that have begun.
+    assert_eq!(client.get(&format!("/preview/{number}")).status, 200);
+    let memory = highest_memory(running.child.id());
+    println!("{} MB", memory >> 20);
+    assert!(memory < 700 << 20, "{} MB", memory >> 20);
+}
+
+/// A PNG of noise in squares of 8 px.
+fn noise(width: u32, height: u32) -> Vec<u8> {
+    let mut random = Pcg64::seed_from_u64(4);
+    let mut row = vec![0; 3 * width as usize];
+    let mut pixels = Vec::new();
+    for y in 0..height {
+        if y.is_multiple_of(8) {
+            row.chunks_mut(24)
+                .for_each(|square| square.fill(random.next_u32() as u8));
+        }
+        pixels.extend_from_slice(&row);
+    }
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
+        .unwrap();
+    bytes
+}
+
+/// A browser sends the cookies of a machine to each of its ports.
+#[test]
+fn two_captures_on_one_machine_leave_each_other_signed_in() {
+    if std::net::UdpSocket::bind("0.0.0.0:0")
+        .unwrap()
+        .connect("192.0.2.1:9")
+        .is_err()
+    {
+        return; // in no network --lan is refused, which tests/capture_page.rs checks
+    }
+    let captures = [
+        Running::start("upload", &["--lan"]),
+        Running::start("upload", &["--lan"]),
+    ];
+    let mut jar: Vec<(String, String)> = Vec::new();
+    for capture in &captures {
+        let join = capture.address.rsplit_once("/join/").unwrap().1.to_owned();
+        let joined = capture.client().get(&format!("/join/{join}"));
+        let pair = joined.header("set-cookie").split(';').next().unwrap();
+        let (name, value) = pair.split_once('=').unwrap();
+        jar.retain(|(known, _)| known != name);
+        jar.push((name.into(), value.into()));
+    }
+    let cookies: Vec<String> = jar.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    for capture in &captures {
+        let answer = capture.client().send(&Request {
+            head: format!(
+                "GET /state/0 HTTP/1.1\r\nHost: {{host}}\r\nCookie: {}\r\n",
+                cookies.join("; ")
+            ),
+            body: Vec::new(),
+        });
+        assert_eq!(answer.status, 200, "{}", capture.address);
+    }
+}
+
+/// Nobody unknown keeps a connection: the answer is its last.
+#[test]
+fn a_connection_ends_with_the_answer_to_a_stranger() {
+    let running = Running::start("upload", &[]);
+    let mut stream = TcpStream::connect(running.host()).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+    let question = "GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n".repeat(3);
+    stream.write_all(question.as_bytes()).unwrap();
+    let mut said = Vec::new();
+    let _ = stream.read_to_end(&mut said); // a reset ends it, too
+    let answers = String::from_utf8_lossy(&said).matches("HTTP/1.1").count();
+    assert_eq!(answers, 1);
+}
