@@ -60,7 +60,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 
 /// Writes an output that a user named: [`write_all_atomically`] of one file.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    write_all_atomically(&[(path.to_owned(), content.to_vec())])
+    write_together(&[(path, content)])
 }
 
 /// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is
@@ -70,9 +70,17 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
 /// A symbolic link stays, and its target is written. Standard output (`-`), pipes and character devices are written to. What is neither is
 /// refused before anything is written.
 pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+    let borrowed: Vec<_> = files
+        .iter()
+        .map(|(path, content)| (path.as_path(), content.as_slice()))
+        .collect();
+    write_together(&borrowed)
+}
+
+fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
     let places = files
         .iter()
-        .map(|(path, content)| Ok((Place::of(path)?, content.as_slice())))
+        .map(|(path, content)| Ok((Place::of(path)?, *content)))
         .collect::<Result<Vec<_>, FileError>>()?;
     let mut staged = Vec::new();
     for (place, content) in &places {

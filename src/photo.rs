@@ -211,13 +211,16 @@ fn jpeg_pixels(
     Ok((pixels, [width, height], decoder.exif().cloned()))
 }
 
-/// A decoder that has read the header, and the picture's size. Strict: by default it fills what damaged data leaves open with grey.
+/// A decoder that has read the header, and the picture's width and height.
+type OpenedJpeg<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2]);
+
+/// Strict: by default it fills what damaged data leaves open with grey.
 fn jpeg_header<'a>(
     bytes: &'a [u8],
     outline: &Outline,
     colours: ColorSpace,
     budget: &Budget,
-) -> Result<(JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2]), DecodeProblem> {
+) -> Result<OpenedJpeg<'a>, DecodeProblem> {
     budget.check_bytes(bytes.len())?;
     let options = DecoderOptions::default()
         .set_strict_mode(true)

@@ -358,6 +358,34 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
             .zip(&entries)
             .all(|(a, b)| (a.loss, a.held_out) == (b.loss, b.held_out))
     );
+    // It breaks off while a pattern is judged: after a step in the middle, and after the last, whose pattern is then only judged anew.
+    let all = Rc::new(Cell::new(0));
+    let mut counted = Weave::new(20.0, &stage);
+    counted.looks = Rc::clone(&all);
+    run(
+        &[Box::new(counted) as Box<dyn WhiteBox>],
+        tempfile::tempdir().unwrap().path(),
+    )
+    .unwrap();
+    let judged = stage.judged().len();
+    for bad_at in [config.batch as usize + judged - 1, all.get() - 1] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bad = Weave::new(20.0, &stage);
+        bad.bad_at = Some(bad_at);
+        let error = run(&[Box::new(bad) as Box<dyn WhiteBox>], folder.path()).unwrap_err();
+        assert!(error.to_string().contains("not a number"), "{error}");
+        let looks = Rc::new(Cell::new(0));
+        let mut counted = Weave::new(20.0, &stage);
+        counted.looks = Rc::clone(&looks);
+        let (again, later) = run(&[Box::new(counted) as Box<dyn WhiteBox>], folder.path()).unwrap();
+        // What was looked at before is kept, but for the judging itself.
+        assert_eq!(looks.get(), all.get() - bad_at - 1 + judged);
+        assert_eq!(again, cells);
+        let figures = |entries: &[scaleproof::attack::run::history::Entry]| {
+            entries.iter().map(|e| (e.loss, e.held_out)).collect::<Vec<_>>()
+        };
+        assert_eq!(figures(&later), figures(&entries));
+    }
     // Other settings do not go on with it.
     let other = Config {
         rate: 0.01,

@@ -255,6 +255,16 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
     // A driver that panics, and one that says nothing.
     let broken = LiveCamera::of(3, || panic!("driver")).err().unwrap();
     assert!(broken.to_string().contains("its driver failed"), "{broken}");
+    let start = Instant::now();
+    let hanging = LiveCamera::of(3, || {
+        std::thread::sleep(Duration::from_secs(60));
+        Err("nobody waits for this".into())
+    });
+    let hanging = hanging.err().unwrap().to_string();
+    assert!(
+        hanging.contains("did not open within 15 s") && start.elapsed() < Duration::from_secs(18),
+        "{hanging}"
+    );
     let (mut silent, _) = fake(Vec::new(), 60_000, u32::MAX);
     let start = Instant::now();
     let gone = silent.next().unwrap_err().to_string();

@@ -25,7 +25,7 @@ pub(super) fn goes_to_standard_output(matches: &ArgMatches) -> Result<bool, Stri
         (command, matches) = (found, inner);
     }
     let named = command.get_arguments().filter(|argument| {
-        OUTPUTS.contains(&argument.get_id().as_str()) && is_dash(matches, argument.get_id().as_str())
+        OUTPUTS.contains(&argument.get_id().as_str()) && is_standard_output(matches, argument.get_id().as_str())
     });
     let named: Vec<_> = named.collect();
     for argument in &named {
@@ -44,7 +44,10 @@ pub(super) fn goes_to_standard_output(matches: &ArgMatches) -> Result<bool, Stri
     }
 }
 
-fn is_dash(matches: &ArgMatches, id: &str) -> bool {
+/// How standard output is named. What is said of a file must not get into it.
+const STANDARD_OUTPUT: [&str; 2] = ["-", "/dev/stdout"];
+
+fn is_standard_output(matches: &ArgMatches, id: &str) -> bool {
     let raw = matches.try_get_raw(id).ok().flatten();
-    raw.is_some_and(|mut values| values.any(|value| value == "-"))
+    raw.is_some_and(|mut values| values.any(|value| STANDARD_OUTPUT.iter().any(|name| value == *name)))
 }

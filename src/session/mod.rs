@@ -224,10 +224,13 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
             "{file} has no variant: name the texture on the model, e.g. normal"
         ));
     }
-    if variant.trim() != variant || variant.chars().any(char::is_control) {
-        return Err(format!(
-            "the variant {variant:?} of {file} has blanks around it or control characters: remove them"
-        ));
+    for (what, name) in [("variant", Some(variant)), ("place", photo.place.as_ref())] {
+        if name.is_some_and(|name| name.trim() != name || name.chars().any(char::is_control)) {
+            let name = name.map_or("", String::as_str);
+            return Err(format!(
+                "the {what} {name:?} of {file} has blanks around it or control characters: remove them"
+            ));
+        }
     }
     if photo.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
         return Err(format!(

@@ -32,7 +32,8 @@ fn the_lock_never_changes_what_is_in_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let photo = folder.path().join("photo.jpg");
     std::fs::write(&photo, "a photo").unwrap();
-    let prepare: [(&str, &dyn Fn(&Path)); 3] = [
+    type Prepare<'a> = &'a dyn Fn(&Path);
+    let prepare: [(&str, Prepare); 3] = [
         ("link", &|lock| symlink(&photo, lock).unwrap()),
         ("folder", &|lock| std::fs::create_dir(lock).unwrap()),
         ("pipe", &|lock| {

@@ -10,18 +10,19 @@ use crate::bounded;
 use crate::common::{assert_refused, program, read_json, skyline, stderr};
 
 /// Commands with one output file; `OUT` stands for it.
-const COMMANDS: [&[&str]; 2] = [
-    &["print", "check", "-o", "OUT"],
-    &["pattern", "random", "--cells", "4", "--seed", "1", "-o", "OUT"],
-];
+const COMMANDS: [&str; 2] = ["print check -o OUT", "pattern random --cells 4 --seed 1 -o OUT"];
 
-fn command(arguments: &[&str], out: &str) -> Command {
+fn command(arguments: &str, out: &str) -> Command {
     let mut command = program();
-    command.args(arguments.iter().map(|argument| argument.replace("OUT", out)));
+    command.args(
+        arguments
+            .split_whitespace()
+            .map(|argument| argument.replace("OUT", out)),
+    );
     command
 }
 
-fn run(arguments: &[&str], out: &Path) -> Output {
+fn run(arguments: &str, out: &Path) -> Output {
     bounded::run(
         &mut command(arguments, &out.display().to_string()),
         Duration::from_secs(20),
@@ -81,32 +82,19 @@ fn a_dash_is_standard_output_where_the_file_is_alone() {
 }
 
 /// Arguments, and words of the refusal.
-const REFUSED: [(&[&str], &[&str]); 5] = [
-    (&["print", "check", "-o", "socket"], &["socket", "is no file"]),
+const REFUSED: [(&str, &[&str]); 8] = [
+    ("print check -o socket", &["socket", "is no file"]),
+    ("print check -o dangling", &["dangling", "symbolic link to nothing"]),
+    ("print check -o folder", &["folder", "in its place"]),
+    ("score SESSION --recorded --out -", &["--out is a folder"]),
+    ("chart capture --session SESSION -o -", &["--out is a folder"]),
+    ("print check --format svg -o -", &["one file a page"]),
     (
-        &["print", "check", "-o", "dangling"],
-        &["dangling", "symbolic link to nothing"],
+        "print board --type chessboard --squares 7x5 --square-mm 20 -o -",
+        &["--definition"],
     ),
-    (&["print", "check", "-o", "folder"], &["folder", "in its place"]),
     (
-        &["score", "SESSION", "--recorded", "--out", "-"],
-        &["--out is a folder"],
-    ),
-    (
-        &[
-            "print",
-            "board",
-            "--type",
-            "chessboard",
-            "--squares",
-            "7x5",
-            "--square-mm",
-            "20",
-            "-o",
-            "-",
-            "--definition",
-            "-",
-        ],
+        "print board --type chessboard --squares 7x5 --square-mm 20 -o - --definition -",
         &["only one file"],
     ),
 ];
@@ -120,7 +108,9 @@ fn what_takes_no_file_is_refused_and_stays() {
         std::fs::create_dir(folder.path().join("folder")).unwrap();
         let before = names(folder.path());
         let session = skyline().display().to_string();
-        let arguments = arguments.iter().map(|argument| argument.replace("SESSION", &session));
+        let arguments = arguments
+            .split_whitespace()
+            .map(|argument| argument.replace("SESSION", &session));
         let output = program().args(arguments).current_dir(folder.path()).output().unwrap();
         assert_refused(&output, words);
         assert_eq!(names(folder.path()), before);

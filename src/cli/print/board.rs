@@ -62,10 +62,13 @@ fn columns_and_rows(text: &str) -> Result<(u32, u32), String> {
 
 /// Runs `scaleproof print board`.
 pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
-    let definition_path = args
-        .definition
-        .clone()
-        .unwrap_or_else(|| args.sheets.output.with_extension("toml"));
+    let definition_path = match &args.definition {
+        Some(path) => path.clone(),
+        None if args.sheets.output.as_os_str() == "-" => {
+            return Err("nothing lies beside standard output: name the definition by --definition".into());
+        }
+        None => args.sheets.output.with_extension("toml"),
+    };
     let made = board(&BoardRequest {
         kind: args.kind.into(),
         squares: args.squares,

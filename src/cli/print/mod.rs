@@ -94,6 +94,9 @@ fn as_files(
     pages: (&[String], &[Sheet]),
 ) -> Result<Vec<NewFile>, Box<dyn Error>> {
     let (names, sheets) = pages;
+    if format == Format::Svg && output == Path::new("-") {
+        return Err("an SVG is one file a page, which standard output is not: name a file".into());
+    }
     Ok(match format {
         Format::Pdf => vec![(output.to_owned(), pdf::write(title, sheets)?)],
         Format::Svg => {
