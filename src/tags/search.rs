@@ -31,8 +31,8 @@ pub(super) trait Search {
 const LEAST_SIDE_PX: u32 = 16;
 
 /// Larger pictures are searched reduced. A library takes some 0.3 µs and 26 bytes for each pixel of fine texture, and the camera of 200
-/// megapixels shows no smaller tags than one of 24.
-const MOST_SEARCHED_PX: u64 = 27_000_000;
+/// megapixels shows no smaller tags than one of 33.
+const MOST_SEARCHED_PX: u64 = 34_000_000;
 
 /// Searches what a library can search: nothing in a tiny picture, a huge one reduced.
 pub(super) fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
