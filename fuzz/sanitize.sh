@@ -141,7 +141,7 @@ valgrind_part() {
     for log in "$logs/valgrind-$part"/*.log; do
       # An error's first line and the function it is in, once each.
       grep -aA 1 -E '^==[0-9]+== (Invalid|Conditional jump|Use of|Syscall param|Source and destination|Mismatched|Process term)' "$log" |
-        sed -E 's/^==[0-9]+== *//; s/0x[0-9A-Fa-f]+/…/' | paste -sd ' ' | sed 's/ -- /\n/g' | sort | uniq -c | sort -rn | head -n 10 || true
+        sed -E 's/^==[0-9]+== *//; s/0x[0-9A-Fa-f]+/…/' | paste -sd ' ' | sed 's/ -- /\n/g' | sed "/^$/d" | sort | uniq -c | sort -rn | head -n 10 || true
     done
   done
 }

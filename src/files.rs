@@ -4,6 +4,8 @@ mod journal;
 mod place;
 mod staged;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -34,25 +36,30 @@ pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> 
         path: path.to_owned(),
         reason,
     };
+    let too_large = || failed(format!("it has more than the {} MB that are read", most_bytes >> 20));
     // Reading a named pipe would wait for ever.
     match std::fs::metadata(path) {
         Ok(about) if !about.is_file() => return Err(failed("it is not a file".into())),
-        Ok(about) if about.len() > most_bytes => {
-            return Err(failed(format!(
-                "it has {} MB, more than the {} MB that are read",
-                about.len() / 1_000_000,
-                most_bytes / 1_000_000
-            )));
-        }
+        Ok(about) if about.len() > most_bytes => return Err(too_large()),
         Ok(_) => {}
         Err(e) => return Err(failed(plain(&e))),
     }
-    std::fs::read(path).map_err(|e| failed(plain(&e)))
+    let mut bytes = Vec::new();
+    // It may grow meanwhile.
+    let read = File::open(path).and_then(|file| file.take(most_bytes + 1).read_to_end(&mut bytes));
+    match read {
+        Err(e) => Err(failed(plain(&e))),
+        Ok(count) if count as u64 > most_bytes => Err(too_large()),
+        Ok(_) => Ok(bytes),
+    }
 }
 
-/// Reads a whole UTF-8 text file.
+/// Texts are smaller than networks: the annotations of a large set have some hundred megabytes.
+const MOST_TEXT: u64 = 1 << 30;
+
+/// Reads a whole UTF-8 text file of up to 1 GiB.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    String::from_utf8(read(path)?).map_err(|_| FileError::Read {
+    String::from_utf8(read_at_most(path, MOST_TEXT)?).map_err(|_| FileError::Read {
         path: path.to_owned(),
         reason: "it is not UTF-8 text".into(),
     })
@@ -61,6 +68,11 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// Writes an output that a user named: [`write_all_atomically`] of one file.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     write_together(&[(path, content)])
+}
+
+/// Whether an output is named as standard output.
+pub fn is_standard_output(path: &Path) -> bool {
+    ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
 }
 
 /// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is
@@ -78,26 +90,39 @@ pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileErro
 }
 
 fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
-    let places = files
-        .iter()
-        .map(|(path, content)| Ok((Place::of(path)?, *content)))
-        .collect::<Result<Vec<_>, FileError>>()?;
-    let mut staged = Vec::new();
-    for (place, content) in &places {
-        if let Place::File(path) = place {
-            journal::tidy(folder_of(path));
-            staged.push(Staged::write(path, content)?);
+    let (mut regular, mut streams) = (Vec::new(), Vec::new());
+    for (path, content) in files {
+        match Place::of(path)? {
+            Place::File(path) => regular.push((path, *content)),
+            Place::Stream(stream) => streams.push((stream, *content)),
         }
     }
-    journal::take_places(staged)?;
-    for (place, content) in &places {
-        place.stream(content)?;
-    }
-    Ok(())
+    replace_together(&regular)?;
+    streams
+        .into_iter()
+        .try_for_each(|(stream, content)| stream.write(content))
 }
 
-/// Writes a file that this program keeps in a folder of its own, whole or not at all. A symbolic link in its place is replaced, never
-/// followed: nobody but this program says where such a file lies.
+/// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
+/// the place of one is replaced, never followed: the folder may come from somebody else.
+pub fn replace_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+    let borrowed: Vec<_> = files
+        .iter()
+        .map(|(path, content)| (path.clone(), content.as_slice()))
+        .collect();
+    replace_together(&borrowed)
+}
+
+fn replace_together(files: &[(PathBuf, &[u8])]) -> Result<(), FileError> {
+    let mut staged = Vec::new();
+    for (path, content) in files {
+        journal::tidy(folder_of(path));
+        staged.push(Staged::write(path, content)?);
+    }
+    journal::take_places(staged)
+}
+
+/// The same of one file, without a look at what killed runs left in the folder.
 pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     Staged::write(path, content)?.take_place().map(drop)
 }

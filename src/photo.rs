@@ -35,7 +35,7 @@ pub enum PhotoError {
     Truncated { path: PathBuf },
     #[error("{path} has {size}: scale it down", path = path.display())]
     TooLarge { path: PathBuf, size: String },
-    #[error("{path} is a JPEG of {scans} scans, which no camera writes and which take too long to decode: save it anew", path = path.display())]
+    #[error("{path} is a JPEG of {scans} scans, which no camera writes and which take too long to decode: save it again", path = path.display())]
     TooManyScans { path: PathBuf, scans: u64 },
     #[error("{path} cannot be decoded ({reason}): copy it from the camera again", path = path.display())]
     Damaged { path: PathBuf, reason: String },
@@ -115,12 +115,12 @@ struct Decoded {
 }
 
 fn decode(bytes: &[u8], budget: &Budget) -> Result<Decoded, DecodeProblem> {
-    let (mut picture, exif) = match Kind::of(bytes)? {
+    let (picture, exif) = match Kind::of(bytes)? {
         Kind::Jpeg(outline) => decode_jpeg(bytes, &outline, budget)?,
         Kind::Png => decode_png(bytes, budget)?,
     };
-    let orientation = exif.as_deref().and_then(Orientation::from_exif_chunk);
-    let orientation = orientation.unwrap_or(Orientation::NoTransforms);
+    let orientation = orientation_of(exif.as_deref());
+    let mut picture = DynamicImage::from(picture.into_rgb8());
     picture.apply_orientation(orientation);
     Ok(Decoded {
         rgb: picture.into_rgb8(),
@@ -134,11 +134,12 @@ fn decode(bytes: &[u8], budget: &Budget) -> Result<Decoded, DecodeProblem> {
 /// # Errors
 /// What is no PNG, is damaged or costs too much, as a clause.
 pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, String> {
-    png_header(bytes, budget).map_err(|problem| match problem {
+    let opened = png_header(bytes, budget).map_err(|problem| match problem {
         DecodeProblem::TooLarge(size) => format!("it has {size}"),
         DecodeProblem::Damaged(reason) => reason,
         _ => "it is no PNG".into(),
-    })
+    });
+    opened.map(|(decoder, _)| decoder)
 }
 
 /// JPEG or PNG, by the first bytes.
@@ -158,6 +159,17 @@ impl Kind {
     }
 }
 
+/// What EXIF data says; data that cannot be read is no reason to refuse the picture.
+fn orientation_of(exif: Option<&[u8]>) -> Orientation {
+    let read = exif.and_then(Orientation::from_exif_chunk);
+    read.unwrap_or(Orientation::NoTransforms)
+}
+
+/// True when an orientation swaps width and height.
+fn lies_across(orientation: Orientation) -> bool {
+    turned_deg(orientation) % 180 == 90
+}
+
 /// How far the sensor's picture is turned clockwise; mirroring is what software did to it before.
 fn turned_deg(orientation: Orientation) -> u32 {
     match orientation {
@@ -172,23 +184,29 @@ fn turned_deg(orientation: Orientation) -> u32 {
 type Stored = (DynamicImage, Option<Vec<u8>>);
 
 fn decode_png(bytes: &[u8], budget: &Budget) -> Result<Stored, DecodeProblem> {
-    let mut decoder = png_header(bytes, budget)?;
+    let (mut decoder, _) = png_header(bytes, budget)?;
     // EXIF data that cannot be read is no reason to refuse the picture.
     let exif = decoder.exif_metadata().ok().flatten();
     Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, exif))
 }
 
-fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<PngDecoder<Cursor<&'a [u8]>>, DecodeProblem> {
+/// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.
+const PNG_CHUNKS: u64 = 64 << 20;
+
+/// A decoder that has read the header, and what the picture takes.
+type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, Cost);
+
+fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, DecodeProblem> {
     budget.check_bytes(bytes.len())?;
     let mut limits = image::Limits::default();
-    limits.max_alloc = Some(budget.memory);
-    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
+    limits.max_alloc = Some(PNG_CHUNKS);
+    let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    budget.check(&Cost::of_png(
-        [width, height],
-        decoder.color_type().bytes_per_pixel().into(),
-    ))?;
-    Ok(decoder)
+    let is_turned = lies_across(orientation_of(decoder.exif_metadata().ok().flatten().as_deref()));
+    let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
+    let cost = Cost::of_png([width, height], bytes_per_pixel, is_turned);
+    budget.check(&cost)?;
+    Ok((decoder, cost))
 }
 
 fn decode_jpeg(bytes: &[u8], outline: &Outline, budget: &Budget) -> Result<Stored, DecodeProblem> {
@@ -206,13 +224,13 @@ fn jpeg_pixels(
     colours: ColorSpace,
     budget: &Budget,
 ) -> Result<JpegPixels, DecodeProblem> {
-    let (mut decoder, [width, height]) = jpeg_header(bytes, outline, colours, budget)?;
+    let (mut decoder, [width, height], _) = jpeg_header(bytes, outline, colours, budget)?;
     let pixels = decoder.decode().map_err(damaged)?;
     Ok((pixels, [width, height], decoder.exif().cloned()))
 }
 
-/// A decoder that has read the header, and the picture's width and height.
-type OpenedJpeg<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2]);
+/// A decoder that has read the header, the picture's width and height, and what it takes.
+type OpenedJpeg<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2], Cost);
 
 /// Strict: by default it fills what damaged data leaves open with grey.
 fn jpeg_header<'a>(
@@ -233,8 +251,10 @@ fn jpeg_header<'a>(
     let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
     // A JPEG's sides fit 16 bits.
     let size = [width as u32, height as u32];
-    budget.check(&Cost::of_jpeg(size, outline))?;
-    Ok((decoder, size))
+    let is_turned = lies_across(orientation_of(decoder.exif().map(Vec::as_slice)));
+    let cost = Cost::of_jpeg(size, outline, is_turned);
+    budget.check(&cost)?;
+    Ok((decoder, size, cost))
 }
 
 /// The first line of what a decoder says, without the internals it prints in braces.

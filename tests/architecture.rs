@@ -141,3 +141,32 @@ fn the_reader_of_use_lines_sees_every_form() {
     let rooms: Vec<_> = rooms_named(source).into_iter().collect();
     assert_eq!(rooms, ["files", "geometry", "locate", "scene", "tags"]);
 }
+
+/// What only one place may do, and the files that may.
+const ONE_PLACE: [(&str, &[&str]); 6] = [
+    // The library neither exits nor hooks panics; its program does.
+    ("process::exit", &["cli/"]),
+    ("set_hook(", &["cli/mod.rs"]),
+    // A QR code is drawn with the colours that phones need.
+    ("eprintln!", &["cli/capture/page.rs"]),
+    (" println!", &[]),
+    // Every picture is measured before it is decoded; this one the program has made itself.
+    ("ImageReader", &[]),
+    ("load_from_memory", &["chart/spoil.rs"]),
+];
+
+#[test]
+fn what_belongs_in_one_place_is_in_no_other() {
+    let (_, files) = project();
+    for (_, path, source) in &files {
+        let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+        let path = path.to_string_lossy();
+        for (word, allowed) in ONE_PLACE {
+            let is_used = code
+                .lines()
+                .any(|line| !line.trim_start().starts_with("//") && line.contains(word));
+            let may = allowed.iter().any(|place| path.contains(&format!("src/{place}")));
+            assert!(!is_used || may, "{path} uses {word}");
+        }
+    }
+}

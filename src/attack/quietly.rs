@@ -15,8 +15,8 @@ pub(super) fn quietly<T>(may_panic: impl FnOnce() -> T) -> Option<T> {
     result.ok()
 }
 
-/// Whether a panic of this thread would be caught, and told as an error. A program's panic hook may ask, to say nothing of it: the library
-/// itself leaves the hook, which is the whole process's, alone.
+/// Whether a panic of this thread would be caught and returned as an error. A program's panic hook may ask, to stay silent; the library
+/// itself leaves the hook alone, since it is the whole process's.
 pub fn is_refusing() -> bool {
     IS_REFUSING.get()
 }

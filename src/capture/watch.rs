@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::source::{Frame, FrameSource, Original, SourceError};
 use crate::files;
-use crate::photo::{PhotoError, PhotoFile};
+use crate::photo::{Budget, PhotoError, PhotoFile};
 
 /// How often the folder is looked at.
 const ROUND: Duration = Duration::from_millis(250);
@@ -16,9 +16,6 @@ const STABLE: Duration = Duration::from_millis(500);
 
 /// A file that does not decode may be waiting for its rest; after so long without a change it is said to be bad.
 const PATIENCE: Duration = Duration::from_secs(4);
-
-/// A larger file is no photo.
-const MAX_BYTES: u64 = 1 << 29;
 
 /// New photos in a folder, by name where several are ready at once.
 pub struct Watch {
@@ -105,7 +102,7 @@ impl Watch {
 
 /// The bytes of a file that decodes, or why there will be none; `None` while its rest may still arrive.
 fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
-    if size > MAX_BYTES {
+    if size > Budget::FILE.bytes {
         let sentence = format!("{} is larger than a photo: move it out of the folder", path.display());
         return Some(Original::Unreadable(sentence));
     }
@@ -115,7 +112,7 @@ fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
         if photo.extension() == "png" {
             photo.grey()?;
         }
-        Ok(photo.bytes().to_vec())
+        Ok(photo.into_bytes())
     };
     match decoded(path) {
         Ok(bytes) => Some(Original::Encoded(bytes)),

@@ -274,7 +274,7 @@ fn write(folder: &Path, name: &str, charts: &[(&str, String)], json: String, out
     for (suffix, svg) in charts {
         new.push((folder.join(format!("{name}{suffix}.svg")), svg.clone().into_bytes()));
     }
-    files::write_all_atomically(&new)?;
+    files::replace_all_atomically(&new)?;
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;
     }

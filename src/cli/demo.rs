@@ -30,7 +30,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
-    files::write_atomically(&args.out.join("random16.png"), &pattern.to_png()?)?;
+    files::replace_atomically(&args.out.join("random16.png"), &pattern.to_png()?)?;
     let pdf = args.out.join("template.pdf");
     // The published tile size, 16 cells over 118 mm at 1:10.
     print_template(&pattern, "random16.png", 118.0, &pdf, out)?;

@@ -171,8 +171,8 @@ impl Recorded {
             ..recording
         };
         let provenance = serde_json::to_string_pretty(&recording).map_err(syntax)? + "\n";
-        files::write_atomically(&results_path, results.as_bytes())?;
-        files::write_atomically(&provenance_path, provenance.as_bytes())?;
+        files::replace_atomically(&results_path, results.as_bytes())?;
+        files::replace_atomically(&provenance_path, provenance.as_bytes())?;
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::weights::check_hash;
 use super::{Manifest, WeightsError};
@@ -41,8 +41,12 @@ pub enum FetchError {
 /// Nothing this program fetches is near this size; a longer answer is not the file.
 const MAX_BYTES: u64 = 2 << 30;
 
-/// A download breaks off when nothing came for so long.
+/// A download breaks off when no byte comes for this long.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// So does one that is slower than this on the whole, once it had time to begin: the file would take a day.
+const LEAST_BYTES_PER_S: f64 = 100.0;
+const SLOW_START_S: f64 = 60.0;
 
 /// Downloads a detector's weights into a folder. `progress` is told the bytes so far and, if known, in all.
 ///
@@ -162,8 +166,17 @@ fn receive(
     let total = response.body().content_length().map(|rest| have + rest);
     let mut body = response.into_body().into_with_config().limit(MAX_BYTES).reader();
     let mut buffer = vec![0; 1 << 16];
+    let (begin, had) = (Instant::now(), have);
     loop {
         progress(have, total);
+        let (seconds, came) = (begin.elapsed().as_secs_f64(), (have - had) as f64);
+        if seconds > SLOW_START_S && came < seconds * LEAST_BYTES_PER_S {
+            return Err(FetchError::BrokeOff {
+                name: manifest.name.clone(),
+                bytes: have,
+                reason: format!("fewer than {LEAST_BYTES_PER_S} bytes a second came"),
+            });
+        }
         let broke_off = |e: std::io::Error| FetchError::BrokeOff {
             name: manifest.name.clone(),
             bytes: have,

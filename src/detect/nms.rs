@@ -12,7 +12,7 @@ pub(crate) struct Candidate {
     pub b: BoxPx,
 }
 
-/// So many candidates take part in suppression, the best first, as in the reference programs of the YOLO line (`max_nms` in YOLOv5 and in
+/// At most this many candidates, the best first, take part in suppression, as in the reference programs of the YOLO line (`max_nms` in YOLOv5 and in
 /// Ultralytics): where all lie apart, each is compared with every better one, and 100,000 take more than 20 s.
 const MOST_SUPPRESSED: usize = 30_000;
 
@@ -21,8 +21,8 @@ pub(crate) fn suppress(candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
     BestFirst::new(candidates, Some(iou)).collect()
 }
 
-/// Candidates in falling order of their scores, without those that suppression drops. Whoever needs a few stops there, and the rest is
-/// never compared.
+/// Candidates in falling order of their scores, without those that suppression drops. A caller that needs a few stops early, and the
+/// rest is never compared.
 pub(super) struct BestFirst {
     waiting: std::vec::IntoIter<Candidate>,
     /// The overlap above which a box goes; `None` keeps every box.

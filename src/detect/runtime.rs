@@ -40,7 +40,7 @@ pub enum DetectError {
     )]
     NotAScore { detector: String, score: f64 },
     #[error(
-        "{detector} has not answered within {seconds} s and was stopped: its network may run in an endless loop, so export it anew, \
+        "{detector} has not answered within {seconds} s and was stopped: its network may run in an endless loop, so export it again, \
          or use another one"
     )]
     TooLong { detector: String, seconds: f64 },
@@ -49,7 +49,7 @@ pub enum DetectError {
 /// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.
 const HIGHEST_SCORE: f64 = 1.001;
 
-/// A network has so much time for one photo, far more than any takes on a single core. A loop in its file may never end.
+/// Time limit for one photo, far more than any network takes on a single core. A loop in its file may never end.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// The loaded ONNX Runtime.

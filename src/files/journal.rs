@@ -10,9 +10,9 @@ use std::fs::{File, Metadata};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
-use super::staged::{Staged, name_of};
+use super::staged::{Staged, name_of, unique};
 use super::{FileError, folder_of};
 
 /// A temporary file that is younger may be about to be locked.
@@ -46,8 +46,8 @@ fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
     let mut folders: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
     for file in staged {
         // A name that is no line of text cannot be noted; the file is whole or absent all the same.
-        let name = file.temporary().file_name().and_then(|name| name.to_str());
-        let name = name.filter(|name| !name.contains('\n'));
+        let is_line = |path: &Path| path.file_name()?.to_str().filter(|name| !name.contains('\n')).map(drop);
+        let name = is_line(file.path()).and_then(|()| file.temporary().file_name()?.to_str());
         let names = folders.entry(folder_of(file.path()).to_owned()).or_default();
         names.extend(name.map(str::to_owned));
     }
@@ -56,7 +56,7 @@ fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
 
 impl Journal {
     fn write(folder: &Path, names: &[String]) -> Result<Journal, FileError> {
-        let path = folder.join(format!(".{}{ENDING}", std::process::id()));
+        let path = folder.join(format!(".{}{ENDING}", unique()));
         // It gets its name when it is whole and locked, so that nobody takes it for one left behind.
         let staged = Staged::write(&path, names.join("\n").as_bytes())?;
         let lock = staged.take_place()?;
@@ -123,10 +123,16 @@ fn finish(folder: &Path, note: File) {
         return;
     }
     for (temporary, name) in names.lines().filter_map(|line| Some((line, name_of(line)?))) {
-        let from = folder.join(temporary);
+        let (from, to) = (folder.join(temporary), folder.join(name));
         let is_file = std::fs::symlink_metadata(&from).is_ok_and(|about| about.is_file());
-        if is_file && !folder.join(name).is_dir() {
-            let _ = std::fs::rename(&from, folder.join(name));
+        // What came after the killed run stays.
+        if is_file && !to.is_dir() && modified(&to) <= modified(&from) {
+            let _ = std::fs::rename(&from, &to);
         }
     }
+}
+
+/// `None`, which is before any time, for what is not there.
+fn modified(path: &Path) -> Option<SystemTime> {
+    std::fs::symlink_metadata(path).and_then(|about| about.modified()).ok()
 }

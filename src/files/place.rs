@@ -4,15 +4,22 @@ use std::fs::{FileType, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{FileError, plain};
+use super::{FileError, is_standard_output, plain};
 
 /// Where an output goes.
+#[derive(Debug)]
 pub(super) enum Place {
     /// A regular file, or one to be made; what a symbolic link points to.
     File(PathBuf),
-    /// A named pipe or a character device.
-    Stream(PathBuf),
+    Stream(Stream),
+}
+
+/// What is written to, and not replaced.
+#[derive(Debug)]
+pub(super) enum Stream {
     StandardOutput,
+    /// A named pipe or a character device.
+    Device(PathBuf),
 }
 
 impl Place {
@@ -25,12 +32,12 @@ impl Place {
                 reason: reason.into(),
             })
         };
-        if path == Path::new("-") {
-            return Ok(Place::StandardOutput);
+        if is_standard_output(path) {
+            return Ok(Place::Stream(Stream::StandardOutput));
         }
         match (std::fs::metadata(path), path.is_symlink()) {
             (Ok(about), _) if about.is_dir() => refused("a folder is in its place"),
-            (Ok(about), _) if is_stream(about.file_type()) => Ok(Place::Stream(path.to_owned())),
+            (Ok(about), _) if is_stream(about.file_type()) => Ok(Place::Stream(Stream::Device(path.to_owned()))),
             (Ok(about), _) if !about.is_file() => refused("what is in its place is no file: name another output"),
             (Ok(_), true) => match path.canonicalize() {
                 Ok(target) => Ok(Place::File(target)),
@@ -41,23 +48,23 @@ impl Place {
             _ => Ok(Place::File(path.to_owned())),
         }
     }
+}
 
-    /// Writes to what is a stream; files take their places by themselves.
-    pub(super) fn stream(&self, content: &[u8]) -> Result<(), FileError> {
+impl Stream {
+    pub(super) fn write(&self, content: &[u8]) -> Result<(), FileError> {
         let (written, path) = match self {
-            Place::File(_) => return Ok(()),
-            Place::StandardOutput => {
+            Stream::StandardOutput => {
                 let mut out = std::io::stdout().lock();
                 let written = out.write_all(content).and_then(|()| out.flush());
                 (written, PathBuf::from("standard output"))
             }
-            Place::Stream(path) => {
+            Stream::Device(path) => {
                 let opened = OpenOptions::new().write(true).open(path);
                 (opened.and_then(|mut stream| stream.write_all(content)), path.clone())
             }
         };
         match written {
-            // Whoever reads has enough, as `| head` does.
+            // The reader has enough, as `head` does.
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
             Err(e) => Err(FileError::Write {
                 path,
@@ -77,4 +84,16 @@ fn is_stream(kind: FileType) -> bool {
 #[cfg(not(unix))]
 fn is_stream(_: FileType) -> bool {
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn a_device_is_written_to_and_never_replaced() {
+        let place = Place::of(Path::new("/dev/null"));
+        assert!(matches!(place, Ok(Place::Stream(Stream::Device(_)))), "{place:?}");
+    }
 }

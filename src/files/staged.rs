@@ -28,10 +28,7 @@ impl Staged {
             return Err(refused("it is not a file name".into()));
         };
         std::fs::create_dir_all(super::folder_of(path)).map_err(failed)?;
-        let temporary = path.with_file_name(temporary_name(&name.to_string_lossy()));
-        // A number of a process that crashed is used again some day; a link that somebody laid there is not followed.
-        let _ = std::fs::remove_file(&temporary);
-        let mut file = File::create_new(&temporary).map_err(failed)?;
+        let (temporary, mut file) = create(path, &name.to_string_lossy()).map_err(failed)?;
         let _ = file.try_lock(); // a file system without locks has none to respect either
         let written = file.write_all(content).and_then(|()| file.sync_all());
         let staged = Staged {
@@ -69,18 +66,30 @@ impl Drop for Staged {
     }
 }
 
-/// No two files of this process, nor of two at once, have the same.
-fn temporary_name(name: &str) -> String {
+/// A new file beside the place. Nothing that is there is touched: containers may number their processes alike.
+fn create(path: &Path, name: &str) -> std::io::Result<(PathBuf, File)> {
+    loop {
+        let temporary = path.with_file_name(format!(".{name}.{}{ENDING}", unique()));
+        match File::create_new(&temporary) {
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+            created => return created.map(|file| (temporary, file)),
+        }
+    }
+}
+
+/// The process and a number of it, as in `4711_3`.
+pub(super) fn unique() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
-    let number = COUNT.fetch_add(1, Ordering::Relaxed);
-    format!(".{name}.{}_{number}{ENDING}", std::process::id())
+    format!("{}_{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
 const ENDING: &str = ".partial";
 
 /// The name that a file under this temporary name is for; `None` for names that are no temporary ones.
 pub(super) fn name_of(temporary: &str) -> Option<&str> {
-    let (name, process) = temporary.strip_prefix('.')?.strip_suffix(ENDING)?.rsplit_once('.')?;
-    let is_plain = !name.is_empty() && !name.contains('/') && process.bytes().all(|b| b.is_ascii_digit() || b == b'_');
-    (is_plain && !process.is_empty()).then_some(name)
+    let (name, numbers) = temporary.strip_prefix('.')?.strip_suffix(ENDING)?.rsplit_once('.')?;
+    let (process, number) = numbers.split_once('_')?;
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let is_ours = !name.is_empty() && !name.contains('/') && is_number(process) && is_number(number);
+    is_ours.then_some(name)
 }

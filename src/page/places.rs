@@ -4,6 +4,7 @@
 //! of the address that has most of them leaves: a known browser says who it is as soon as it is heard, and who only holds a place does not
 //! keep others out.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -115,7 +116,10 @@ impl Seats {
         for (number, seat) in self.strangers() {
             crowds.entry(seat.from).or_insert((0, *number)).0 += 1;
         }
-        let largest = crowds.into_values().max_by_key(|(count, _)| *count);
+        // Of equal crowds, that of the longest.
+        let largest = crowds
+            .into_values()
+            .max_by_key(|(count, longest)| (*count, Reverse(*longest)));
         largest.map(|(_, longest)| longest)
     }
 

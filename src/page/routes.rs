@@ -236,7 +236,7 @@ fn has_ended() -> Response {
     told(Told::refused(StatusCode::SERVICE_UNAVAILABLE, "The capture has ended"))
 }
 
-/// The answer to somebody unknown, after which the connection ends: it is nobody's to keep.
+/// The answer to an unknown client; the connection closes after it.
 fn stranger(status: StatusCode, sentence: &'static str) -> Response {
     let headers = [(CONTENT_TYPE, "text/plain; charset=utf-8"), (CONNECTION, "close")];
     (status, headers, sentence).into_response()

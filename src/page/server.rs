@@ -28,7 +28,7 @@ const MAX_CONNECTIONS: usize = 512;
 /// A connection that sends no whole request head for so long is closed.
 const HEAD: Duration = Duration::from_secs(10);
 
-/// So is one that takes no byte of an answer for so long.
+/// A connection that takes no byte of an answer for this long is closed, too.
 const TAKES_NOTHING: Duration = Duration::from_secs(10);
 
 /// A request's head, and what of a body waits to be read.

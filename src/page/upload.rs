@@ -15,11 +15,14 @@ use crate::photo::{Budget, PhotoFile};
 /// Of one photo.
 pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
 
-/// A sender has so long before its rate counts.
-const GRACE: Duration = Duration::from_secs(4);
+/// The rate counts after this time: a phone may have to convert the photo first.
+const GRACE: Duration = Duration::from_secs(6);
 
-/// Who sends more slowly, on the whole, gives its place to others: the worst wireless network that shows a page is faster.
+/// A sender slower than this, on the whole, loses its place; any wireless network that can show the page is faster.
 const LEAST_BYTES_PER_S: f64 = 64_000.0;
+
+/// A sender that is silent for this long is gone.
+const SILENCE: Duration = Duration::from_secs(8);
 
 /// What takes longer than this is no upload over a local network.
 const WHOLE: Duration = Duration::from_secs(120);
@@ -65,9 +68,11 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
         )
     };
     let mut bytes = Vec::new();
+    let mut last = begin;
     loop {
-        let due = GRACE + Duration::from_secs_f64(bytes.len() as f64 / LEAST_BYTES_PER_S);
-        let next = timeout_at(begin + due.min(WHOLE), body.frame()).await;
+        let due = begin + GRACE + Duration::from_secs_f64(bytes.len() as f64 / LEAST_BYTES_PER_S);
+        let next = timeout_at(due.min(last + SILENCE).min(begin + WHOLE), body.frame()).await;
+        last = Instant::now();
         let frame = match next.map_err(|_| slow())? {
             None => return Ok(bytes),
             Some(Err(_)) => {

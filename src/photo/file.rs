@@ -7,8 +7,8 @@ use image::{DynamicImage, GrayImage, ImageDecoder, RgbImage};
 use zune_core::colorspace::ColorSpace;
 
 use super::{
-    Budget, Cost, DecodeProblem, Kind, Outline, PhotoError, damaged, decode, jpeg_header, jpeg_pixels, png_header,
-    turned_deg,
+    Budget, Cost, DecodeProblem, Kind, Outline, PhotoError, damaged, decode, jpeg_header, jpeg_pixels, lies_across,
+    orientation_of, png_header, turned_deg,
 };
 use crate::files;
 
@@ -29,6 +29,7 @@ pub struct PhotoFile {
     pub turned_deg: u32,
     orientation: Orientation,
     budget: Budget,
+    cost: Cost,
     /// `None` for a PNG.
     jpeg: Option<Outline>,
     /// A JPEG that keeps brightness by itself, as almost all do: the others are CMYK or plain RGB.
@@ -58,6 +59,7 @@ impl PhotoFile {
             turned_deg: turned_deg(header.orientation),
             orientation: header.orientation,
             budget,
+            cost: header.cost,
             jpeg: header.jpeg,
             has_luma: header.has_luma,
         })
@@ -75,11 +77,7 @@ impl PhotoFile {
 
     /// What holding the picture at 1/`reduction` of its size takes while it is decoded, in bytes.
     pub fn memory(&self, reduction: u32) -> u64 {
-        let size = [self.width, self.height];
-        match self.jpeg {
-            Some(outline) => Cost::of_jpeg(size, &outline).memory(reduction),
-            None => Cost::of_png(size, 3).memory(reduction),
-        }
+        self.cost.memory(reduction)
     }
 
     /// `jpg` or `png`, by the content.
@@ -148,6 +146,7 @@ impl PhotoFile {
 struct Header {
     /// Width, height as stored.
     size: [u32; 2],
+    cost: Cost,
     orientation: Orientation,
     jpeg: Option<Outline>,
     has_luma: bool,
@@ -155,33 +154,28 @@ struct Header {
 
 impl Header {
     fn of(bytes: &[u8], budget: &Budget) -> Result<Header, DecodeProblem> {
-        let (size, exif, jpeg, has_luma) = match Kind::of(bytes)? {
+        let (size, cost, exif, jpeg, has_luma) = match Kind::of(bytes)? {
             Kind::Jpeg(outline) => {
-                let (decoder, size) = jpeg_header(bytes, &outline, ColorSpace::RGB, budget)?;
+                let (decoder, size, cost) = jpeg_header(bytes, &outline, ColorSpace::RGB, budget)?;
                 let colours = decoder.input_colorspace();
                 let has_luma = matches!(colours, Some(ColorSpace::YCbCr | ColorSpace::Luma));
-                (size, decoder.exif().cloned(), Some(outline), has_luma)
+                (size, cost, decoder.exif().cloned(), Some(outline), has_luma)
             }
             Kind::Png => {
-                let mut decoder = png_header(bytes, budget)?;
+                let (mut decoder, cost) = png_header(bytes, budget)?;
                 let (width, height) = decoder.dimensions();
-                // EXIF data that cannot be read is no reason to refuse the picture.
-                ([width, height], decoder.exif_metadata().ok().flatten(), None, false)
+                let exif = decoder.exif_metadata().ok().flatten();
+                ([width, height], cost, exif, None, false)
             }
         };
-        let orientation = exif.as_deref().and_then(Orientation::from_exif_chunk);
         Ok(Header {
             size,
-            orientation: orientation.unwrap_or(Orientation::NoTransforms),
+            cost,
+            orientation: orientation_of(exif.as_deref()),
             jpeg,
             has_luma,
         })
     }
-}
-
-/// True when an orientation swaps width and height.
-fn lies_across(orientation: Orientation) -> bool {
-    turned_deg(orientation) % 180 == 90
 }
 
 /// A JPEG decoded at a half, a quarter or an eighth of its stored width and height (scaled inverse DCT). `None` for the rare

@@ -5,11 +5,16 @@
 pub(super) struct Outline {
     /// Start-of-scan markers.
     pub scans: u64,
+    pub components: u64,
     pub is_progressive: bool,
 }
 
 const END_OF_IMAGE: u8 = 0xD9;
 const START_OF_SCAN: u8 = 0xDA;
+
+/// Starts of frames, but for DHT, JPG and DAC, which lie among them.
+const FRAMES: std::ops::RangeInclusive<u8> = 0xC0..=0xCF;
+const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 
 /// Start of a progressive frame, with Huffman or arithmetic codes.
 const PROGRESSIVE: [u8; 2] = [0xC2, 0xCA];
@@ -22,6 +27,7 @@ impl Outline {
     pub fn of(bytes: &[u8]) -> Option<Outline> {
         let mut outline = Outline {
             scans: 0,
+            components: 0,
             is_progressive: false,
         };
         let mut at = 2; // behind the start-of-image marker
@@ -34,7 +40,12 @@ impl Outline {
                 // Markers without a segment: TEM and the restart markers, which also stand inside scan data.
                 0x01 | 0xD0..=0xD7 => continue,
                 START_OF_SCAN => outline.scans += 1,
-                _ => outline.is_progressive |= PROGRESSIVE.contains(&marker),
+                _ if FRAMES.contains(&marker) && !NO_FRAMES.contains(&marker) => {
+                    outline.is_progressive |= PROGRESSIVE.contains(&marker);
+                    // Behind the length, the precision, and the two sides.
+                    outline.components = (*bytes.get(at + 7)?).into();
+                }
+                _ => {}
             }
             let length = bytes.get(at..at + 2)?;
             at += usize::from(u16::from_be_bytes([length[0], length[1]])).max(2);

@@ -24,7 +24,7 @@ struct Page<'a> {
 /// Writes every file of a comparison into a folder, or none, and returns the path of the page to open.
 pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison) -> Result<PathBuf, ReportError> {
     let page = folder.join("comparison.html");
-    files::write_all_atomically(&[
+    files::replace_all_atomically(&[
         (page.clone(), page::render(scores, comparison).into_bytes()),
         (
             folder.join("comparison.tex"),

@@ -59,7 +59,7 @@ pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and lig
 pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBuf, ReportError> {
     let page = folder.join("evaluation.html");
     let csv = |e: Box<dyn std::error::Error>| ReportError::Format(e.to_string());
-    files::write_all_atomically(&[
+    files::replace_all_atomically(&[
         (page.clone(), page::render(evaluation).into_bytes()),
         (folder.join("evaluation.csv"), figures_csv(evaluation).map_err(csv)?),
         (

@@ -69,7 +69,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .map(|(name, content)| (folder.join(name), content.into_bytes()))
         .collect();
     let before = detectors_before(folder);
-    files::write_all_atomically(&files)?;
+    files::replace_all_atomically(&files)?;
     remove_stale(folder, &before, &scores.contestants)?;
     Ok(folder.join("report.html"))
 }
@@ -78,10 +78,10 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
 fn detectors_before(folder: &Path) -> Vec<String> {
     #[derive(Deserialize)]
     struct Before {
-        results: Vec<Result>,
+        results: Vec<Row>,
     }
     #[derive(Deserialize)]
-    struct Result {
+    struct Row {
         detector: String,
     }
     let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();

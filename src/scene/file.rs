@@ -12,7 +12,7 @@ use crate::geometry::length::{self, BadLength, FARTHEST_MM, LONGEST_MM, SCALES, 
 
 /// More tags than this were written by a program, and take minutes to pair up on cards.
 const MOST_TAGS: u64 = 2000;
-/// More bins than this are no bins: each wants photos.
+/// Nobody photographs more bins than this.
 const MOST_BINS: usize = 100_000;
 
 /// Why a scene was refused. Every variant names the file and what to change.

@@ -195,7 +195,7 @@ impl Shard {
         let content = postcard::to_allocvec(self).map_err(|e| ShardError::Write(e.to_string()))?;
         let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
         let path = folder.join(self.part.file_name());
-        files::write_atomically(&path, &[head.into_bytes(), content].concat())?;
+        files::replace_atomically(&path, &[head.into_bytes(), content].concat())?;
         Ok(path)
     }
 

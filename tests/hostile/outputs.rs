@@ -86,9 +86,9 @@ const REFUSED: [(&str, &[&str]); 8] = [
     ("print check -o socket", &["socket", "is no file"]),
     ("print check -o dangling", &["dangling", "symbolic link to nothing"]),
     ("print check -o folder", &["folder", "in its place"]),
-    ("score SESSION --recorded --out -", &["--out is a folder"]),
-    ("chart capture --session SESSION -o -", &["--out is a folder"]),
-    ("print check --format svg -o -", &["one file a page"]),
+    ("score SESSION --recorded --out -", &["--out must be a folder"]),
+    ("chart capture --session SESSION -o -", &["--out must be a folder"]),
+    ("print check --format svg -o -", &["one file per page"]),
     (
         "print board --type chessboard --squares 7x5 --square-mm 20 -o -",
         &["--definition"],
@@ -211,9 +211,9 @@ fn what_a_killed_run_left_half_written_is_removed_by_a_later_one() {
     let partial = std::fs::File::options().write(true).open(out.join(&left[0])).unwrap();
     partial.set_modified(yesterday).unwrap();
     // Somebody else's hidden file is none of ours.
-    std::fs::write(out.join(".mine.partial"), "").unwrap();
+    std::fs::write(out.join(".mine.7.partial"), "").unwrap();
     assert!(run(COMMANDS[1], &out.join("p.png")).status.success());
-    assert_eq!(names(&out), [".mine.partial", "p.png"]);
+    assert_eq!(names(&out), [".mine.7.partial", "p.png"]);
 }
 
 /// A note in a folder from elsewhere.
@@ -225,7 +225,7 @@ fn a_forged_note_moves_nothing_out_of_its_folder_or_over_what_it_does_not_name()
     std::fs::write(folder.path().join("victim"), "victim").unwrap();
     std::fs::write(out.join("photo.jpg"), "photo").unwrap();
     std::fs::write(out.join("evil"), "evil").unwrap();
-    let note = "evil\n../victim\n.../victim.1.partial\n./../victim.1.partial\n";
+    let note = "evil\n../victim\n.../victim.1_0.partial\n./../victim.1_0.partial\n";
     std::fs::write(out.join(".1.scaleproof-journal"), note).unwrap();
     assert!(run(COMMANDS[1], &out.join("p.png")).status.success());
     assert_eq!(std::fs::read(folder.path().join("victim")).unwrap(), b"victim");
@@ -247,4 +247,56 @@ fn results_of_detectors_that_are_no_longer_in_a_report_go() {
     let names = names(out.path());
     assert!(!names.contains(&"coco_results_mine.json".to_owned()));
     assert!(names.contains(&"coco_results_somebodys.json".to_owned()));
+}
+
+/// A session, and a folder for the report, from somebody else: names that this program chose are links to the user's files.
+#[test]
+fn files_whose_names_the_program_chose_go_through_no_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, victim) = (folder.path().join("out"), folder.path().join("victim"));
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(&victim, "mine").unwrap();
+    for name in ["report.html", "summary.json"] {
+        symlink(&victim, out.join(name)).unwrap();
+    }
+    assert!(score(&out, "0.5").output().unwrap().status.success());
+    assert_eq!(std::fs::read(&victim).unwrap(), b"mine");
+    assert!(!out.join("report.html").is_symlink());
+}
+
+/// The files of a killed run are not laid over what came after it.
+#[test]
+#[cfg(target_os = "linux")]
+fn what_is_newer_than_a_killed_run_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, library) = (folder.path().join("out"), killer(folder.path()));
+    assert!(score(&out, "0.5").output().unwrap().status.success());
+    let mut killed = score(&out, "0.25");
+    killed.env("LD_PRELOAD", &library).env("KILL_AT", "3");
+    assert_eq!(killed.output().unwrap().status.code(), None);
+    std::thread::sleep(Duration::from_millis(20));
+    std::fs::write(out.join("report.html"), "newer").unwrap();
+    assert!(run(COMMANDS[1], &out.join("p.png")).status.success());
+    assert_eq!(std::fs::read(out.join("report.html")).unwrap(), b"newer");
+    assert_eq!(read_json(&out.join("summary.json"))["hit_confidence"], 0.25);
+}
+
+/// Two runs into one folder at once: each file is of one of them, and nothing else stays.
+#[test]
+fn runs_into_one_folder_at_once_do_not_disturb_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let together: Vec<_> = ["0.5", "0.25", "0.5", "0.25"]
+        .map(|confidence| {
+            score(&out, confidence)
+                .stdout(std::process::Stdio::null())
+                .spawn()
+                .unwrap()
+        })
+        .into();
+    for mut run in together {
+        assert!(run.wait().unwrap().success());
+    }
+    let left: Vec<String> = names(&out).into_iter().filter(|name| name.starts_with('.')).collect();
+    assert_eq!(left, Vec::<String>::new());
 }

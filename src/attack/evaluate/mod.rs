@@ -145,7 +145,7 @@ impl Evaluation {
             notes.push(note);
         }
         notes.extend(self.plan.pattern_files(folder)?);
-        Ok(files::write_all_atomically(&notes)?)
+        Ok(files::replace_all_atomically(&notes)?)
     }
 }
 

@@ -39,7 +39,7 @@ pub(super) fn render(
         .map(|(frame, photo)| (plan.frame_name(frame), folder.join(&photo.file)))
         .collect();
     let job = work.join("plan.json");
-    files::write_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
+    files::replace_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
     let log = work.join("blender.log");
     let finished = blender::run(&python, &job, &log, |event| {
         if let blender::Event::Frame(name) = event
@@ -47,7 +47,7 @@ pub(super) fn render(
         {
             let size = plan.size_px();
             let picture = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
-            files::write_atomically(place, &encode_rgb(&picture)?)?;
+            files::replace_atomically(place, &encode_rgb(&picture)?)?;
             done += 1;
             on_photo(done);
         }

@@ -122,7 +122,7 @@ pub fn run(
         })
     };
     let script = plan.with_file_name("render_frames.py");
-    files::write_atomically(&script, SCRIPT.as_bytes())?;
+    files::replace_atomically(&script, SCRIPT.as_bytes())?;
     let sink = std::fs::File::create(log).map_err(|e| failed(log, &e))?;
     let mut child = Command::new(&python.program)
         .args([&script, plan])

@@ -67,7 +67,7 @@ impl<'a> Collector<'a> {
         let linear = self.triples(&format!("{name}.rgb"), size)?;
         let rgb = srgb(&linear, size);
         let [rgb_file, linear_file] = self.frame_files(name);
-        files::write_all_atomically(&[
+        files::replace_all_atomically(&[
             (linear_file, encode_linear(&linear, size, self.plan.linear_max())?),
             (rgb_file, encode_rgb(&rgb)?),
         ])?;
@@ -98,7 +98,7 @@ impl<'a> Collector<'a> {
             encode_grey(&grey(fine, sides))?,
         ];
         let whole: Vec<_> = self.view_files(view).into_iter().zip(contents).collect();
-        files::write_all_atomically(&whole)?;
+        files::replace_all_atomically(&whole)?;
         Ok(())
     }
 

@@ -113,7 +113,7 @@ pub fn render(
     on_frame(done);
     if !missing.is_empty() {
         let job = work.join("plan.json");
-        files::write_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
+        files::replace_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
         let log = work.join("blender.log");
         let finished = blender::run(python, &job, &log, |event| {
             match event {
@@ -131,7 +131,7 @@ pub fn render(
         }
     }
     let (path, bytes) = plan.list()?.to_file(folder)?;
-    files::write_atomically(&path, &bytes)?;
+    files::replace_atomically(&path, &bytes)?;
     // Nothing is lost if the work folder stays.
     let _ = std::fs::remove_dir_all(&work);
     Ok(())
@@ -158,7 +158,7 @@ fn claim(plan: &Plan, folder: &Path) -> Result<(), RenderError> {
         });
     }
     for (path, bytes) in plan.pattern_files(folder)? {
-        files::write_atomically(&path, &bytes)?;
+        files::replace_atomically(&path, &bytes)?;
     }
-    Ok(files::write_atomically(&note, own.as_bytes())?)
+    Ok(files::replace_atomically(&note, own.as_bytes())?)
 }

@@ -189,17 +189,20 @@ impl<'a> Attack<'a> {
     ) -> Result<(Vec<Rgb>, Vec<Entry>), RunError> {
         let wall_before = self.checkpoint.history.last().map_or(0.0, |e| e.wall_s);
         let mut saved = Instant::now();
-        // What was stopped before it judged its last step, judges it now.
-        self.judge_if_due(folder)?;
+        // A run that was stopped before it judged its last step judges it now.
+        if self.judge_if_due(folder)? {
+            self.save(folder)?;
+        }
         for step in self.checkpoint.steps..self.config.steps {
             // A step that fails has moved nothing.
-            let entry = match self.step(step) {
+            let mut entry = match self.step(step) {
                 Ok(entry) => entry,
                 Err(e) => {
                     self.save(folder)?;
                     return Err(e);
                 }
             };
+            entry.wall_s = wall_before + self.started.elapsed().as_secs_f64();
             self.checkpoint.history.push(entry);
             self.checkpoint.steps = step + 1;
             self.judge_if_due(folder)?;
@@ -215,26 +218,19 @@ impl<'a> Attack<'a> {
         Ok((finished(&self.state.cells, self.config), self.checkpoint.history))
     }
 
-    /// Judges the pattern of the last step, where that step is one of those whose pattern is judged. The step itself is kept when judging
-    /// fails.
-    fn judge_if_due(&mut self, folder: &Path) -> Result<(), RunError> {
+    /// Judges the pattern of the last step, where that step is one of those whose pattern is judged; whether it did. The step itself is kept
+    /// when judging fails.
+    fn judge_if_due(&mut self, folder: &Path) -> Result<bool, RunError> {
         let (done, steps) = (self.checkpoint.steps, self.config.steps);
         let is_due = done > 0 && (done == steps || (done - 1) % (steps / JUDGED_TIMES).max(1) == 0);
-        if !is_due
-            || self
-                .checkpoint
-                .history
-                .last()
-                .is_none_or(|entry| entry.held_out.is_some())
-        {
-            return Ok(());
-        }
+        let last = self.checkpoint.history.last_mut();
+        let Some(entry) = last.filter(|entry| is_due && entry.held_out.is_none()) else {
+            return Ok(false);
+        };
         match judge::judge(self.stage, self.detectors, &self.state.cells) {
             Ok(judgement) => {
-                if let Some(entry) = self.checkpoint.history.last_mut() {
-                    entry.held_out = Some(judgement);
-                }
-                Ok(())
+                entry.held_out = Some(judgement);
+                Ok(true)
             }
             Err(e) => {
                 self.save(folder)?;

@@ -72,7 +72,7 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         (args.out.join("renderers.svg"), draw(&rows).into_bytes()),
     ];
     new.extend(draw_training(&rows).map(|svg| (args.out.join("training.svg"), svg.into_bytes())));
-    files::write_all_atomically(&new)?;
+    files::replace_all_atomically(&new)?;
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;
     }

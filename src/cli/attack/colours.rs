@@ -67,7 +67,7 @@ pub fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
         }
     }
     new.push(list.to_file(&args.output)?);
-    files::write_all_atomically(&new)?;
+    files::replace_all_atomically(&new)?;
     writeln!(
         out,
         "{}: {} frames",

@@ -211,7 +211,7 @@ impl EvaluateArgs {
             .map(|s| s.to_string_lossy().into_owned())
             .unwrap_or_default();
         let scene = evaluation.scene(&name, &self.class, self.model.load()?.scale);
-        files::write_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
+        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
         let photos = evaluation.photos().into_iter().map(|photo| PhotoEntry {
             file: photo.file.to_string_lossy().into_owned(),
             variant: photo.variant,
@@ -222,6 +222,6 @@ impl EvaluateArgs {
         });
         let path = folder.join("session.json");
         let text = session::text(&path, "scene.toml", None, photos.collect())?;
-        Ok(files::write_atomically(&path, text.as_bytes())?)
+        Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 }

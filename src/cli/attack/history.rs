@@ -65,7 +65,7 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         ),
         (args.output.join("attack.svg"), draw(&histories).into_bytes()),
     ];
-    files::write_all_atomically(&new)?;
+    files::replace_all_atomically(&new)?;
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;
     }

@@ -29,7 +29,7 @@ pub fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
         return Err("the frames would be written over the pictures they come from; give another folder".into());
     }
     let new = import(&args.folder, &args.output, "attack import")?;
-    files::write_all_atomically(&new)?;
+    files::replace_all_atomically(&new)?;
     // Three pictures a frame, and the list.
     writeln!(out, "{}: {} frames", list.display(), new.len() / 3)?;
     Ok(Outcome::Done)

@@ -140,7 +140,7 @@ impl OnFrames {
         let png = png(&to_picture(cells, self.cells))?;
         let path = self.output.join(PATTERN);
         let card = self.card(opened, &history, &png)?.to_file(&path)?;
-        files::write_all_atomically(&[(path.clone(), png), card, self.history_file(&history)?])?;
+        files::replace_all_atomically(&[(path.clone(), png), card, self.history_file(&history)?])?;
         writeln!(
             out,
             "{}: {} × {} cells, tile {} mm",

@@ -84,7 +84,7 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     if made.frames == 0 {
         return Err("no view has photos in every colour that fit together; the lines `left out` say why".into());
     }
-    files::write_all_atomically(&made.files)?;
+    files::replace_all_atomically(&made.files)?;
     let list = args.output.join(LIST);
     writeln!(
         out,

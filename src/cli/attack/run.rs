@@ -67,7 +67,7 @@ pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let (cells, entries) = optimise(&args.on, &opened, &config)?;
     args.on.write(&opened, ("dta", &cells, entries), out)?;
     let text = serde_json::to_string_pretty(&config)?;
-    files::write_atomically(&args.on.output.join("config.json"), text.as_bytes())?;
+    files::replace_atomically(&args.on.output.join("config.json"), text.as_bytes())?;
     Ok(Outcome::Done)
 }
 

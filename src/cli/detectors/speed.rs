@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long)]
     machine: String,
     /// The file of times.
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "JSON")]
     out: PathBuf,
 }
 

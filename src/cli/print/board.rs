@@ -7,6 +7,7 @@ use clap::ValueEnum;
 
 use super::{CutSheetArgs, write_files};
 use crate::cli::{CommandResult, Outcome};
+use crate::files;
 use crate::print::board::{BoardKind, BoardRequest, board};
 
 #[derive(clap::Args)]
@@ -64,7 +65,7 @@ fn columns_and_rows(text: &str) -> Result<(u32, u32), String> {
 pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let definition_path = match &args.definition {
         Some(path) => path.clone(),
-        None if args.sheets.output.as_os_str() == "-" => {
+        None if files::is_standard_output(&args.sheets.output) => {
             return Err("nothing lies beside standard output: name the definition by --definition".into());
         }
         None => args.sheets.output.with_extension("toml"),

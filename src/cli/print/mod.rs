@@ -94,8 +94,8 @@ fn as_files(
     pages: (&[String], &[Sheet]),
 ) -> Result<Vec<NewFile>, Box<dyn Error>> {
     let (names, sheets) = pages;
-    if format == Format::Svg && output == Path::new("-") {
-        return Err("an SVG is one file a page, which standard output is not: name a file".into());
+    if format == Format::Svg && files::is_standard_output(output) {
+        return Err("SVG makes one file per page, so it cannot go to standard output: name a file".into());
     }
     Ok(match format {
         Format::Pdf => vec![(output.to_owned(), pdf::write(title, sheets)?)],

@@ -94,7 +94,7 @@ pub enum ProposeError {
     Misread { title: &'static str, reason: String },
 }
 
-/// A network has so much time for each of the two pictures.
+/// Time limit for each of the two pictures.
 const TRIAL_LIMIT: Duration = Duration::from_secs(30);
 
 /// Inspects an ONNX file, runs it on a grey picture and on noise, and writes the manifest of the family that fits.
