@@ -8,7 +8,7 @@ use opencv::prelude::*;
 use super::markers::{self, SeenMarker};
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use crate::board::{Definition, Marker};
-use crate::tags::{DictionaryError, MarkerDictionary};
+use crate::tags::{DictionaryError, MarkerDictionary, enlarged, least_reduction, reduced};
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,17 +38,12 @@ pub enum NoBoard {
         "the corners found do not lie on a flat board of these measures: is the board file another board's, or is the board bent?"
     )]
     NotFlat,
-    #[error(
-        "it has {megapixels} megapixels, and boards are looked for in up to {MOST_MEGAPIXELS}: let the camera make smaller pictures of the \
-         same zoom, as the camera file fits every size of its shape"
-    )]
-    TooLarge { megapixels: u64 },
     #[error("OpenCV gave up: {0}")]
     OpenCv(String),
 }
 
-/// OpenCV takes some 20 bytes for each pixel of fine texture.
-const MOST_MEGAPIXELS: u64 = 64;
+/// Larger photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
+const MOST_SEARCHED_PX: u64 = 27_000_000;
 
 /// No board fits a smaller picture.
 const LEAST_SIDE_PX: u32 = 32;
@@ -81,7 +76,21 @@ pub fn check(board: &Definition) -> Result<(), DictionaryError> {
 /// # Errors
 /// The reason why the photo cannot be used.
 pub fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
-    check_size(grey)?;
+    let factor = least_reduction(grey, MOST_SEARCHED_PX);
+    if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
+        return Err(NoBoard::NotFound);
+    }
+    if factor == 1 {
+        return find_in(grey, board);
+    }
+    let mut found = find_in(&reduced(grey, factor), board)?;
+    found
+        .iter_mut()
+        .for_each(|corner| corner.px = enlarged(corner.px, factor));
+    Ok(found)
+}
+
+fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
     let failed = |e: opencv::Error| NoBoard::OpenCv(e.message.lines().next().unwrap_or_default().to_owned());
     let flat = Mat::from_slice(grey.as_raw().as_slice()).map_err(failed)?;
     let picture = flat.reshape(1, grey.height() as i32).map_err(failed)?;
@@ -112,15 +121,6 @@ pub fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoB
             },
         }),
         _ => flat_enough(found, board),
-    }
-}
-
-fn check_size(grey: &GrayImage) -> Result<(), NoBoard> {
-    let megapixels = u64::from(grey.width()) * u64::from(grey.height()) / 1_000_000;
-    match grey.width().min(grey.height()) < LEAST_SIDE_PX {
-        true => Err(NoBoard::NotFound),
-        false if megapixels > MOST_MEGAPIXELS => Err(NoBoard::TooLarge { megapixels }),
-        false => Ok(()),
     }
 }
 

@@ -177,6 +177,13 @@ impl Store {
     /// Moves a file of the session to `taken_back`.
     pub(super) fn put_away(&self, name: &str) -> Result<(), StoreError> {
         let (from, away) = (self.folder.join(name), self.folder.join(TAKEN_BACK));
+        // A link would lead the photo out of the session.
+        if std::fs::symlink_metadata(&away).is_ok_and(|about| !about.is_dir()) {
+            return Err(StoreError::Content {
+                path: away,
+                message: "it is no folder that a capture made: remove it".into(),
+            });
+        }
         let moved = std::fs::create_dir_all(&away).and_then(|()| std::fs::rename(&from, away.join(name)));
         Ok(moved.map_err(|e| unwritable(&from, &e))?)
     }

@@ -32,6 +32,10 @@ pub enum FetchError {
     File(#[from] files::FileError),
     #[error("the file at {url} is not the one {name} was described with; it was not kept")]
     WrongFile { name: String, url: String },
+    #[error(
+        "the download of {name} has more than 2 GB, so it is not the file that the manifest describes; it was not kept"
+    )]
+    TooLarge { name: String },
     #[error("{path} is already there and is not the file {name} was described with: move it away, or fetch into another folder by --detectors", path = path.display())]
     Taken { name: String, path: PathBuf },
     #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
@@ -80,10 +84,14 @@ fn fetch_with(
     let have = part_bytes(&part)?;
     if let Some(response) = request(manifest, folder, have, patience)? {
         std::fs::create_dir_all(folder).map_err(failed)?;
-        let resumed = response.status() == 206;
+        let resumed = response.status() == 206 && have > 0;
         let have = if resumed { have } else { 0 };
         let mut file = open_part(&part, resumed).map_err(failed)?;
-        receive(manifest, response, &mut file, have, progress, patience)?;
+        let received = receive(manifest, response, &mut file, have, progress, patience);
+        if matches!(received, Err(FetchError::TooLarge { .. })) {
+            files::remove(&part)?;
+        }
+        received?;
         file.sync_all().map_err(failed)?;
     }
     keep(manifest, &part, &target)
@@ -164,11 +172,18 @@ fn receive(
     patience: Duration,
 ) -> Result<(), FetchError> {
     let total = response.body().content_length().map(|rest| have + rest);
-    let mut body = response.into_body().into_with_config().limit(MAX_BYTES).reader();
+    // A little more, so that the limit is found below.
+    let limit = MAX_BYTES + (1 << 20);
+    let mut body = response.into_body().into_with_config().limit(limit).reader();
     let mut buffer = vec![0; 1 << 16];
     let (begin, had) = (Instant::now(), have);
     loop {
         progress(have, total);
+        if have > MAX_BYTES {
+            return Err(FetchError::TooLarge {
+                name: manifest.name.clone(),
+            });
+        }
         let (seconds, came) = (begin.elapsed().as_secs_f64(), (have - had) as f64);
         if seconds > SLOW_START_S && came < seconds * LEAST_BYTES_PER_S {
             return Err(FetchError::BrokeOff {

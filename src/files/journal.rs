@@ -29,16 +29,26 @@ struct Journal {
 /// Renames all to their places.
 pub(super) fn take_places(staged: Vec<Staged>) -> Result<(), FileError> {
     // One file is whole or absent by itself.
-    let journals = match staged.len() {
-        0 | 1 => Vec::new(),
-        _ => by_folder(&staged)
-            .into_iter()
-            .map(|(folder, names)| Journal::write(&folder, &names))
-            .collect::<Result<_, _>>()?,
+    let folders = match staged.len() {
+        0 | 1 => BTreeMap::new(),
+        _ => by_folder(&staged),
     };
+    // Runs that finish at once in one folder take their turns, so that its files are all of one of them. In the order of the names, so that
+    // no two wait for each other.
+    let turns: Vec<Option<File>> = folders.keys().map(|folder| turn(folder)).collect();
+    let journals = folders.iter().map(|(folder, names)| Journal::write(folder, names));
+    let journals: Vec<Journal> = journals.collect::<Result<_, _>>()?;
     staged.into_iter().try_for_each(|file| file.take_place().map(drop))?;
     drop(journals);
+    drop(turns);
     Ok(())
+}
+
+/// The folder, locked; `None` where folders have no locks.
+fn turn(folder: &Path) -> Option<File> {
+    let folder = File::open(folder).ok()?;
+    folder.lock().ok()?;
+    Some(folder)
 }
 
 /// Temporary names by folder.

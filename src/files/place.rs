@@ -39,6 +39,7 @@ impl Place {
             (Ok(about), _) if about.is_dir() => refused("a folder is in its place"),
             (Ok(about), _) if is_stream(about.file_type()) => Ok(Place::Stream(Stream::Device(path.to_owned()))),
             (Ok(about), _) if !about.is_file() => refused("what is in its place is no file: name another output"),
+            (Ok(about), _) if about.permissions().readonly() => refused("it is write-protected"),
             (Ok(_), true) => match path.canonicalize() {
                 Ok(target) => Ok(Place::File(target)),
                 Err(e) => refused(&plain(&e)),

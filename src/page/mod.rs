@@ -17,7 +17,7 @@ mod state;
 mod upload;
 
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, TcpListener, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, UdpSocket};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -97,7 +97,7 @@ impl Page {
         } else {
             Ipv4Addr::LOCALHOST
         };
-        let listener = TcpListener::bind((from, port)).map_err(|e| PageError::Port {
+        let listener = server::listen(from, port).map_err(|e| PageError::Port {
             port,
             reason: files::plain(&e),
         })?;

@@ -1,7 +1,7 @@
 //! The HTTP server: one thread, a bounded number of connections, and none that stays open without saying or hearing anything.
 
 use std::io;
-use std::net::TcpListener;
+use std::net::{Ipv4Addr, TcpListener};
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -15,7 +15,7 @@ use hyper::server::conn::http1;
 use hyper::service::Service;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use tokio::net::TcpStream;
+use tokio::net::{TcpSocket, TcpStream};
 use tokio::sync::{Semaphore, watch};
 use tokio_io_timeout::TimeoutStream;
 
@@ -36,6 +36,25 @@ const MAX_BUFFERED: usize = 64 << 10;
 
 /// How long the last answers may take when the capture has ended.
 const FAREWELL: Duration = Duration::from_secs(2);
+
+/// So many connections may wait until they are accepted, instead of the usual 128: one that is lost costs its browser a second.
+const BACKLOG: u32 = 1024;
+
+/// Opens a port.
+///
+/// # Errors
+/// A port that is in use or not allowed.
+pub(super) fn listen(from: Ipv4Addr, port: u16) -> io::Result<TcpListener> {
+    // Only within a runtime is a socket made whose backlog one can choose.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build()?;
+    let _within = runtime.enter();
+    let socket = TcpSocket::new_v4()?;
+    if cfg!(unix) {
+        socket.set_reuseaddr(true)?; // as the standard library does
+    }
+    socket.bind((from, port).into())?;
+    socket.listen(BACKLOG)?.into_std()
+}
 
 /// A running server.
 pub(super) struct Server {

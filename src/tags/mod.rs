@@ -31,6 +31,7 @@ pub use choice::{CornersBy, StartError, TagDetectorChoice};
 pub use coarse_to_fine::CoarseToFine;
 pub use locus::Locus;
 pub use modules::Modules;
+pub(crate) use search::{enlarged, least_reduction, reduced};
 pub use tag_image::TagImage;
 
 /// One tag found in a photo.

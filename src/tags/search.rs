@@ -36,13 +36,20 @@ const MOST_SEARCHED_PX: u64 = 34_000_000;
 
 /// Searches what a library can search: nothing in a tiny picture, a huge one reduced.
 pub(super) fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
-    let pixels = u64::from(grey.width()) * u64::from(grey.height());
-    let factor = (1u32..).find(|f| pixels / u64::from(f * f) <= MOST_SEARCHED_PX);
-    let factor = factor.unwrap_or(1);
+    let factor = least_reduction(grey, MOST_SEARCHED_PX);
     match grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
         true => Vec::new(),
         false => reduced_by(grey, factor, search),
     }
+}
+
+/// The least whole factor by which a picture has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
+/// AprilTag ends the program at longer ones, and OpenCV refuses them.
+pub(crate) fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
+    let pixels = u64::from(grey.width()) * u64::from(grey.height());
+    let longest = grey.width().max(grey.height());
+    let fits = |f: &u32| pixels / (u64::from(*f) * u64::from(*f)) <= most_px && longest / f < i16::MAX as u32;
+    (1u32..).find(fits).unwrap_or(1)
 }
 
 /// Searches a picture reduced by a whole factor; corners are in pixels of the whole picture.
@@ -55,16 +62,19 @@ pub(super) fn reduced_by(
         return search(grey);
     }
     let mut found = search(&reduced(grey, factor));
-    // Pixel 0 of the reduced picture covers pixels 0 to factor − 1.
-    let enlarged = |v: f64| (v + 0.5) * f64::from(factor) - 0.5;
     for tag in &mut found {
-        tag.corners_px = tag.corners_px.map(|corner| corner.map(enlarged));
+        tag.corners_px = tag.corners_px.map(|corner| enlarged(corner, factor));
     }
     found
 }
 
+/// A place of a reduced picture in the whole one: pixel 0 of the reduced picture covers pixels 0 to `factor` − 1.
+pub(crate) fn enlarged(place_px: [f64; 2], factor: u32) -> [f64; 2] {
+    place_px.map(|v| (v + 0.5) * f64::from(factor) - 0.5)
+}
+
 /// Means over squares of `factor` × `factor` pixels; a rest at the right and at the bottom is left out.
-fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
+pub(crate) fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
     let (width, height) = (grey.width() / factor, grey.height() / factor);
     let (f, w) = (factor as usize, width as usize);
     let stride = grey.width() as usize;
@@ -111,5 +121,10 @@ mod tests {
         assert_eq!(seen_by_library(6000, 4000), Some((6000, 4000)));
         assert_eq!(seen_by_library(12_000, 9_000), Some((6000, 4500)));
         assert_eq!(seen_by_library(3_000_000, 20), None, "nothing is left of it");
+        assert_eq!(
+            seen_by_library(65_535, 64),
+            Some((21_845, 21)),
+            "longer sides end the C library"
+        );
     }
 }

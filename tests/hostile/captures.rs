@@ -90,3 +90,17 @@ fn photos_are_named_so_that_no_program_takes_them_for_options_or_paths() {
         }
     }
 }
+
+#[test]
+fn what_is_taken_back_stays_in_the_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let (session, elsewhere) = (folder.path().join("session"), folder.path().join("elsewhere"));
+    std::fs::create_dir(&elsewhere).unwrap();
+    output(&mut capture(&skyline(), "normal", &session));
+    symlink(&elsewhere, session.join("taken_back")).unwrap();
+    let before = std::fs::read(session.join("session.json")).unwrap();
+    let undone = output(capture(&skyline(), "normal", &session).arg("--undo"));
+    assert_refused(&undone, &["taken_back", "remove it"]);
+    assert_eq!(std::fs::read_dir(&elsewhere).unwrap().count(), 0);
+    assert_eq!(std::fs::read(session.join("session.json")).unwrap(), before);
+}

@@ -82,7 +82,8 @@ fn a_dash_is_standard_output_where_the_file_is_alone() {
 }
 
 /// Arguments, and words of the refusal.
-const REFUSED: [(&str, &[&str]); 8] = [
+const REFUSED: [(&str, &[&str]); 9] = [
+    ("print check -o locked", &["locked", "write-protected"]),
     ("print check -o socket", &["socket", "is no file"]),
     ("print check -o dangling", &["dangling", "symbolic link to nothing"]),
     ("print check -o folder", &["folder", "in its place"]),
@@ -106,6 +107,10 @@ fn what_takes_no_file_is_refused_and_stays() {
         let _socket = UnixListener::bind(folder.path().join("socket")).unwrap();
         symlink("nowhere", folder.path().join("dangling")).unwrap();
         std::fs::create_dir(folder.path().join("folder")).unwrap();
+        let locked = std::fs::File::create(folder.path().join("locked")).unwrap();
+        let mut permissions = locked.metadata().unwrap().permissions();
+        permissions.set_readonly(true);
+        locked.set_permissions(permissions).unwrap();
         let before = names(folder.path());
         let session = skyline().display().to_string();
         let arguments = arguments
@@ -281,22 +286,34 @@ fn what_is_newer_than_a_killed_run_stays() {
     assert_eq!(read_json(&out.join("summary.json"))["hit_confidence"], 0.25);
 }
 
-/// Two runs into one folder at once: each file is of one of them, and nothing else stays.
+/// Runs into one folder at once: in the end all files are of one of them, and nothing else stays.
 #[test]
-fn runs_into_one_folder_at_once_do_not_disturb_each_other() {
+fn of_runs_that_end_at_once_in_one_folder_one_wins_whole() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let together: Vec<_> = ["0.5", "0.25", "0.5", "0.25"]
-        .map(|confidence| {
-            score(&out, confidence)
-                .stdout(std::process::Stdio::null())
-                .spawn()
-                .unwrap()
-        })
-        .into();
-    for mut run in together {
-        assert!(run.wait().unwrap().success());
+    let alone = ["0.5", "0.25"].map(|confidence| {
+        let alone = folder.path().join(confidence);
+        assert!(score(&alone, confidence).output().unwrap().status.success());
+        alone
+    });
+    for _ in 0..4 {
+        let together = ["0.5", "0.25", "0.5", "0.25"].map(|confidence| {
+            let mut run = score(&out, confidence);
+            run.stdout(std::process::Stdio::null())
+                .stderr(std::process::Stdio::null());
+            run.spawn().unwrap()
+        });
+        for mut run in together {
+            assert!(run.wait().unwrap().success());
+        }
+        let same = |alone: &Path, name: &str| {
+            std::fs::read(out.join(name)).unwrap() == std::fs::read(alone.join(name)).unwrap()
+        };
+        let winner = alone.iter().find(|alone| same(alone, "summary.json")).unwrap();
+        assert_eq!(names(&out), names(winner));
+        assert!(
+            names(winner).iter().all(|name| same(winner, name)),
+            "the files are of different runs"
+        );
     }
-    let left: Vec<String> = names(&out).into_iter().filter(|name| name.starts_with('.')).collect();
-    assert_eq!(left, Vec::<String>::new());
 }

@@ -26,6 +26,8 @@ fn cases() -> Vec<Case> {
         ("3x4.jpg", jpeg(&flat(3, 4)), &[]),
         ("1x5000.png", png(&flat(1, 5000)), &[]),
         ("15x15.jpg", jpeg(&flat(15, 15)), &[]),
+        ("long.png", png(&flat(65_535, 64)), &[]),
+        ("high.png", png(&flat(40, 40_000)), &[]),
         ("empty.jpg", Vec::new(), &["not a JPEG or PNG"]),
         ("text.png", b"this is a shopping list".to_vec(), &["not a JPEG or PNG"]),
         ("cut.jpg", whole[..whole.len() / 2].to_vec(), &["ends in the middle"]),
@@ -237,7 +239,9 @@ fn every_tag_detector_survives_all_small_sizes() {
             random.fill_bytes(&mut noise);
             detector.find(&noise);
         }
-        detector.find(&GrayImage::from_pixel(40_000, 3, Luma([90])));
+        for (width, height) in [(40_000, 3), (65_535, 64), (64, 33_000)] {
+            detector.find(&GrayImage::from_pixel(width, height, Luma([90])));
+        }
         detector.find(&GrayImage::new(0, 0));
     }
 }
