@@ -56,8 +56,8 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Every command that reads a picture of a user's; `PICTURE` stands for it, `OUT` for a folder.
-const COMMANDS: [&str; 9] = [
+/// Every command that reads a picture of a user's; `PICTURE` stands for it, `OUT` for a folder. `score` and `capture` follow below.
+const COMMANDS: [&str; 8] = [
     "locate PICTURE --scene SCENE --camera CAMERA",
     "calibrate --board BOARD PICTURE -o OUT/camera.yaml",
     "calibrate --board CHESSBOARD PICTURE -o OUT/camera.yaml",
@@ -66,7 +66,6 @@ const COMMANDS: [&str; 9] = [
     "survey PICTURE --camera CAMERA --scene SCENE --fixed mat -o OUT/scene.toml",
     "pattern check PICTURE",
     "print patch --scene SCENE --patch PICTURE --panel left --at-mm 0,50 --size-mm 60x40 -o OUT/patch.pdf",
-    "capture --source watch:FOLDER --headless --scene SCENE --camera CAMERA --variant normal --place yard -o OUT/session",
 ];
 
 #[test]
@@ -88,9 +87,7 @@ fn every_command_survives_every_picture() {
                     .display()
                     .to_string(),
                 "BOARD" => home().join("calibration/charuco_9x7_22mm.toml").display().to_string(),
-                other => other
-                    .replace("OUT", &out.display().to_string())
-                    .replace("FOLDER", &pictures.display().to_string()),
+                other => other.replace("OUT", &out.display().to_string()),
             };
             let ended = bounded::run(
                 program().args(command.split_whitespace().map(filled)),
@@ -115,20 +112,44 @@ fn every_command_survives_every_picture() {
     }
 }
 
-/// Files in an output folder, without what a capture keeps of its scene and camera.
+/// Files in a folder.
 fn left_in(folder: &Path) -> Vec<String> {
-    let kept = ["scene.toml", "camera.yaml", ".capture.lock"];
-    let mut left = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        match path.is_dir() {
-            true => left.extend(left_in(&path)),
-            false if folder.ends_with("session") && kept.contains(&name.as_str()) => {}
-            false => left.push(name),
-        }
+    let entries = std::fs::read_dir(folder).unwrap();
+    entries
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect()
+}
+
+/// A watched folder of all of them, and of a good photo: each is judged, and the good one taken.
+#[test]
+fn a_capture_sees_a_folder_of_hostile_pictures_through() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pictures, session) = (folder.path().join("pictures"), folder.path().join("session"));
+    std::fs::create_dir(&pictures).unwrap();
+    for (name, bytes, _) in cases() {
+        std::fs::write(pictures.join(name), bytes).unwrap();
     }
-    left
+    std::fs::copy(skyline().join("normal_000.jpg"), pictures.join("good.jpg")).unwrap();
+    let mut command = program();
+    command
+        .arg("capture")
+        .arg("--source")
+        .arg(format!("watch:{}", pictures.display()));
+    command.arg("--scene").arg(skyline().join("scene.toml"));
+    command.arg("--camera").arg(skyline().join("camera.yaml"));
+    command
+        .args(["--headless", "--variant", "normal", "--place", "yard", "-o"])
+        .arg(&session);
+    let ended = bounded::run(&mut command, Duration::from_secs(60));
+    let said = String::from_utf8_lossy(&ended.output.stdout);
+    assert_eq!(ended.output.status.code(), Some(2), "{said}");
+    for (name, _, words) in cases() {
+        let line = said.lines().find(|line| line.starts_with(name));
+        let line = line.unwrap_or_else(|| panic!("nothing is said of {name}: {said}"));
+        assert!(words.iter().all(|word| line.contains(word)), "{line}");
+    }
+    assert!(session.join("normal_000.jpg").exists(), "{said}");
+    assert!(ended.memory < 1 << 30, "{} MB", ended.memory >> 20);
 }
 
 /// A session with one such photo: it is scored without it, or with it, and says why.
