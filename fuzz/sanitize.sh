@@ -49,6 +49,7 @@ build() { # NAME FLAGS, and what the last crate is compiled with
   shift 2
   triple=$(rustc -vV | sed -n 's/^host: //p' | tr - _)
   say "building $program-$name"
+  cp "$fuzz/../Cargo.lock" "$fuzz/sanitize/" # the libraries as the program has them; what is not used is left out
   (cd "$fuzz/sanitize" && env "CC_$triple=gcc" "CFLAGS_$triple=$flags" \
     cargo rustc --release --quiet --bin "$program" -- -C linker=gcc "$@") || stop "the program was not built"
   cp "$CARGO_TARGET_DIR/release/$program" "$CARGO_TARGET_DIR/$program-$name"
