@@ -317,3 +317,22 @@ fn of_runs_that_end_at_once_in_one_folder_one_wins_whole() {
         );
     }
 }
+
+/// One folder by several names: its lock is not waited for twice.
+#[test]
+fn files_of_one_command_may_spell_their_folder_differently() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    symlink("out", folder.path().join("link")).unwrap();
+    for definition in ["./out/board.toml", "link/board.toml", "out/../out/board.toml"] {
+        let mut board = program();
+        let arguments = "print board --type chessboard --squares 7x5 --square-mm 20 -o out/board.pdf --definition";
+        board
+            .args(arguments.split_whitespace())
+            .arg(definition)
+            .current_dir(folder.path());
+        let ended = bounded::run(&mut board, Duration::from_secs(20));
+        assert!(ended.output.status.success(), "{}", stderr(&ended.output));
+        assert_eq!(names(&folder.path().join("out")), ["board.pdf", "board.toml"]);
+    }
+}
