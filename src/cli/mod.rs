@@ -74,7 +74,8 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub fn main() -> ExitCode {
     keep_refusals_quiet();
-    let parsed = Cli::command().try_get_matches();
+    let mut command = Cli::command();
+    let parsed = command.try_get_matches_from_mut(std::env::args_os());
     let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
@@ -82,7 +83,7 @@ pub fn main() -> ExitCode {
         Err(help_or_version) => help_or_version.exit(),
     };
     // A file that goes to standard output is alone there.
-    let out: &mut dyn Write = match output::goes_to_standard_output(&matches) {
+    let out: &mut dyn Write = match output::goes_to_standard_output(&command, &matches) {
         Err(sentence) => return refuse(&sentence),
         Ok(true) => &mut Visible(std::io::stderr().lock()),
         Ok(false) => &mut Visible(std::io::stdout().lock()),

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use clap::{ArgMatches, CommandFactory};
+use clap::{ArgMatches, Command};
 
-use super::Cli;
 use crate::files;
 
 /// Options that name an output.
@@ -13,14 +12,12 @@ const OUTPUTS: [&str; 4] = ["output", "out", "report", "definition"];
 /// What the help calls an output that is a folder.
 const FOLDERS: [&str; 2] = ["DIR", "SESSION"];
 
-/// Whether the command that was given writes to standard output.
+/// Whether the command that was given, one of `whole`, writes to standard output.
 ///
 /// # Errors
 /// A folder, or more than one file, cannot go there; a sentence.
-pub(super) fn goes_to_standard_output(matches: &ArgMatches) -> Result<bool, String> {
-    let mut whole = Cli::command();
-    whole.build();
-    let (mut command, mut matches) = (&whole, matches);
+pub(super) fn goes_to_standard_output(whole: &Command, matches: &ArgMatches) -> Result<bool, String> {
+    let (mut command, mut matches) = (whole, matches);
     while let Some((name, inner)) = matches.subcommand() {
         let Some(found) = command.find_subcommand(name) else {
             break;
@@ -52,10 +49,13 @@ fn is_standard_output(matches: &ArgMatches, id: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
+    use crate::cli::Cli;
 
     /// Commands and their options, as in `print check --output`.
-    fn options(command: &clap::Command, path: &str) -> Vec<String> {
+    fn options(command: &Command, path: &str) -> Vec<String> {
         let own = command
             .get_arguments()
             .filter(|argument| OUTPUTS.contains(&argument.get_id().as_str()));

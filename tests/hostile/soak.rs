@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
+use crate::bounded::highest_memory;
 use crate::common::{assert_refused, skyline};
 use crate::http::{Answer, Client, Request, post, upload};
 use crate::running::{Running, capture};
@@ -344,14 +345,6 @@ fn joined(running: &Running) -> String {
     joined.header("set-cookie").split(';').next().unwrap().to_owned()
 }
 
-/// The most memory that a process ever held; `None` where the system does not say so.
-fn most_memory_mb(process: u32) -> Option<f64> {
-    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib * 1024.0 / 1e6)
-}
-
 /// The address of this machine in its network, if it is in one.
 fn in_network() -> Option<IpAddr> {
     let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
@@ -386,7 +379,8 @@ fn an_honest_browser_is_answered_quickly_beside_two_hundred_hostile_connections(
         let photos = scope.spawn(move || send_photos(host, cookie, until));
         (browse(host, cookie, until), photos.join().unwrap())
     });
-    let memory_mb = most_memory_mb(running.child.id());
+    // 0 where the system does not say.
+    let memory_mb = Some(highest_memory(running.child.id()) as f64 / 1e6).filter(|mb| *mb > 0.0);
     let [connections, requests] = [&tally.connections, &tally.requests].map(|count| count.load(Ordering::Relaxed));
     let [median, most, nearly_all, worst] = [0.5, 0.95, 0.99, 1.0].map(|share| browsed.ms_of(share));
     println!(
