@@ -3,12 +3,13 @@
 mod common;
 #[path = "print_tags/paper.rs"]
 mod paper;
+#[path = "print_board/theirs.rs"]
+mod theirs;
 
 use std::path::Path;
 
 use common::{assert_refused, program, stderr};
-use opencv::aruco::{CharucoBoard, DetectorParameters, Dictionary, detect_markers, get_predefined_dictionary_i32};
-use opencv::core::{Mat, Point2f, Ptr, Size, TermCriteria, Vector};
+use opencv::core::{Mat, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 use paper::{A4, Mm, Page, distance, render};
 use scaleproof::print::board::{BoardKind, BoardRequest, Definition, board};
@@ -16,6 +17,7 @@ use scaleproof::print::page::Media;
 use scaleproof::print::paper::Paper;
 use scaleproof::print::printer::Printer;
 use scaleproof::print::sheet::RectMm;
+use theirs::Charuco;
 
 const DICT_5X5_100: i32 = 5;
 const DICT_6X6_250: i32 = 10;
@@ -87,32 +89,11 @@ fn print(
     }
 }
 
-fn dictionary(number: i32) -> Ptr<Dictionary> {
-    get_predefined_dictionary_i32(number).unwrap()
-}
-
 /// OpenCV's markers on a page: id and corners in mm.
-fn markers(printed: &Printed, dictionary: &Ptr<Dictionary>, border_bits: i32) -> Vec<(i32, [Mm; 4])> {
-    let mut parameters = DetectorParameters::create().unwrap();
-    parameters.set_marker_border_bits(border_bits);
-    parameters.set_corner_refinement_method(opencv::aruco::CornerRefineMethod::CORNER_REFINE_SUBPIX as i32);
-    // Half the gap between a marker and the next edge.
-    parameters.set_corner_refinement_win_size(5);
-    let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
-    detect_markers(
-        &printed.picture(),
-        dictionary,
-        &mut corners,
-        &mut ids,
-        &parameters,
-        &mut Vector::<Vector<Point2f>>::new(),
-    )
-    .unwrap();
-    let on_page = |points: Vector<Point2f>| {
-        let place = |i: usize| points.get(i).unwrap();
-        [0, 1, 2, 3].map(|i| printed.page.mm([f64::from(place(i).x), f64::from(place(i).y)]))
-    };
-    let mut found: Vec<_> = ids.iter().zip(corners.iter().map(on_page)).collect();
+fn markers(printed: &Printed, dictionary: i32, border_bits: i32) -> Vec<(i32, [Mm; 4])> {
+    let found = theirs::markers(&printed.picture(), dictionary, border_bits);
+    let on_page = |(id, corners): theirs::Found| (id, corners.map(|px| printed.page.mm(px)));
+    let mut found: Vec<_> = found.into_iter().map(on_page).collect();
     found.sort_by_key(|(id, _)| *id);
     found
 }
@@ -151,16 +132,11 @@ fn assert_markers(
 }
 
 /// Both at the middle of every tenth of a square.
-fn assert_equals_opencvs_drawing(
-    printed: &Printed,
-    board: &mut Ptr<CharucoBoard>,
-    squares: (u32, u32),
-    square_mm: f64,
-) {
+fn assert_equals_opencvs_drawing(printed: &Printed, board: Charuco) {
     const PX: i32 = 120;
+    let Charuco { squares, square_mm, .. } = board;
     let size = Size::new(squares.0 as i32 * PX, squares.1 as i32 * PX);
-    let mut drawing = Mat::default();
-    board.draw(size, &mut drawing, 0, 1).unwrap();
+    let drawing = theirs::drawing(board, size);
     let (mut compared, mut apart) = (0, 0);
     for row in 0..squares.1 * 40 {
         for column in 0..squares.0 * 40 {
@@ -190,7 +166,7 @@ fn assert_equals_opencvs_drawing(
     );
 }
 
-fn assert_charuco(squares: (u32, u32), square_mm: f64, marker_mm: f64, name: &str, number: i32) {
+fn assert_charuco(squares: (u32, u32), square_mm: f64, marker_mm: f64, name: &str, dictionary: i32) {
     let printed = print(
         "charuco",
         BoardKind::Charuco,
@@ -199,10 +175,13 @@ fn assert_charuco(squares: (u32, u32), square_mm: f64, marker_mm: f64, name: &st
         Some(marker_mm),
         Some(name),
     );
-    let (across, down) = (squares.0 as i32, squares.1 as i32);
-    let mut theirs =
-        CharucoBoard::create(across, down, square_mm as f32, marker_mm as f32, &dictionary(number)).unwrap();
-    assert_equals_opencvs_drawing(&printed, &mut theirs, squares, square_mm);
+    let board = Charuco {
+        squares,
+        square_mm,
+        marker_mm,
+        dictionary,
+    };
+    assert_equals_opencvs_drawing(&printed, board);
     let Definition::Charuco {
         squares: [x, y],
         dictionary: told,
@@ -224,16 +203,17 @@ fn assert_charuco(squares: (u32, u32), square_mm: f64, marker_mm: f64, name: &st
             )
         })
         .collect();
-    let found = markers(&printed, &dictionary(number), 1);
+    let found = markers(&printed, dictionary, 1);
     let worst = assert_markers(&printed, &found, &upper_left, marker_mm, 0);
-    let corners = charuco_corners(&printed, &theirs, &dictionary(number));
+    let corners = theirs::corners(board, &printed.picture());
     assert_eq!(
         corners.len() as u32,
         (squares.0 - 1) * (squares.1 - 1),
         "every inner corner"
     );
     let mut worst_corner = 0.0_f64;
-    for (id, place) in corners {
+    for (id, px) in corners {
+        let place = printed.page.mm(px);
         // Row by row from the top left.
         let (row, column) = (id / (squares.0 - 1) + 1, id % (squares.0 - 1) + 1);
         let error = distance(
@@ -247,16 +227,6 @@ fn assert_charuco(squares: (u32, u32), square_mm: f64, marker_mm: f64, name: &st
         "ChArUco {squares:?}: {} markers within {worst:.3} mm, corners within {worst_corner:.3} mm",
         found.len()
     );
-}
-
-fn charuco_corners(printed: &Printed, board: &Ptr<CharucoBoard>, dictionary: &Ptr<Dictionary>) -> Vec<(u32, Mm)> {
-    let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
-    let picture = printed.picture();
-    opencv::aruco::detect_markers_def(&picture, dictionary, &mut corners, &mut ids).unwrap();
-    let (mut places, mut numbers) = (Vector::<Point2f>::new(), Vector::<i32>::new());
-    opencv::aruco::interpolate_corners_charuco_def(&corners, &ids, &picture, board, &mut places, &mut numbers).unwrap();
-    let mm = |p: Point2f| printed.page.mm([f64::from(p.x), f64::from(p.y)]);
-    numbers.iter().map(|id| id as u32).zip(places.iter().map(mm)).collect()
 }
 
 #[test]
@@ -321,7 +291,7 @@ fn aprilgrids_are_kalibrs() {
         .map(|(row, column)| (gap + f64::from(column) * pitch, gap + f64::from(rows - 1 - row) * pitch))
         .collect();
     // OpenCV's pictures of this family are turned by 180°: its first corner is the printed tag's lower right.
-    let found = markers(&printed, &dictionary(DICT_APRILTAG_36H11), 2);
+    let found = markers(&printed, DICT_APRILTAG_36H11, 2);
     let worst = assert_markers(&printed, &found, &upper_left, tag_mm, 2);
     for row in 0..=rows {
         for column in 0..=columns {

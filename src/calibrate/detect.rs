@@ -5,10 +5,9 @@ use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 
-use super::markers::{self, SeenMarker};
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use crate::board::{Definition, Marker};
-use crate::tags::{DictionaryError, MarkerDictionary, enlarged, least_reduction, reduced};
+use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, reduced};
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,22 +90,18 @@ pub fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoB
 }
 
 fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
-    let failed = |e: opencv::Error| NoBoard::OpenCv(e.message.lines().next().unwrap_or_default().to_owned());
     let flat = Mat::from_slice(grey.as_raw().as_slice()).map_err(failed)?;
     let picture = flat.reshape(1, grey.height() as i32).map_err(failed)?;
     let picture = picture.try_clone().map_err(failed)?;
     let found = match board {
         Definition::Chessboard { inner_corners, .. } => chessboard(&picture, *inner_corners).map_err(failed)?,
         Definition::Charuco { dictionary, .. } => {
-            let number = markers::dictionary_number(dictionary).ok_or(NoBoard::NotFound)?;
-            let seen = known(markers::find(&picture, number, 1).map_err(failed)?, board, 0)?;
+            let seen = known(markers(&picture, dictionary, 1)?, board, 0)?;
             charuco(&picture, board, &seen).map_err(failed)?
         }
         Definition::Aprilgrid { border_modules, .. } => {
-            let number = markers::dictionary_number("DICT_APRILTAG_36h11").ok_or(NoBoard::NotFound)?;
-            let border = i32::try_from(*border_modules).unwrap_or(2);
             // OpenCV's picture of this family is turned by 180°: its first corner is the upright tag's lower right.
-            let seen = known(markers::find(&picture, number, border).map_err(failed)?, board, 2)?;
+            let seen = known(markers(&picture, "DICT_APRILTAG_36h11", *border_modules)?, board, 2)?;
             aprilgrid(&picture, board, &seen).map_err(failed)?
         }
     };
@@ -122,6 +117,16 @@ fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBo
         }),
         _ => flat_enough(found, board),
     }
+}
+
+fn failed(e: opencv::Error) -> NoBoard {
+    NoBoard::OpenCv(e.message.lines().next().unwrap_or_default().to_owned())
+}
+
+/// Every marker of a dictionary, whose black border is so many modules wide.
+fn markers(picture: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, NoBoard> {
+    let search = marker_search(dictionary, border_modules).map_err(|e| NoBoard::OpenCv(e.to_string()))?;
+    search.find(picture).map_err(failed)
 }
 
 /// A marker of the board, and where the photo shows its corners (upper left first).

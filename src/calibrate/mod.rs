@@ -5,7 +5,6 @@ mod detect;
 mod doubt;
 mod fit;
 mod ladder;
-mod markers;
 mod model;
 mod outliers;
 mod page;

@@ -3,10 +3,14 @@
 #[macro_use]
 mod say;
 
+#[cfg(feature = "full")]
 mod attack;
+#[cfg(feature = "full")]
 mod calibrate;
 mod camera;
+#[cfg(feature = "full")]
 mod capture;
+#[cfg(feature = "full")]
 mod chart;
 mod colour;
 mod compare;
@@ -22,6 +26,7 @@ mod progress;
 mod scene;
 mod score;
 mod session;
+#[cfg(feature = "full")]
 mod survey;
 
 use std::error::Error;
@@ -42,7 +47,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    #[cfg(feature = "full")]
     Attack(attack::Args),
+    #[cfg(feature = "full")]
     Calibrate(calibrate::Args),
     Demo(demo::Args),
     Print(print::Args),
@@ -50,6 +57,7 @@ enum Command {
     Pattern(pattern::Args),
     Camera(camera::Args),
     Colour(colour::Args),
+    #[cfg(feature = "full")]
     Capture(capture::Args),
     Locate(locate::Args),
     Detectors(detectors::Args),
@@ -58,7 +66,9 @@ enum Command {
     Merge(merge::Args),
     Compare(compare::Args),
     Plan(plan::Args),
+    #[cfg(feature = "full")]
     Survey(survey::Args),
+    #[cfg(feature = "full")]
     Chart(chart::Args),
 }
 
@@ -89,7 +99,9 @@ pub fn main() -> ExitCode {
         Ok(false) => &mut Visible(std::io::stdout().lock()),
     };
     let result = match cli.command {
+        #[cfg(feature = "full")]
         Command::Attack(args) => attack::run(args, out),
+        #[cfg(feature = "full")]
         Command::Calibrate(args) => calibrate::run(args, out),
         Command::Demo(args) => demo::run(args, out),
         Command::Print(args) => print::run(args, out),
@@ -97,6 +109,7 @@ pub fn main() -> ExitCode {
         Command::Pattern(args) => pattern::run(args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
+        #[cfg(feature = "full")]
         Command::Capture(args) => capture::run(args, out),
         Command::Locate(args) => locate::run(args, out),
         Command::Detectors(args) => detectors::run(args, out),
@@ -105,7 +118,9 @@ pub fn main() -> ExitCode {
         Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),
         Command::Plan(args) => plan::run(args, out),
+        #[cfg(feature = "full")]
         Command::Survey(args) => survey::run(args, out),
+        #[cfg(feature = "full")]
         Command::Chart(args) => chart::run(args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {

@@ -1,12 +1,10 @@
 //! Tags → which chart, and where each millimetre of it is in the picture.
 
-use nalgebra::{Matrix3, Vector3};
-use opencv::calib3d;
-use opencv::core::{Mat, Point2d, Vector, no_array};
-use opencv::prelude::*;
+use nalgebra::Matrix3;
 
 use super::ChartError;
 use super::layout::{CELL_MM, ChartKind, ChartLayout, FAMILY, PATCH_MM};
+use crate::geometry::homography::{self, mapped};
 use crate::tags::SeenTag;
 
 /// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's picture. A patch is sampled 2.5 mm
@@ -83,12 +81,8 @@ fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ChartError> {
 }
 
 fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -> Result<FoundChart, ChartError> {
-    let to_px = homography(chart_mm, picture_px)?;
-    let Some(to_mm) = to_px.try_inverse() else {
-        return Err(ChartError::OpenCv {
-            reason: "its tags lie on a line".into(),
-        });
-    };
+    let to_px = homography::fitted(chart_mm, picture_px).ok_or(ChartError::OnALine)?;
+    let to_mm = to_px.try_inverse().ok_or(ChartError::OnALine)?;
     let mut found = FoundChart {
         layout,
         to_px,
@@ -116,22 +110,6 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -
     Ok(found)
 }
 
-/// Least squares over all corners, refined by Levenberg–Marquardt (OpenCV).
-fn homography(from: &[[f64; 2]], to: &[[f64; 2]]) -> Result<Matrix3<f64>, ChartError> {
-    let points = |list: &[[f64; 2]]| -> Vector<Point2d> { list.iter().map(|[x, y]| Point2d::new(*x, *y)).collect() };
-    let solved = calib3d::find_homography(&points(from), &points(to), &mut no_array(), 0, 3.0);
-    let matrix: opencv::Result<Vec<f64>> = solved.and_then(|m: Mat| Ok(m.data_typed::<f64>()?.to_vec()));
-    match matrix {
-        Ok(numbers) if numbers.len() == 9 && numbers.iter().all(|v| v.is_finite()) => {
-            Ok(Matrix3::from_row_slice(&numbers))
-        }
-        Ok(_) => Err(ChartError::OpenCv {
-            reason: "its tags lie on a line".into(),
-        }),
-        Err(e) => Err(ChartError::OpenCv { reason: e.message }),
-    }
-}
-
 /// Corner patches are the extremes of a perspective.
 fn smallest_patch(chart: &FoundChart) -> f64 {
     let (width, height) = chart.layout.size_mm;
@@ -148,11 +126,6 @@ fn smallest_patch(chart: &FoundChart) -> f64 {
         across.min(distance(chart.px([x, y - h]), chart.px([x, y + h])))
     };
     corners.into_iter().map(side).fold(f64::INFINITY, f64::min)
-}
-
-fn mapped(by: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
-    let p = by * Vector3::new(x, y, 1.0);
-    [p.x / p.z, p.y / p.z]
 }
 
 fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {

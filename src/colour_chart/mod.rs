@@ -63,8 +63,8 @@ pub enum ChartError {
     MixedCharts { first: &'static str, other: &'static str },
     #[error("the photos disagree by a mean ΔE2000 of {delta_e:.1}; average only photos of one print in the same light")]
     PhotosDisagree { delta_e: f64 },
-    #[error("OpenCV could not place the chart: {reason}")]
-    OpenCv { reason: String },
+    #[error("the chart could not be placed: the corners of its tags lie on a line")]
+    OnALine,
 }
 
 /// A cell as people count: `row 3, column 12`, from the upper left.

@@ -2,10 +2,8 @@
 
 use fast_image_resize as fir;
 use image::RgbImage;
-use opencv::core::{Mat, Size};
-use opencv::imgproc;
-use opencv::prelude::*;
 
+use super::linear;
 use super::manifest::{Channels, Input, Kernel, Layout, Resize};
 use crate::geometry::BoxPx;
 
@@ -116,24 +114,9 @@ pub(crate) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> 
 /// Interleaved RGB bytes of the photo at another size.
 fn resize(photo: &RgbImage, size: [u32; 2], kernel: Kernel) -> Result<Vec<u8>, String> {
     match kernel {
-        Kernel::OpencvLinear => opencv_linear(photo, size).map_err(|e| e.to_string()),
+        Kernel::OpencvLinear => Ok(linear::resized(photo, size)),
         Kernel::Antialiased => antialiased(photo, size).map_err(|e| e.to_string()),
     }
-}
-
-fn opencv_linear(photo: &RgbImage, [width, height]: [u32; 2]) -> opencv::Result<Vec<u8>> {
-    let flat = Mat::from_slice(photo.as_raw().as_slice())?;
-    let source = flat.reshape(3, photo.height() as i32)?;
-    let mut resized = Mat::default();
-    imgproc::resize(
-        &source,
-        &mut resized,
-        Size::new(width as i32, height as i32),
-        0.0,
-        0.0,
-        imgproc::INTER_LINEAR,
-    )?;
-    Ok(resized.data_bytes()?.to_vec())
 }
 
 fn antialiased(photo: &RgbImage, [width, height]: [u32; 2]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {

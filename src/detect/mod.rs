@@ -1,10 +1,12 @@
 //! Object detectors: a manifest says how to feed and read an ONNX file; ONNX Runtime runs it.
 
 mod coco_results;
+#[cfg(feature = "full")]
 mod fetch;
 mod heads;
 mod input;
 mod labels;
+mod linear;
 mod manifest;
 mod nms;
 mod propose;
@@ -17,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::BoxPx;
 
 pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
+#[cfg(feature = "full")]
 pub use fetch::{FetchError, fetch};
 #[cfg(feature = "attack")]
 pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};

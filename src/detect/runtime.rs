@@ -92,8 +92,6 @@ fn load() -> Result<Runtime, DetectError> {
         .build()
         .map_err(|e| missing(e.to_string()))?;
     environment.set_log_level(LogLevel::Error);
-    // Photos are spread over threads already; OpenCV's own pool would only compete.
-    let _ = opencv::core::set_num_threads(1);
     Ok(Runtime {
         environment,
         library: library_name(&file),

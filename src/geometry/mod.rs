@@ -2,6 +2,7 @@
 
 pub mod angle;
 pub mod bbox;
+pub mod homography;
 mod hull;
 pub mod length;
 pub mod rigid;

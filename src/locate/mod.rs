@@ -4,9 +4,12 @@ mod consensus;
 mod doubt;
 mod matches;
 mod plain_view;
+mod planar;
+mod rays;
 mod refine;
 pub mod reprojection;
 mod solver;
+mod sqpnp;
 mod uncertainty;
 
 use nalgebra::Point3;
@@ -23,7 +26,9 @@ use solver::Candidate;
 
 pub use doubt::Abstention;
 pub use matches::{Ignored, IgnoredTag};
-pub use solver::{Solver, planar_branches};
+pub use planar::planar_branches;
+pub use solver::Solver;
+pub use sqpnp::sqpnp;
 pub use uncertainty::{Sigma, Uncertainty};
 
 /// A photo with a pose.

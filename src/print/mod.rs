@@ -3,6 +3,7 @@
 //! One file or folder per kind of print ([`template`], [`tags`], [`board`], [`check`], [`chart`]); what they share ([`page`], [`paper`],
 //! [`frame`], [`ruler`], [`lettering`], [`shapes`], [`printer`]) stands beside them.
 
+#[cfg(feature = "full")]
 pub mod board;
 pub mod chart;
 pub mod check;

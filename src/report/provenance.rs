@@ -12,7 +12,6 @@ use crate::tags::TagDetectorChoice;
 pub(super) struct Provenance {
     pub scaleproof: &'static str,
     pub onnx_runtime: Option<String>,
-    pub opencv: String,
     pub tag_detector: String,
     /// How AP@0.5 is computed.
     pub ap_definition: &'static str,
@@ -53,7 +52,6 @@ pub(super) fn of(scores: &Scores) -> Provenance {
     Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),
-        opencv: opencv::core::get_version_string().unwrap_or_default(),
         tag_detector: TagDetectorChoice::default().provenance(),
         ap_definition: scores.criteria.ap.name(),
         match_iou: MATCH_IOU,

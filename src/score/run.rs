@@ -73,8 +73,7 @@ pub fn score(
 
 /// What the results depend on besides the photos, the detectors and this program: versions of libraries.
 pub fn libraries() -> String {
-    let opencv = opencv::core::get_version_string().unwrap_or_default();
-    format!("OpenCV {opencv}; {}", TagDetectorChoice::default().provenance())
+    TagDetectorChoice::default().provenance()
 }
 
 /// Looks at the photos of one shard only; [`merge`] judges them with the others.

@@ -1,32 +1,16 @@
 //! OpenCV's ArUco detector, with each of its corner refiners.
 
 use image::GrayImage;
-use opencv::core::{Mat, Point2f, Ptr, Vector, no_array};
-// OpenCV 4.7 moved the dictionaries from the contrib module `aruco` to `objdetect`; the names are the same.
-#[allow(unused_imports)]
-use opencv::{aruco::*, objdetect::*, prelude::*};
+use opencv::core::Mat;
 
+use super::opencv_markers::{MarkerSearch, SeenMarker};
 use super::search::{Found, Search, within_bounds};
-use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
+use super::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
-
-/// How OpenCV moves the corners of the polygon it found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ArucoRefiner {
-    /// Not at all.
-    None,
-    /// `cornerSubPix`.
-    Subpix,
-    /// Lines through the contour's points.
-    Contour,
-    /// The quads of the AprilTag 2 detector.
-    AprilTag,
-}
 
 /// OpenCV's ArUco detector at full size.
 pub struct ArucoOpenCv {
-    dictionaries: Vec<(TagFamily, Ptr<Dictionary>)>,
-    parameters: Ptr<DetectorParameters>,
+    searches: Vec<(TagFamily, MarkerSearch)>,
     /// Where the refiner has the centre of the first pixel, px.
     pixel_centre: f64,
 }
@@ -39,20 +23,14 @@ impl ArucoOpenCv {
         let known = families
             .iter()
             .filter_map(|family| Some((*family, dictionary(*family)?)));
-        let dictionaries = known.map(|(family, name)| Ok((family, get_predefined_dictionary(name)?)));
+        let searches = known.map(|(family, number)| Ok((family, MarkerSearch::new(number, 1, refiner)?)));
         Ok(ArucoOpenCv {
-            dictionaries: dictionaries
+            searches: searches
                 .collect::<opencv::Result<_>>()
                 .map_err(|e| choice.failed(e.message))?,
-            parameters: parameters(refiner).map_err(|e| choice.failed(e.message))?,
             // Measured on rendered tags: OpenCV's copy of AprilTag keeps that library's convention.
             pixel_centre: if refiner == ArucoRefiner::AprilTag { 0.5 } else { 0.0 },
         })
-    }
-
-    /// Whether OpenCV has a family's codes.
-    pub fn reads(family: TagFamily) -> bool {
-        dictionary(family).is_some()
     }
 }
 
@@ -72,68 +50,39 @@ impl Search for ArucoOpenCv {
 impl ArucoOpenCv {
     fn search_all(&self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
-        for (family, dictionary) in &self.dictionaries {
+        for (family, search) in &self.searches {
             // An exception of OpenCV is a picture it finds nothing in.
-            let tags = detect(grey, dictionary, &self.parameters).unwrap_or_default();
-            let centred = |corners: Corners| corners.map(|corner| corner.map(|v| v - self.pixel_centre));
-            found.extend(tags.into_iter().map(|(id, corners)| Found {
-                family: *family,
-                id,
-                corners_px: centred(corners),
+            let seen = find(grey, search).unwrap_or_default();
+            found.extend(seen.into_iter().filter_map(|marker| {
+                Some(Found {
+                    family: *family,
+                    id: u32::try_from(marker.id).ok()?,
+                    corners_px: upright(marker.corners_px).map(|corner| corner.map(|v| v - self.pixel_centre)),
+                })
             }));
         }
         found
     }
 }
 
-fn dictionary(family: TagFamily) -> Option<PREDEFINED_DICTIONARY_NAME> {
+/// OpenCV's number of a family's dictionary.
+fn dictionary(family: TagFamily) -> Option<i32> {
     match family {
-        TagFamily::Tag16h5 => Some(PREDEFINED_DICTIONARY_NAME::DICT_APRILTAG_16h5),
-        TagFamily::Tag25h9 => Some(PREDEFINED_DICTIONARY_NAME::DICT_APRILTAG_25h9),
-        TagFamily::Tag36h11 => Some(PREDEFINED_DICTIONARY_NAME::DICT_APRILTAG_36h11),
+        TagFamily::Tag16h5 => Some(17),
+        TagFamily::Tag25h9 => Some(18),
+        TagFamily::Tag36h11 => Some(20),
         TagFamily::TagStandard41h12 | TagFamily::TagStandard52h13 => None,
     }
 }
 
-fn parameters(refiner: ArucoRefiner) -> opencv::Result<Ptr<DetectorParameters>> {
-    let mut parameters = DetectorParameters::default()?;
-    parameters.set_corner_refinement_method(match refiner {
-        ArucoRefiner::None => CORNER_REFINE_NONE,
-        ArucoRefiner::Subpix => CORNER_REFINE_SUBPIX,
-        ArucoRefiner::Contour => CORNER_REFINE_CONTOUR,
-        ArucoRefiner::AprilTag => CORNER_REFINE_APRILTAG,
-    });
-    Ok(Ptr::new(parameters))
-}
-
-type Corners = [[f64; 2]; 4];
-
-fn detect(
-    grey: &GrayImage,
-    dictionary: &Ptr<Dictionary>,
-    parameters: &Ptr<DetectorParameters>,
-) -> opencv::Result<Vec<(u32, Corners)>> {
+fn find(grey: &GrayImage, search: &MarkerSearch) -> opencv::Result<Vec<SeenMarker>> {
     let (Ok(rows), Ok(columns)) = (i32::try_from(grey.height()), i32::try_from(grey.width())) else {
         return Ok(Vec::new());
     };
-    let picture = Mat::new_rows_cols_with_data(rows, columns, grey.as_raw().as_slice())?;
-    let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
-    detect_markers(
-        &picture,
-        dictionary,
-        &mut corners,
-        &mut ids,
-        parameters,
-        &mut no_array(),
-    )?;
-    let tags = ids.iter().zip(corners.iter());
-    Ok(tags
-        .filter_map(|(id, corners)| Some((u32::try_from(id).ok()?, upright(&corners)?)))
-        .collect())
+    search.find(&Mat::new_rows_cols_with_data(rows, columns, grey.as_raw().as_slice())?)
 }
 
 /// OpenCV's picture of an AprilTag is the tag turned by 180°, so its first corner is our third.
-fn upright(corners: &Vector<Point2f>) -> Option<Corners> {
-    let at = |i: usize| corners.get(i).ok().map(|p| [f64::from(p.x), f64::from(p.y)]);
-    Some([at(2)?, at(3)?, at(0)?, at(1)?])
+fn upright([a, b, c, d]: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
+    [c, d, a, b]
 }

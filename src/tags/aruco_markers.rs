@@ -1,10 +1,7 @@
 //! The markers of OpenCV's ArUco dictionaries, asked of OpenCV, so that no table of codes is kept twice.
 
-// OpenCV 4.7 moved ArUco from the contrib module `aruco` to `objdetect`; the names are the same.
-#[allow(unused_imports)]
-use opencv::{aruco::*, objdetect::*, prelude::*};
-
-use super::Modules;
+use super::opencv_markers::markers;
+use super::{ArucoRefiner, MarkerSearch, Modules};
 
 /// OpenCV's predefined dictionaries, in the order of its numbers for them (`PREDEFINED_DICTIONARY_NAME`).
 const NAMES: [&str; 21] = [
@@ -53,15 +50,8 @@ impl MarkerDictionary {
     /// # Errors
     /// A name OpenCV does not have.
     pub fn named(name: &str) -> Result<Self, DictionaryError> {
-        let known = NAMES
-            .iter()
-            .zip(0..)
-            .find(|(known, _)| known.eq_ignore_ascii_case(name));
-        let (name, number) = known.ok_or_else(|| DictionaryError::Unknown { name: name.to_owned() })?;
-        let markers = markers(number).map_err(|e| DictionaryError::OpenCv {
-            name,
-            reason: e.message,
-        })?;
+        let (name, number) = known(name)?;
+        let markers = markers(number).map_err(|e| failed(name, e))?;
         Ok(Self { name, markers })
     }
 
@@ -81,18 +71,28 @@ impl MarkerDictionary {
     }
 }
 
-fn markers(number: i32) -> opencv::Result<Vec<Modules>> {
-    let dictionary = get_predefined_dictionary_i32(number)?;
-    let (list, size) = (dictionary.bytes_list(), dictionary.marker_size());
-    (0..list.rows())
-        .map(|id| {
-            let bits = Dictionary::get_bits_from_byte_list(&list.row(id)?, size)?;
-            let rows: Vec<Vec<u8>> = (0..size)
-                .map(|row| Ok(bits.at_row::<u8>(row)?.to_vec()))
-                .collect::<opencv::Result<_>>()?;
-            Ok(Modules::new(rows.len(), |row, column| rows[row][column] == 0).framed(1, true))
-        })
-        .collect()
+/// A search for the markers of a dictionary, with black borders of so many modules; corners are as the outline gives them, not refined.
+///
+/// # Errors
+/// A name OpenCV does not have.
+pub fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSearch, DictionaryError> {
+    let (name, number) = known(dictionary)?;
+    let border_modules = i32::try_from(border_modules).unwrap_or(i32::MAX);
+    MarkerSearch::new(number, border_modules, ArucoRefiner::None).map_err(|e| failed(name, e))
+}
+
+/// OpenCV's name and number.
+fn known(name: &str) -> Result<(&'static str, i32), DictionaryError> {
+    let mut all = NAMES.into_iter().zip(0..);
+    let known = all.find(|(known, _)| known.eq_ignore_ascii_case(name));
+    known.ok_or_else(|| DictionaryError::Unknown { name: name.to_owned() })
+}
+
+fn failed(name: &'static str, e: opencv::Error) -> DictionaryError {
+    DictionaryError::OpenCv {
+        name,
+        reason: e.message,
+    }
 }
 
 #[cfg(test)]

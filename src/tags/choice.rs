@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::fit::Fitted;
 use super::search::Search;
-use super::{AprilTagC, ArucoOpenCv, ArucoRefiner, CoarseToFine, Locus, TagDetector};
+use super::{AprilTagC, CoarseToFine, TagDetector, rivals};
 use crate::scene::TagFamily;
 
 /// A tag detector that can be chosen.
@@ -20,6 +20,19 @@ pub enum TagDetectorChoice {
     Aruco(ArucoRefiner, CornersBy),
     /// locus-core at full size.
     Locus(CornersBy),
+}
+
+/// How OpenCV moves the corners of the polygon it found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ArucoRefiner {
+    /// Not at all.
+    None,
+    /// `cornerSubPix`.
+    Subpix,
+    /// Lines through the contour's points.
+    Contour,
+    /// The quads of the AprilTag 2 detector.
+    AprilTag,
 }
 
 /// Who says where the corners of a found tag are.
@@ -45,6 +58,10 @@ pub enum StartError {
         detector: TagDetectorChoice,
         family: TagFamily,
     },
+    #[error(
+        "this build of scaleproof has no tag detector {detector}: it was built without the feature `full`; leave --tag-detector out"
+    )]
+    NotBuilt { detector: TagDetectorChoice },
     #[error("the tag detector {detector} could not start: {reason}")]
     Library {
         detector: TagDetectorChoice,
@@ -103,8 +120,8 @@ impl TagDetectorChoice {
     pub fn reads(self, family: TagFamily) -> bool {
         match self {
             TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
-            TagDetectorChoice::Aruco(..) => ArucoOpenCv::reads(family),
-            TagDetectorChoice::Locus(_) => Locus::reads(family),
+            TagDetectorChoice::Aruco(..) => rivals::aruco_reads(family),
+            TagDetectorChoice::Locus(_) => rivals::locus_reads(family),
         }
     }
 
@@ -117,8 +134,8 @@ impl TagDetectorChoice {
         Ok(match self {
             TagDetectorChoice::CoarseToFine => Box::new(CoarseToFine::new(families)?),
             TagDetectorChoice::AprilTagC(by) => by.open(AprilTagC::new(families)?),
-            TagDetectorChoice::Aruco(refiner, by) => by.open(ArucoOpenCv::new(families, refiner)?),
-            TagDetectorChoice::Locus(by) => by.open(Locus::new(families)?),
+            TagDetectorChoice::Aruco(refiner, by) => rivals::aruco(families, refiner, by)?,
+            TagDetectorChoice::Locus(by) => rivals::locus(families, by)?,
         })
     }
 
@@ -139,10 +156,9 @@ impl TagDetectorChoice {
             TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => {
                 format!("{self} on {}", AprilTagC::PROVENANCE)
             }
-            TagDetectorChoice::Aruco(..) => format!(
-                "{self} of OpenCV {}",
-                opencv::core::get_version_string().unwrap_or_default()
-            ),
+            TagDetectorChoice::Aruco(..) => {
+                format!("{self} of OpenCV {}", rivals::opencv_version().unwrap_or_default())
+            }
             TagDetectorChoice::Locus(_) => format!("{self} on locus-core 0.10"),
         }
     }
@@ -168,7 +184,7 @@ impl TagDetectorChoice {
 }
 
 impl CornersBy {
-    fn open<S: Search + TagDetector + 'static>(self, search: S) -> Box<dyn TagDetector> {
+    pub(super) fn open<S: Search + TagDetector + 'static>(self, search: S) -> Box<dyn TagDetector> {
         match self {
             CornersBy::Fit => Box::new(Fitted(search)),
             CornersBy::Library => Box::new(search),

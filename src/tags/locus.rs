@@ -33,11 +33,6 @@ impl Locus {
             detectors: detectors.collect::<Result<_, _>>()?,
         })
     }
-
-    /// Whether it knows a family's codes.
-    pub fn reads(family: TagFamily) -> bool {
-        locus_family(family).is_some()
-    }
 }
 
 /// With the library's own corners.

@@ -2,7 +2,9 @@
 
 mod appearance;
 mod apriltag_c;
+#[cfg(feature = "full")]
 mod aruco;
+#[cfg(feature = "full")]
 mod aruco_markers;
 mod border;
 mod choice;
@@ -10,9 +12,13 @@ mod coarse_to_fine;
 mod edge;
 mod fit;
 mod inset;
+#[cfg(feature = "full")]
 mod locus;
 mod modules;
+#[cfg(feature = "full")]
+mod opencv_markers;
 mod refine;
+mod rivals;
 mod search;
 mod square;
 mod tag_image;
@@ -25,12 +31,17 @@ use square::Square;
 
 pub use appearance::{Appearance, paper_levels};
 pub use apriltag_c::AprilTagC;
-pub use aruco::{ArucoOpenCv, ArucoRefiner};
-pub use aruco_markers::{DictionaryError, MarkerDictionary};
-pub use choice::{CornersBy, StartError, TagDetectorChoice};
+#[cfg(feature = "full")]
+pub use aruco::ArucoOpenCv;
+#[cfg(feature = "full")]
+pub use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
+pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
 pub use coarse_to_fine::CoarseToFine;
+#[cfg(feature = "full")]
 pub use locus::Locus;
 pub use modules::Modules;
+#[cfg(feature = "full")]
+pub use opencv_markers::{MarkerSearch, SeenMarker};
 pub(crate) use search::{enlarged, least_reduction, reduced};
 pub use tag_image::TagImage;
 

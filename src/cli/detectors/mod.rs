@@ -26,6 +26,7 @@ enum Command {
     /// Every known detector: licence, origin, and where its weights lie.
     List(ListArgs),
     /// Download weights, verify their SHA-256, go on with a broken download.
+    #[cfg(feature = "full")]
     Fetch(FetchArgs),
     /// Run every detector whose weights are present on some photos and print what it finds.
     Check(CheckArgs),
@@ -66,6 +67,7 @@ struct ListArgs {
     json: bool,
 }
 
+#[cfg(feature = "full")]
 #[derive(clap::Args)]
 struct FetchArgs {
     /// Which detectors; all when none is named.
@@ -95,6 +97,7 @@ struct CheckArgs {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.command {
         Command::List(args) => list(args, out),
+        #[cfg(feature = "full")]
         Command::Fetch(args) => fetch(args, out),
         Command::Check(args) => check(args, out),
         Command::Add(args) => add::run(args, out),
@@ -158,6 +161,7 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
+#[cfg(feature = "full")]
 fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
     let folders = WeightFolders::new(args.folder.weights_folder);
     for manifest in chosen(&args.names)? {
@@ -172,6 +176,17 @@ pub fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultO
     if let Ok(path) = folders.checked(manifest) {
         return Ok(path);
     }
+    download(manifest, folders)
+}
+
+#[cfg(not(feature = "full"))]
+fn download(manifest: &Manifest, _: &WeightFolders) -> CommandResultOf<PathBuf> {
+    let name = &manifest.name;
+    Err(format!("the weights of {name} are not here; `./run detectors fetch` gets them").into())
+}
+
+#[cfg(feature = "full")]
+fn download(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<PathBuf> {
     let bar = progress::bytes(&manifest.name);
     let fetched = detect::fetch(manifest, &folders.download_folder()?, &|done, total| {
         if let Some(total) = total {

@@ -1,5 +1,6 @@
 //! `scaleproof print`: sheets for the printer.
 
+#[cfg(feature = "full")]
 mod board;
 mod chart;
 mod check;
@@ -43,6 +44,7 @@ enum What {
     /// Print the tags of a scene: tent cards to cut and fold, a ground mat, plain cards
     Tags(tags::TagsArgs),
     /// Print a calibration board, and write the file that describes it
+    #[cfg(feature = "full")]
     Board(board::BoardArgs),
     /// A chart of colours, fewer on smaller paper, to be photographed for `colour read`
     Chart(chart::ChartArgs),
@@ -59,6 +61,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Wrap(args) => wrap::run(&args, out),
         What::Patch(args) => patch::run(&args, out),
         What::Tags(args) => tags::run(&args, out),
+        #[cfg(feature = "full")]
         What::Board(args) => board::run(&args, out),
         What::Chart(args) => chart::run(&args, out),
         What::Check(args) => check::run(&args, out),

@@ -49,7 +49,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
     html! {
         dl.settings {
             dt { "program" } dd {
-                "scaleproof " (p.scaleproof) ", OpenCV " (p.opencv) @if let Some(runtime) = &p.onnx_runtime { ", " (runtime) }
+                "scaleproof " (p.scaleproof) @if let Some(runtime) = &p.onnx_runtime { ", " (runtime) }
             }
             dt { "tags" } dd { (p.tag_detector) }
             dt { "thresholds" } dd {
