@@ -3,6 +3,7 @@
 #[macro_use]
 mod say;
 
+mod at_hand;
 mod attack;
 mod calibrate;
 mod camera;
@@ -22,6 +23,7 @@ mod progress;
 mod scene;
 mod score;
 mod session;
+mod sessions;
 mod survey;
 
 use std::error::Error;
