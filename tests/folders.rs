@@ -31,10 +31,7 @@ impl Desk {
         for name in stored_photos() {
             let folder = if name.starts_with("normal") { NORMAL } else { RANDOM };
             // Cameras write their endings as they like.
-            let own = match name.contains('3') {
-                true => name.replace(".jpg", ".JPG"),
-                false => name.replace("_00", " ü 00"),
-            };
+            let own = name.replace("_00", " ü 00").replace("3.jpg", "3.JPG");
             std::fs::copy(skyline().join(&name), desk.at(folder).join(own)).unwrap();
         }
         for name in ["scene.toml", "camera.yaml"] {
@@ -602,7 +599,7 @@ fn a_session_is_shown_on_one_screen() {
     let wanted = [
         "skyline: 16 photos",
         "model    skyline-r32, 1:10, 455 × 185.7 × 129.1 mm, detected as car; truth envelope: box",
-        "tags     8 (tag36h11)",
+        "tags     24 (tag36h11)",
         "bins     8: azimuth every 45°, pitch 15°, distance 850 mm",
         "camera   1280 × 960 px, focal length 1180 px",
         "photos   8 normal, at yard",
@@ -785,4 +782,35 @@ fn plans_shards_and_merged_runs_speak_json() {
     assert_eq!(shard["shard"], "1/1");
     let merged = desk.succeeds(&["merge", shard["file"].as_str().unwrap(), "--json", "-o", "merged"]);
     assert_eq!(parsed(merged), read_json(&desk.at("merged/summary.json")));
+}
+
+/// A session from a stranger may name any file to be read; it is no photo, and nothing is written beside it.
+#[test]
+fn a_session_that_names_files_outside_reads_photos_and_writes_nothing_there() {
+    let desk = Desk::new();
+    assert!(desk.on_folders(&["session", "new", "s"], &[]).status.success());
+    std::fs::write(desk.at("secret.txt"), b"secret").unwrap();
+    let path = desk.at("s/session.json");
+    let mut list = read_json(&path);
+    list["photos"][0]["file"] = "../secret.txt".into();
+    list["photos"][1]["file"] = "../../../../../../../../../../dev/zero".into();
+    std::fs::write(&path, list.to_string()).unwrap();
+    let before = contents(desk.home.path());
+    let output = desk.succeeds(&[&["score", "s", "--record", "-o", "s/report"][..], &MADE].concat());
+    let complaints = stderr(&output);
+    assert!(
+        complaints.contains("secret.txt is not a JPEG or PNG") && complaints.contains("dev/zero: it is not a file"),
+        "{complaints}"
+    );
+    let mut now = contents(desk.home.path());
+    now.retain(|path, _| !path.starts_with(desk.at("s/report")) && !path.starts_with(desk.at("s/recorded")));
+    assert_eq!(now, before);
+    for file in ["/etc/passwd", "a/../../secret.txt", ".."] {
+        list["photos"][0]["file"] = file.into();
+        std::fs::write(&path, list.to_string()).unwrap();
+        assert_refused(
+            &desk.run(&["session", "show", "s"]),
+            &["no path from the session's folder: write it as photos/a.jpg or ../photos/a.jpg"],
+        );
+    }
 }
