@@ -602,8 +602,8 @@ fn a_session_is_shown_on_one_screen() {
         "tags     24 (tag36h11)",
         "bins     8: azimuth every 45°, pitch 15°, distance 850 mm",
         "camera   1280 × 960 px, focal length 1180 px",
-        "photos   8 normal, at yard",
-        "         8 random, at yard",
+        "photos   8 normal, place yard",
+        "         8 random, place yard",
         "recorded deimv2_atto (16 photos), deimv2_femto (16 photos), fastestdet (16 photos), nanodet_m (16 photos), yolox_nano (16 photos)",
     ];
     assert_eq!(text.lines().collect::<Vec<_>>(), wanted);

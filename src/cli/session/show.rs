@@ -180,7 +180,7 @@ fn text(page: &Page) -> String {
         let place = group
             .place
             .as_deref()
-            .map_or("no place".into(), |place| format!("at {place}"));
+            .map_or("no place".into(), |place| format!("place {place}"));
         let name = if i == 0 { "photos" } else { "" };
         line(name, format!("{} {}, {place}", group.photos, group.variant));
     }
