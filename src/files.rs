@@ -3,6 +3,7 @@
 mod journal;
 mod place;
 mod staged;
+mod whole_folder;
 
 use std::fs::File;
 use std::io::Read;
@@ -12,6 +13,8 @@ use sha2::{Digest, Sha256};
 
 use place::Place;
 use staged::Staged;
+
+pub use whole_folder::{copy, make_folder};
 
 /// A file that could not be read or written, as a sentence.
 #[derive(Debug, thiserror::Error)]

@@ -374,7 +374,7 @@ fn of_many_photos_the_worst_are_shown_and_the_others_counted() {
     let mut command = program();
     command.arg("score").arg(session.path());
     command
-        .args(["--recorded", "--detector", "yolox_nano", "deimv2_atto", "--out"])
+        .args(["--recorded", "--detector", "yolox_nano,deimv2_atto", "--out"])
         .arg(out.path());
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));

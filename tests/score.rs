@@ -384,7 +384,11 @@ fn recorded_and_live_runs_are_the_same_numbers() {
     let session = copy_of_skyline();
     let (live, played) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let weights = weights.display().to_string();
-    let output = score(session.path(), live.path(), &["--detectors", &weights, "--record"]);
+    let output = score(
+        session.path(),
+        live.path(),
+        &["--detectors", &weights, "--record", "--replace"],
+    );
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(recorded(session.path(), played.path()).status.success());
     let (a, b) = (
@@ -501,9 +505,16 @@ fn runs_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
         assert_refused(&output, words);
         assert!(!out.exists(), "something was left behind");
     };
-    refused(recorded(parent.path(), &out), &["cannot read", "session.json"]);
+    refused(
+        recorded(parent.path(), &out),
+        &["has no session.json and no photos", "VARIANT=FOLDER"],
+    );
     refused(
         score(&skyline(), &out, &[]),
+        &["no detector's weights are here", "detectors fetch"],
+    );
+    refused(
+        score(&skyline(), &out, &["--detector", "yolox_nano"]),
         &["no weights for yolox_nano", "detectors fetch"],
     );
     refused(
@@ -519,7 +530,7 @@ fn runs_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
         .arg(&out)
         .output()
         .unwrap();
-    refused(no_session, &["no session is named"]);
+    refused(no_session, &["no photos are named"]);
     let twice = program()
         .arg("score")
         .args([skyline(), skyline()])

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -95,7 +95,7 @@ impl Store {
     pub fn open(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
         let read = Scene::open(scene).map_err(SessionError::from)?;
         Camera::open(camera).map_err(SessionError::from)?;
-        let mesh = mesh_below(&read)?;
+        let mesh = session::mesh_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
         std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, &e))?;
         let lock = locked(folder)?;
         let extension = camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
@@ -278,16 +278,6 @@ fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new:
             folder: folder.to_owned(),
             what,
         }),
-    }
-}
-
-/// The path of a scene's mesh from the scene's folder; none for one that is named by its whole path, which stays valid.
-fn mesh_below(scene: &Scene) -> Result<Option<PathBuf>, StoreError> {
-    match scene.model.envelope.mesh() {
-        None => Ok(None),
-        Some(mesh) if mesh.is_absolute() => Ok(None),
-        Some(mesh) if mesh.components().all(|part| matches!(part, Component::Normal(_))) => Ok(Some(mesh.to_owned())),
-        Some(mesh) => Err(StoreError::MeshElsewhere { mesh: mesh.to_owned() }),
     }
 }
 

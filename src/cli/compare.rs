@@ -3,57 +3,54 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome, detectors, score as score_command};
+use super::{CommandResult, Outcome, at_hand, detectors, score as score_command, sessions};
 use crate::files;
 use crate::report;
 use crate::score::{self, ApDefinition, Criteria};
-use crate::session::Session;
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Session folders (each with a session.json); name them before --detector.
-    #[arg(required = true)]
-    sessions: Vec<PathBuf>,
+    #[command(flatten)]
+    photos: sessions::Photos,
     /// The variant that the others are held against.
     #[arg(long, default_value = score::BASE_VARIANT)]
     base: String,
-    /// Detector to compare with; several may be named; all when none is.
-    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    /// Detector to compare with; once for each, or a list with commas; all whose weights are here when none is named.
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: detectors::Folder,
     /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
     #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
     ap: ApDefinition,
-    /// Compare the detections stored in the sessions instead of running the detectors.
+    /// Compare the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
     #[arg(long)]
     recorded: bool,
     #[command(flatten)]
     effort: score_command::Effort,
     /// Folder for comparison.html, comparison.tex and comparison.json.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
     /// Print comparison.json instead of the table.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let opened = args.sessions.iter().map(|s| Session::open(s));
-    let sessions = opened.collect::<Result<Vec<_>, _>>()?;
-    let manifests = detectors::chosen(&args.detectors)?;
-    let folders = (!args.recorded).then(|| args.folder.folders()).transpose()?;
-    let contestants = score_command::contestants(&sessions, manifests, folders.as_ref())?;
-    files::check_writable(&args.out)?;
+    let opened = args.photos.open()?;
+    opened.refuse_for_folders("--recorded", args.recorded)?;
+    let contestants = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    opened.check_output(&args.output)?;
+    files::check_writable(&args.output)?;
     let criteria = Criteria {
         ap: args.ap,
         ..Criteria::default()
     };
     let options = args.effort.options(&contestants)?;
-    let scores = score_command::score_with_progress(sessions, contestants, &options)?.judged_by(criteria);
+    let scores = score_command::score_with_progress(opened.sessions, contestants, &options)?.judged_by(criteria);
     let comparison = score::compare(&scores, &args.base, args.ap)?;
-    let page = report::write_comparison(&args.out, &scores, &comparison)?;
+    let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);
     for photo in &comparison.unpaired {
         say!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);

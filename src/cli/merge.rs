@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome, detectors, score as score_command};
+use super::{CommandResult, detectors, score as score_command};
 use crate::files;
 use crate::report;
 use crate::score::shard::{self, DetectorUsed, Run, SessionSeen};
@@ -21,8 +21,11 @@ pub struct Args {
     #[command(flatten)]
     judging: score_command::Judging,
     /// Folder for the report, as of `score`.
-    #[arg(long, short, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Print summary.json instead of the table.
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
@@ -36,15 +39,11 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
     let sessions = run.sessions.iter().map(opened).collect::<Result<Vec<_>, _>>()?;
     let contestants = contestants(&run, &sessions)?;
-    files::check_writable(&args.out)?;
+    files::check_writable(&args.output)?;
     let speeds = args.judging.speeds(&contestants)?;
     let scores = score::merge(sessions, contestants, observed, run.runtime)?.judged_by(criteria);
-    let page = report::write(&args.out, &scores, speeds.as_ref())?;
-    score_command::caution(&scores);
-    writeln!(out, "{}", report::summary_table(&scores))?;
-    writeln!(out, "truth boxes: {}", report::truth_boxes(&scores))?;
-    writeln!(out, "report: {}", page.display())?;
-    Ok(Outcome::Done)
+    let page = report::write(&args.output, &scores, speeds.as_ref())?;
+    score_command::show(&scores, speeds.as_ref(), &page, args.json, out)
 }
 
 /// The session as it was when the shards were scored.

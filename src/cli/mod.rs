@@ -3,6 +3,7 @@
 #[macro_use]
 mod say;
 
+mod at_hand;
 #[cfg(feature = "full")]
 mod attack;
 #[cfg(feature = "full")]
@@ -26,6 +27,7 @@ mod progress;
 mod scene;
 mod score;
 mod session;
+mod sessions;
 #[cfg(feature = "full")]
 mod survey;
 

@@ -22,11 +22,22 @@ pub struct Args {
     /// Show it in each of so many bins by itself (at the strictest level of Holm's correction).
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     bins: u16,
+    /// Print the numbers as one JSON object.
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let bins = usize::from(args.bins);
     let pairs = score::pairs_needed(args.base_rate, args.drop, args.power, 0.05 / bins as f64)?;
+    if args.json {
+        let plan = serde_json::json!({
+            "pairs": pairs * bins, "pairs_per_bin": pairs, "bins": bins, "photos": 2 * pairs * bins, "base_rate": args.base_rate,
+            "drop": args.drop, "power": args.power,
+        });
+        writeln!(out, "{plan}")?;
+        return Ok(Outcome::Done);
+    }
     let each = if bins > 1 {
         format!(" in each of {bins} bins, {} pairs in all", pairs * bins)
     } else {

@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, detectors, progress};
+use super::sessions::{self, Opened};
+use super::{CommandResult, Outcome, at_hand, detectors, progress};
 use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, SpeedError, Speeds, WeightFolders};
-use crate::files::{self, FileError};
+use crate::files;
 use crate::report;
 use crate::score::shard::{DetectorUsed, Part, Run, SessionSeen, Shard};
 use crate::score::{
@@ -14,15 +15,16 @@ use crate::score::{
 use crate::session::Session;
 use crate::workers;
 
-/// Score detectors on photo sessions: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
+/// Score detectors on photos: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
 ///
 /// A photo that cannot be read or located is listed with its reason, and the others are scored.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Session folders (each with a session.json); name them before --detector.
-    sessions: Vec<PathBuf>,
-    /// Detector to score, see `scaleproof detectors list`; several may be named; all when none is.
-    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    #[command(flatten)]
+    photos: sessions::Photos,
+    /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
+    /// is named.
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: detectors::Folder,
@@ -31,18 +33,24 @@ pub struct Args {
     #[command(flatten)]
     effort: Effort,
     /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv and the COCO files.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Score the detections stored in the sessions instead of running the detectors.
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Score the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
     #[arg(long)]
     recorded: bool,
     /// Store the detections in each session's folder `recorded`, for later runs with --recorded.
     #[arg(long, conflicts_with = "recorded")]
     record: bool,
+    /// With --record: store detections in place of those that are stored already.
+    #[arg(long, requires = "record")]
+    replace: bool,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "speed"])]
     shard: Option<Part>,
+    /// Print summary.json instead of the table; of a shard, its name and file.
+    #[arg(long)]
+    json: bool,
 }
 
 /// What is made of what was found: nothing of it needs the photos again.
@@ -116,51 +124,71 @@ impl Effort {
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    if args.sessions.is_empty() {
-        return Err("no session is named: name the session folders first, then --detector and the others".into());
-    }
     let criteria = args.judging.criteria()?;
-    let sessions = args
-        .sessions
-        .iter()
-        .map(|s| Session::open(s))
-        .collect::<Result<Vec<_>, _>>()?;
-    let manifests = detectors::chosen(&args.detectors)?;
-    let folders = if args.recorded {
-        None
-    } else {
-        Some(args.folder.folders()?)
-    };
-    let contestants = contestants(&sessions, manifests, folders.as_ref())?;
-    check_places(&args, &sessions)?;
+    let opened = args.photos.open()?;
+    for (option, is_given) in [
+        ("--recorded", args.recorded),
+        ("--record", args.record),
+        ("--shard", args.shard.is_some()),
+    ] {
+        opened.refuse_for_folders(option, is_given)?;
+    }
+    let contestants = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    check_places(&args, &opened, &contestants)?;
     let speeds = args.judging.speeds(&contestants)?;
     let options = args.effort.options(&contestants)?;
     if let Some(part) = args.shard {
-        let path = write_shard(&args, part, &sessions, &contestants, &options)?;
-        writeln!(out, "shard {part}: {}", path.display())?;
+        let path = write_shard(&args, part, &opened.sessions, &contestants, &options)?;
+        match args.json {
+            true => writeln!(out, "{}", serde_json::json!({"shard": part.to_string(), "file": path}))?,
+            false => writeln!(out, "shard {part}: {}", path.display())?,
+        }
         return Ok(Outcome::Done);
     }
-    let scores = score_with_progress(sessions, contestants, &options)?.judged_by(criteria);
-    let page = report::write(&args.out, &scores, speeds.as_ref())?;
+    let scores = score_with_progress(opened.sessions, contestants, &options)?.judged_by(criteria);
+    let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
         record(&scores)?;
     }
-    caution(&scores);
-    writeln!(out, "{}", report::summary_table(&scores))?;
-    writeln!(out, "truth boxes: {}", report::truth_boxes(&scores))?;
+    show(&scores, speeds.as_ref(), &page, args.json, out)
+}
+
+/// What a scoring run says when its report is written.
+pub fn show(
+    scores: &Scores,
+    speeds: Option<&Speeds>,
+    page: &Path,
+    as_json: bool,
+    out: &mut dyn Write,
+) -> CommandResult {
+    caution(scores);
+    if as_json {
+        write!(out, "{}", report::summary_json(scores, speeds)?)?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(out, "{}", report::summary_table(scores))?;
+    writeln!(out, "truth boxes: {}", report::truth_boxes(scores))?;
     writeln!(out, "report: {}", page.display())?;
     Ok(Outcome::Done)
 }
 
-/// Finds out before the work that its results can be stored.
-fn check_places(args: &Args, sessions: &[Session]) -> Result<(), FileError> {
-    let recordings = sessions
-        .iter()
-        .filter(|_| args.record)
-        .map(|s| Contestant::recordings_of(&s.folder));
-    recordings
-        .chain([args.out.clone()])
-        .try_for_each(|folder| files::check_writable(&folder))
+/// Finds out before the work that its results can be stored, and that nothing is replaced unasked.
+fn check_places(args: &Args, opened: &Opened, contestants: &[Contestant]) -> Result<(), Box<dyn std::error::Error>> {
+    opened.check_output(&args.output)?;
+    for session in opened.sessions.iter().filter(|_| args.record) {
+        let folder = Contestant::recordings_of(&session.folder);
+        let is_there = |c: &&Contestant| Recording::is_in(&folder, &c.manifest.name);
+        if let Some(stored) = contestants.iter().find(is_there).filter(|_| !args.replace) {
+            return Err(format!(
+                "{} has a recording of {} already: add --replace to store it anew, or play it with --recorded",
+                session.folder.display(),
+                stored.manifest.name
+            )
+            .into());
+        }
+        files::check_writable(&folder)?;
+    }
+    Ok(files::check_writable(&args.output)?)
 }
 
 /// The named detectors, with the weights in `folders`, or played back from the sessions' recordings without any.
@@ -230,7 +258,7 @@ fn write_shard(
         part,
         observed: observed?,
     };
-    Ok(shard.write(&args.out)?)
+    Ok(shard.write(&args.output)?)
 }
 
 pub fn session_seen(session: &Session) -> std::io::Result<SessionSeen> {

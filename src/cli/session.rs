@@ -1,16 +1,18 @@
-//! `scaleproof session import`: boxes and viewpoints from elsewhere become a session.
+//! `scaleproof session …`: sessions made of photos that are there already, and what is in one.
+
+mod import;
+mod new;
+mod show;
 
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::{CommandResult, Outcome};
-use crate::files;
-use crate::session::import::{self, Request};
+use super::CommandResult;
+use crate::session::PhotoEntry;
 
-/// Make a session of photos whose truth is known from elsewhere
+/// Make a session of photos that are there already, or show what is in one.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -19,61 +21,31 @@ pub struct Args {
 
 #[derive(Subcommand)]
 enum What {
-    /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
-    Import(ImportArgs),
-}
-
-#[derive(clap::Args)]
-struct ImportArgs {
-    /// COCO annotations (.json), or a table (.csv) with the header file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm
-    file: PathBuf,
-    /// The folder with the photos, from which their names count; it gets the session.json
-    #[arg(long, value_name = "DIR")]
-    photos: PathBuf,
-    /// The scene: the model's class and the bins [default: scene.toml in the folder with the photos]
-    #[arg(long, value_name = "TOML")]
-    scene: Option<PathBuf>,
-    /// The camera file; needed only when photos have no viewpoint and show tags
-    #[arg(long, value_name = "FILE")]
-    camera: Option<PathBuf>,
-    /// The texture of photos for which the file names none
-    #[arg(long, value_name = "NAME")]
-    variant: Option<String>,
+    Import(import::Args),
+    New(new::Args),
+    Show(show::Args),
 }
 
 /// Runs `scaleproof session …`.
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
-        What::Import(args) => run_import(&args, out),
+        What::Import(args) => import::run(&args, out),
+        What::New(args) => new::run(&args, out),
+        What::Show(args) => show::run(&args, out),
     }
 }
 
-fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
-    let scene = args.scene.clone().unwrap_or_else(|| args.photos.join("scene.toml"));
-    let imported = import::import(&Request {
-        file: &args.file,
-        folder: &args.photos,
-        scene: &scene,
-        camera: args.camera.as_deref(),
-        variant: args.variant.as_deref(),
-    })?;
-    files::write_atomically(&imported.path, imported.text.as_bytes())?;
-    if let Some(first) = imported.without_box.first() {
-        let count = imported.without_box.len();
-        say!("note: {count} photos have no box of the model and are left out (the first: {first})");
+/// How many photos each texture has.
+fn by_variant(photos: &[PhotoEntry]) -> BTreeMap<&str, usize> {
+    let mut variants = BTreeMap::new();
+    for photo in photos {
+        *variants.entry(photo.variant.as_str()).or_default() += 1;
     }
-    let mut variants: BTreeMap<&str, usize> = BTreeMap::new();
-    for photo in &imported.session.photos {
-        *variants.entry(&photo.variant).or_default() += 1;
-    }
-    let variants: Vec<_> = variants.iter().map(|(name, count)| format!("{name} {count}")).collect();
-    writeln!(
-        out,
-        "{}: {} photos ({}); score them with `scaleproof score {}`",
-        imported.path.display(),
-        imported.session.photos.len(),
-        variants.join(", "),
-        args.photos.display()
-    )?;
-    Ok(Outcome::Done)
+    variants
+}
+
+/// The same in words: `checker 3, normal 4`.
+fn in_words(variants: &BTreeMap<&str, usize>) -> String {
+    let words: Vec<_> = variants.iter().map(|(name, count)| format!("{name} {count}")).collect();
+    words.join(", ")
 }

@@ -75,6 +75,40 @@ pub struct RecordedPhoto {
     pub sha256: String,
 }
 
+impl Recording {
+    /// Reads where a detector's recording in a folder came from, and nothing else of it.
+    ///
+    /// # Errors
+    /// There is none, or it is damaged.
+    pub fn open(folder: &Path, detector: &str) -> Result<Recording, RecordedError> {
+        let (_, path) = paths(folder, detector);
+        parse(&files::read_text(&path)?, &path)
+    }
+
+    /// Whether a folder has a detector's recording, or half of one.
+    pub fn is_in(folder: &Path, detector: &str) -> bool {
+        let (results, provenance) = paths(folder, detector);
+        results.exists() || provenance.exists()
+    }
+
+    /// The detectors that a folder has recordings of, by name; none when there is no such folder.
+    pub fn names_in(folder: &Path) -> Vec<String> {
+        let name_of = |file: &str| {
+            file.strip_suffix(PROVENANCE)
+                .filter(|name| Manifest::is_name(name))
+                .map(str::to_owned)
+        };
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut names: Vec<String> = entries
+            .filter_map(|entry| name_of(entry.file_name().to_str()?))
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+const PROVENANCE: &str = ".provenance.json";
+
 /// Why a recording cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordedError {
@@ -185,7 +219,7 @@ impl Recorded {
 fn paths(folder: &Path, name: &str) -> (PathBuf, PathBuf) {
     (
         folder.join(format!("{name}.json")),
-        folder.join(format!("{name}.provenance.json")),
+        folder.join(format!("{name}{PROVENANCE}")),
     )
 }
 

@@ -43,10 +43,7 @@ pub enum ReportError {
 pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<PathBuf, ReportError> {
     let format = |e: serde_json::Error| ReportError::Format(e.to_string());
     let mut contents = vec![
-        (
-            SUMMARY.to_owned(),
-            summary_json::render(scores, speeds).map_err(format)?,
-        ),
+        (SUMMARY.to_owned(), summary_json(scores, speeds)?),
         (
             "photos.csv".to_owned(),
             csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
@@ -72,6 +69,14 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
     files::replace_all_atomically(&files)?;
     remove_stale(folder, &before, &scores.contestants)?;
     Ok(folder.join("report.html"))
+}
+
+/// The whole of `summary.json`.
+///
+/// # Errors
+/// Figures that JSON has no words for.
+pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, ReportError> {
+    summary_json::render(scores, speeds).map_err(|e| ReportError::Format(e.to_string()))
 }
 
 /// The detectors of the report that is in the folder, if one is.

@@ -1,6 +1,9 @@
-//! A stored set of photos: `session.json`, with the scene and the camera it names.
+//! A stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
 
+mod contents;
+pub mod folders;
 pub mod import;
+mod new;
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
@@ -12,6 +15,9 @@ use crate::envelope::{EnvelopeError, Outline};
 use crate::files;
 use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
+
+pub use contents::{Contents, Look};
+pub use new::{Made, NewError, NewSession, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
@@ -56,7 +62,7 @@ pub struct Session {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhotoEntry {
-    /// Path below the session's folder.
+    /// Path from the session's folder, as `a.jpg` or `../photos/a.jpg`.
     pub file: String,
     /// The texture on the model; `normal` is the unpatterned one.
     pub variant: String,
@@ -98,33 +104,43 @@ impl Session {
     fn parse(text: &str, path: &Path) -> Result<Session, SessionError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
-        check(&file).map_err(|message| SessionError::Content {
+        let (scene, camera) = (folder.join(&file.scene), file.camera.map(|camera| folder.join(camera)));
+        let hash = (file_name(path), files::sha256_hex(text.as_bytes()));
+        Session::assembled(path, &folder, (&scene, camera.as_deref()), file.photos, vec![hash])
+    }
+
+    /// A session of these parts; `path` is what messages about the photos' list name, and `hashes` are of what else it was made of.
+    fn assembled(
+        path: &Path,
+        folder: &Path,
+        (scene_path, camera_path): (&Path, Option<&Path>),
+        photos: Vec<PhotoEntry>,
+        mut hashes: Vec<(String, String)>,
+    ) -> Result<Session, SessionError> {
+        check(&photos, camera_path.is_some()).map_err(|message| SessionError::Content {
             path: path.to_owned(),
             message,
         })?;
-        let scene_path = folder.join(&file.scene);
-        let camera_path = file.camera.map(|camera| folder.join(camera));
-        let scene = Scene::open(&scene_path)?;
-        let camera = camera_path.as_deref().map(Camera::open).transpose()?;
+        let scene = Scene::open(scene_path)?;
+        let camera = camera_path.map(Camera::open).transpose()?;
         let scene_folder = scene_path.parent().unwrap_or(Path::new("")).to_owned();
         let outline = Outline::open(&scene.model, &scene_folder)?;
         let mesh_path = scene.model.envelope.mesh().map(|mesh| scene_folder.join(mesh));
-        let mut hashes = vec![(file_name(path), files::sha256_hex(text.as_bytes()))];
-        for read in [Some(&scene_path), mesh_path.as_ref(), camera_path.as_ref()]
+        for read in [Some(scene_path), mesh_path.as_deref(), camera_path]
             .into_iter()
             .flatten()
         {
             hashes.push((file_name(read), files::sha256_hex(&files::read(read)?)));
         }
-        let real = folder.canonicalize().unwrap_or_else(|_| folder.clone());
+        let real = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         Ok(Session {
             name: file_name(&real),
-            folder,
+            folder: folder.to_owned(),
             mesh_path,
             scene,
             outline,
             camera,
-            photos: file.photos,
+            photos,
             hashes,
         })
     }
@@ -183,11 +199,11 @@ fn words(e: &serde_json::Error, what: &str) -> String {
 }
 
 /// Checks the photos, and that each can be placed.
-fn check(file: &SessionFile) -> Result<(), String> {
-    check_photos(&file.photos)?;
+fn check(photos: &[PhotoEntry], has_camera: bool) -> Result<(), String> {
+    check_photos(photos)?;
     let needs_camera = |p: &&PhotoEntry| p.box_xyxy_px.is_none() || p.viewpoint.is_none();
-    match (&file.camera, file.photos.iter().find(needs_camera)) {
-        (None, Some(photo)) => Err(format!(
+    match (has_camera, photos.iter().find(needs_camera)) {
+        (false, Some(photo)) => Err(format!(
             "it names no camera, and {} has not both box_xyxy_px and viewpoint: name the camera file, or give both for every photo",
             photo.file
         )),
@@ -211,12 +227,9 @@ fn check_photos(photos: &[PhotoEntry]) -> Result<(), String> {
 
 fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
     let (file, variant) = (&photo.file, &photo.variant);
-    if !Path::new(file)
-        .components()
-        .all(|part| matches!(part, Component::Normal(_)))
-    {
+    if !leads_from_folder(file) {
         return Err(format!(
-            "{file} is not a path below the session's folder: copy the photo there"
+            "{file:?} is no path from the session's folder: write it as photos/a.jpg or ../photos/a.jpg"
         ));
     }
     if variant.trim().is_empty() {
@@ -243,6 +256,16 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
         )),
         _ => Ok(()),
     }
+}
+
+/// First up, if at all, then down to a file. Photos are only read, so that they may lie anywhere; what is written goes into the session's
+/// folder under names of its own.
+fn leads_from_folder(file: &str) -> bool {
+    let mut down = Path::new(file)
+        .components()
+        .skip_while(|part| *part == Component::ParentDir)
+        .peekable();
+    down.peek().is_some() && down.all(|part| matches!(part, Component::Normal(_)))
 }
 
 fn file_name(path: &Path) -> String {
@@ -298,6 +321,15 @@ mod tests {
     }
 
     #[test]
+    fn photos_may_lie_beside_the_session() {
+        let session = opened(r#"{"file":"../monday/a.jpg","variant":"normal"}"#).unwrap();
+        assert_eq!(
+            session.photo_path(&session.photos[0]),
+            session.folder.join("../monday/a.jpg")
+        );
+    }
+
+    #[test]
     fn sessions_that_would_mislead_are_refused() {
         let a = r#"{"file":"a.jpg","variant":"normal"}"#;
         for (photos, reason) in [
@@ -309,8 +341,11 @@ mod tests {
                 "box_xyxy_px of a.jpg is empty",
             ),
             (a.replace("normal", "normal "), "blanks around it"),
-            (a.replace("a.jpg", "../a.jpg"), "not a path below"),
-            (a.replace("a.jpg", "/a.jpg"), "not a path below"),
+            (a.replace("a.jpg", "/a.jpg"), "no path from the session's folder"),
+            (a.replace("a.jpg", "b/../a.jpg"), "no path from the session's folder"),
+            (a.replace("a.jpg", "./a.jpg"), "no path from the session's folder"),
+            (a.replace("a.jpg", ".."), "no path from the session's folder"),
+            (a.replace("a.jpg", ""), "no path from the session's folder"),
             (
                 a.replace(
                     "}",

@@ -189,6 +189,12 @@ fn checked(rows: Vec<Row>, request: &Request) -> Result<Vec<PhotoEntry>, ImportE
             entry.variant = request.variant.ok_or_else(|| refuse(missing()))?.to_owned();
         }
         check_photo(&entry).map_err(refuse)?;
+        if Path::new(&entry.file).starts_with("..") {
+            let file = &entry.file;
+            return Err(refuse(format!(
+                "{file} is not a path below the folder with the photos: copy the photo there"
+            )));
+        }
         if !seen.insert(entry.file.clone()) {
             return Err(refuse(format!(
                 "{} is listed twice: each photo counts once",

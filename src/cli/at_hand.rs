@@ -1,0 +1,97 @@
+//! Which detectors a run evaluates: those that are named, else those at hand. Others are named in a note.
+
+use std::error::Error;
+use std::path::Path;
+
+use super::detectors;
+use super::score::contestants;
+use super::sessions::quoted;
+use crate::detect::{Manifest, Recording, WeightFolders};
+use crate::score::Contestant;
+use crate::session::Session;
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// Detectors that run, with the weights in some folders, or are played back from what the sessions store.
+///
+/// # Errors
+/// A named one that cannot take part; none at hand.
+pub fn evaluated(
+    sessions: &[Session],
+    names: &[String],
+    is_recorded: bool,
+    folder: &detectors::Folder,
+) -> Result<Vec<Contestant>> {
+    let folders = (!is_recorded).then(|| folder.folders()).transpose()?;
+    let manifests = match (names, &folders) {
+        ([], Some(folders)) => with_weights(sessions, folders)?,
+        ([], None) => with_recordings(sessions)?,
+        (names, _) => detectors::chosen(names)?,
+    };
+    Ok(contestants(sessions, manifests, folders.as_ref())?)
+}
+
+/// All whose weights are here.
+fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Manifest>> {
+    let (here, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| folders.find(m).is_some());
+    if here.is_empty() {
+        let is_stored = |s: &Session| !Recording::names_in(&Contestant::recordings_of(&s.folder)).is_empty();
+        let or = match sessions.iter().all(is_stored) {
+            true => ", or score what the session stores with --recorded",
+            false => "",
+        };
+        return Err(format!("no detector's weights are here: get them with `scaleproof detectors fetch`{or}").into());
+    }
+    if !missing.is_empty() {
+        say!(
+            "note: not scored, because their weights are not here: {} (get them with `scaleproof detectors fetch`)",
+            listed(&missing)
+        );
+    }
+    Ok(here)
+}
+
+/// All that every session has recordings of.
+fn with_recordings(sessions: &[Session]) -> Result<Vec<Manifest>> {
+    let lacks = |m: &Manifest| {
+        let mut folders = sessions.iter().map(|s| s.folder.as_path());
+        folders.find(|folder| !Recording::is_in(&Contestant::recordings_of(folder), &m.name))
+    };
+    let (stored, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| lacks(m).is_none());
+    let Some(without) = missing.first().and_then(lacks) else {
+        return Ok(stored);
+    };
+    if stored.is_empty() {
+        return Err(no_recordings(without).into());
+    }
+    say!(
+        "note: not scored, because {} has no recordings of them: {} (run without --recorded, or store them with --record)",
+        without.display(),
+        listed(&missing)
+    );
+    Ok(stored)
+}
+
+fn no_recordings(session: &Path) -> String {
+    let place = Contestant::recordings_of(session);
+    let folder = session.display();
+    match Recording::names_in(&place).first() {
+        Some(known) if Manifest::named(known).is_ok() => {
+            "the sessions have no recordings of one detector in common: name one session, or run without --recorded"
+                .into()
+        }
+        Some(own) => format!(
+            "the recordings in {} are of detectors that do not ship with scaleproof: name their manifests, as in --detector {own}.toml",
+            place.display()
+        ),
+        None => format!(
+            "{folder} has no recordings: run without --recorded, or store them with `scaleproof score {} --record -o DIR`",
+            quoted(&folder.to_string())
+        ),
+    }
+}
+
+fn listed(manifests: &[Manifest]) -> String {
+    let names: Vec<&str> = manifests.iter().map(|m| m.name.as_str()).collect();
+    names.join(", ")
+}

@@ -1,0 +1,67 @@
+//! `scaleproof session import`: boxes and viewpoints from elsewhere become a session.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{by_variant, in_words};
+use crate::cli::{CommandResult, Outcome};
+use crate::files;
+use crate::session::import::{self, Request};
+
+/// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
+#[derive(clap::Args)]
+pub struct Args {
+    /// COCO annotations (.json), or a table (.csv) with the header file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm
+    file: PathBuf,
+    /// The folder with the photos, from which their names count; it gets the session.json
+    #[arg(long, value_name = "DIR")]
+    photos: PathBuf,
+    /// The scene: the model's class and the bins [default: scene.toml in the folder with the photos]
+    #[arg(long, value_name = "TOML")]
+    scene: Option<PathBuf>,
+    /// The camera file; needed only when photos have no viewpoint and show tags
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// The texture of photos for which the file names none
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
+    /// Print what was made as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+    let scene = args.scene.clone().unwrap_or_else(|| args.photos.join("scene.toml"));
+    let imported = import::import(&Request {
+        file: &args.file,
+        folder: &args.photos,
+        scene: &scene,
+        camera: args.camera.as_deref(),
+        variant: args.variant.as_deref(),
+    })?;
+    files::write_atomically(&imported.path, imported.text.as_bytes())?;
+    if let Some(first) = imported.without_box.first() {
+        let count = imported.without_box.len();
+        say!("note: {count} photos have no box of the model and are left out (the first: {first})");
+    }
+    let photos = &imported.session.photos;
+    let variants = by_variant(photos);
+    match args.json {
+        true => {
+            let made = serde_json::json!({
+                "session": args.photos, "file": imported.path, "photos": photos.len(), "variants": variants,
+                "without_box": imported.without_box,
+            });
+            writeln!(out, "{made}")?;
+        }
+        false => writeln!(
+            out,
+            "{}: {} photos ({}); score them with `scaleproof score {}`",
+            imported.path.display(),
+            photos.len(),
+            in_words(&variants),
+            args.photos.display()
+        )?,
+    }
+    Ok(Outcome::Done)
+}

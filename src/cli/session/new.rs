@@ -1,0 +1,88 @@
+//! `scaleproof session new`: folders of photos become a session.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{by_variant, in_words};
+use crate::cli::sessions::{About, pair, quoted};
+use crate::cli::{CommandResult, Outcome};
+use crate::session::NewSession;
+use crate::session::folders::PhotoFolder;
+
+/// Make a session of folders with photos of one texture each
+///
+/// The session gets a session.json, and copies of the scene and the camera unless they lie in it. The photos stay as and where they are.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The session's folder; one that is there keeps its files
+    folder: PathBuf,
+    /// Folders with the texture their photos show, as in normal=monday checker=tuesday
+    #[arg(value_name = "VARIANT=DIR")]
+    photos: Vec<PathBuf>,
+    #[command(flatten)]
+    about: About,
+    /// Copy the photos into the session, in a folder for each of theirs, instead of naming them where they are
+    #[arg(long)]
+    copy: bool,
+    /// Print what was made as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+    let folders = folders(args)?;
+    let gathered = args.about.gather(&folders)?;
+    let made = NewSession {
+        folder: &args.folder,
+        photos: &gathered,
+        scene: args.about.scene()?,
+        camera: args.about.camera()?,
+        copy: args.copy,
+    }
+    .write()?;
+    let variants = by_variant(&made.photos);
+    match args.json {
+        true => {
+            let made = serde_json::json!({
+                "session": args.folder, "file": made.path, "photos": made.photos.len(), "variants": variants,
+                "place": args.about.place(), "copied": args.copy,
+            });
+            writeln!(out, "{made}")?;
+        }
+        false => writeln!(
+            out,
+            "{}: {} photos ({}); score them with `scaleproof score {} -o REPORT`",
+            made.path.display(),
+            made.photos.len(),
+            in_words(&variants),
+            quoted(&args.folder.display().to_string())
+        )?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn folders(args: &Args) -> Result<Vec<PhotoFolder>, Box<dyn std::error::Error>> {
+    let not_alone = |what: &Path| {
+        format!(
+            "{} is no VARIANT=FOLDER: write `scaleproof session new NAME VARIANT=FOLDER …`, as in normal=monday",
+            what.display()
+        )
+    };
+    if args.photos.is_empty() {
+        // The name was forgotten, or the folders.
+        return Err(match pair(&args.folder)? {
+            Some(_) => format!(
+                "{} is taken for the session's folder: name that first, as in `scaleproof session new NAME {}`",
+                args.folder.display(),
+                quoted(&args.folder.display().to_string())
+            )
+            .into(),
+            None => "no photos are named: add VARIANT=FOLDER for each texture, as in normal=monday".into(),
+        });
+    }
+    let mut folders = Vec::new();
+    for given in &args.photos {
+        folders.push(pair(given)?.ok_or_else(|| not_alone(given))?);
+    }
+    Ok(folders)
+}

@@ -1,0 +1,255 @@
+//! Which photos a command is about: those of stored sessions, or of folders with one texture each.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use crate::session::folders::{self, Gathered, Listing, PhotoFolder};
+use crate::session::{Session, SessionError};
+
+/// Where photos were taken when nobody says.
+const PLACE: &str = "here";
+
+/// Sessions, or folders of photos.
+#[derive(clap::Args)]
+pub struct Photos {
+    /// Session folders (each with a session.json), or folders of photos with the texture each shows, as in normal=monday
+    /// checker=tuesday, with --scene and --camera.
+    #[arg(value_name = "SESSION|VARIANT=DIR")]
+    given: Vec<PathBuf>,
+    #[command(flatten)]
+    about: About,
+}
+
+/// What a session says of its photos, and folders of photos do not.
+#[derive(clap::Args)]
+pub struct About {
+    /// With VARIANT=DIR: what stood on the table, scene.toml.
+    #[arg(long, value_name = "TOML")]
+    scene: Option<PathBuf>,
+    /// With VARIANT=DIR: the camera file of the photos.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// With VARIANT=DIR: where the photos were taken. Photos are compared with those of the same place and viewpoint bin.
+    #[arg(long, value_name = "NAME", default_value = PLACE)]
+    place: String,
+}
+
+/// The sessions of a run.
+pub struct Opened {
+    pub sessions: Vec<Session>,
+    /// Whole paths of the folders, when the photos came from folders.
+    folders: Vec<PathBuf>,
+}
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+impl Photos {
+    /// Opens all of them, and notes what is passed over.
+    ///
+    /// # Errors
+    /// None is named; sessions and folders are mixed; whatever is wrong with one of them.
+    pub fn open(&self) -> Result<Opened> {
+        let pairs = self.given.iter().map(|given| pair(given)).collect::<Result<Vec<_>>>()?;
+        let count = pairs.iter().flatten().count();
+        if pairs.is_empty() {
+            return Err(
+                "no photos are named: name session folders, or VARIANT=FOLDER for each texture with --scene and --camera"
+                    .into(),
+            );
+        }
+        if count == 0 {
+            self.about.refuse_for_sessions()?;
+            let sessions = self.given.iter().map(|place| session(place)).collect::<Result<_>>()?;
+            let folders = Vec::new();
+            return Ok(Opened { sessions, folders });
+        }
+        if let Some((place, _)) = self.given.iter().zip(&pairs).find(|(_, pair)| pair.is_none()) {
+            return Err(format!(
+                "{} is no VARIANT=FOLDER as the others are: name sessions only, or make one of the folders with `scaleproof session new`",
+                place.display()
+            )
+            .into());
+        }
+        let gathered = self.about.gather(&pairs.into_iter().flatten().collect::<Vec<_>>())?;
+        Ok(Opened {
+            folders: gathered.folders.into_iter().map(|found| found.real).collect(),
+            sessions: vec![gathered.session],
+        })
+    }
+}
+
+impl About {
+    /// Makes a session of folders in memory, and notes the pictures that are passed over.
+    pub fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
+        let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;
+        for found in &gathered.folders {
+            if let Some(first) = found.listing.other_pictures.first() {
+                let (count, folder) = (found.listing.other_pictures.len(), found.given.folder.display());
+                say!(
+                    "note: {count} pictures in {folder} are neither JPEG nor PNG and are left out (the first: {first}); convert them to JPEG to use them"
+                );
+            }
+        }
+        Ok(gathered)
+    }
+
+    /// The scene of folders.
+    pub fn scene(&self) -> Result<&Path> {
+        let missing =
+            "photos in folders need --scene scene.toml: the model, its tags and the bins (see `scaleproof scene`)";
+        Ok(self.scene.as_deref().ok_or(missing)?)
+    }
+
+    /// The camera of folders.
+    pub fn camera(&self) -> Result<&Path> {
+        let missing = "photos in folders need --camera camera.yaml: make it with `scaleproof calibrate`, or `scaleproof camera guess PHOTO`";
+        Ok(self.camera.as_deref().ok_or(missing)?)
+    }
+
+    pub fn place(&self) -> &str {
+        &self.place
+    }
+
+    fn refuse_for_sessions(&self) -> std::result::Result<(), String> {
+        let given = [
+            ("--scene", self.scene.is_some()),
+            ("--camera", self.camera.is_some()),
+            ("--place", self.place != PLACE),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given) {
+            None => Ok(()),
+            Some((option, _)) => Err(format!(
+                "{option} is for VARIANT=FOLDER only: a session says this itself, in its session.json"
+            )),
+        }
+    }
+}
+
+impl Opened {
+    /// Refuses what only stored sessions can do: `option` needs files in them.
+    pub fn refuse_for_folders(&self, option: &str, is_given: bool) -> std::result::Result<(), String> {
+        match is_given && !self.folders.is_empty() {
+            false => Ok(()),
+            true => Err(format!(
+                "{option} needs a session, and folders of photos get no files: make one with `scaleproof session new NAME` and the same \
+                 folders, --scene and --camera, and name that instead{}",
+                match option {
+                    "--recorded" => " (once with --record)",
+                    _ => "",
+                }
+            )),
+        }
+    }
+
+    /// Nothing is written among the user's photos.
+    pub fn check_output(&self, output: &Path) -> std::result::Result<(), String> {
+        let real = output.canonicalize();
+        match real.is_ok_and(|real| self.folders.contains(&real)) {
+            false => Ok(()),
+            true => Err(format!(
+                "the report would be written among the photos in {}: name another folder with -o",
+                output.display()
+            )),
+        }
+    }
+}
+
+/// `VARIANT=DIR`; none for what names a session, which may have an equal sign in its name.
+pub fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
+    if given.is_file() || given.join("session.json").exists() {
+        return Ok(None);
+    }
+    let Some(text) = given.to_str() else {
+        return Ok(None);
+    };
+    match text.split_once('=') {
+        None => Ok(None),
+        Some(("", _)) => Err(format!("{text} names no texture: write VARIANT=FOLDER, as in normal=monday").into()),
+        Some((_, "")) => Err(format!("{text} names no folder: write VARIANT=FOLDER, as in {text}monday").into()),
+        // A folder that is there, and what stands behind its equal sign is not.
+        Some((_, folder)) if given.is_dir() && !Path::new(folder).exists() => Ok(None),
+        Some((variant, folder)) => Ok(Some(PhotoFolder {
+            variant: variant.to_owned(),
+            folder: in_home(folder),
+        })),
+    }
+}
+
+/// `~/photos` as it is meant: shells leave it as it is behind an equal sign.
+fn in_home(folder: &str) -> PathBuf {
+    let below = folder.strip_prefix("~/").filter(|_| !Path::new(folder).exists());
+    match below.and_then(|below| Some(dirs::home_dir()?.join(below))) {
+        Some(path) => path,
+        None => folder.into(),
+    }
+}
+
+/// Opens a session.
+///
+/// # Errors
+/// What is wrong with it; for a folder that is none, what to do with it.
+pub fn session(place: &Path) -> Result<Session> {
+    if place.is_dir() && !place.join("session.json").exists() {
+        return Err(no_session(place)?.into());
+    }
+    if place.is_file() && Listing::is_photo(place) {
+        let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let pair = pair_of("normal", folder.unwrap_or(Path::new(".")));
+        return Err(format!(
+            "{} is a photo: name its folder and the texture it shows, as in {pair}, with --scene and --camera",
+            place.display()
+        )
+        .into());
+    }
+    Session::open(place).map_err(|e: SessionError| e.into())
+}
+
+/// What to do with a folder that is no session.
+fn no_session(folder: &Path) -> Result<String> {
+    let (name, listing) = (folder.display(), Listing::of(folder)?);
+    let photos = |inner: &String| Listing::of(&folder.join(inner)).is_ok_and(|found| !found.photos.is_empty());
+    let textures: Vec<&String> = listing.folders.iter().filter(|inner| photos(inner)).collect();
+    let stored = |inner: &&String| folder.join(inner).join("session.json").exists();
+    if let Some(inner) = listing.folders.iter().find(stored) {
+        return Ok(format!(
+            "{name} has no session.json, but {} has one: name that",
+            folder.join(inner).display()
+        ));
+    }
+    let (what, pairs) = match (listing.photos.len(), textures.as_slice()) {
+        (0, []) => {
+            return Ok(format!(
+                "{name} has no session.json and no photos: name session folders, or VARIANT=FOLDER for each texture with --scene and --camera"
+            ));
+        }
+        (0, textures) => {
+            let pairs = textures.iter().take(3).map(|inner| pair_of(inner, &folder.join(inner)));
+            let more = if textures.len() > 3 { " …" } else { "" };
+            let pairs = pairs.collect::<Vec<_>>().join(" ") + more;
+            ("for the photos in its folders".to_owned(), pairs)
+        }
+        (1, _) => ("for its photo".to_owned(), pair_of("normal", folder)),
+        (count, _) => (
+            format!("for its {count} photos of one texture"),
+            pair_of("normal", folder),
+        ),
+    };
+    Ok(format!(
+        "{name} has no session.json: {what} give {pairs} with --scene scene.toml and --camera camera.yaml; or make a session: `scaleproof \
+         session new NAME {pairs} --scene scene.toml --camera camera.yaml`"
+    ))
+}
+
+/// `VARIANT=FOLDER` as a shell takes it.
+fn pair_of(variant: &str, folder: &Path) -> String {
+    quoted(&format!("{variant}={}", folder.display()))
+}
+
+/// A word as a shell takes it.
+pub fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "._-/=+:,@%".contains(c);
+    match word.chars().all(is_plain) && !word.is_empty() {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
