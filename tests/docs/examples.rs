@@ -151,7 +151,7 @@ pub fn faults_of_keys(page: &Page, folder: &Path) -> Vec<String> {
             .flat_map(|name| keys(&folder.join(name)))
             .collect();
         let rows = rows(&page.prose[i + 1..]);
-        let listed: BTreeSet<&String> = rows.iter().flat_map(|row| &row.keys).collect();
+        let listed: BTreeSet<&String> = rows.iter().flat_map(|row| &row.names).collect();
         let missing: Vec<&String> = written.iter().filter(|key| !listed.contains(key)).collect();
         let always = rows.iter().filter(|row| !row.is_optional).flat_map(|row| &row.keys);
         let stale: Vec<&String> = always.filter(|key| !written.contains(*key)).collect();
@@ -173,8 +173,10 @@ pub fn faults_of_keys(page: &Page, folder: &Path) -> Vec<String> {
 
 /// A line of a table.
 struct Row {
-    /// The names in its first column, of `a.b[].c` the last.
+    /// The names in its first column, of `a.b[].c` the last: what is written whenever the line is not optional.
     keys: Vec<String>,
+    /// Every name in it, those that lead to the keys and those that explain them.
+    names: Vec<String>,
     is_optional: bool,
 }
 
@@ -182,19 +184,30 @@ struct Row {
 fn rows(lines: &[(usize, String)]) -> Vec<Row> {
     let own = lines.iter().map(|(_, text)| text.trim());
     let own = own.take_while(|text| !text.starts_with('#') && !text.starts_with("<!-- keys of:"));
-    let row = |text: &str| {
-        let first = text.strip_prefix('|')?.split('|').next()?;
-        let keys: Vec<String> = first.split('`').skip(1).step_by(2).map(last_name).collect();
-        (!keys.is_empty()).then(|| Row {
-            keys,
-            is_optional: text.contains("optional"),
-        })
-    };
     own.filter_map(row).collect()
 }
 
-fn last_name(key: &str) -> String {
-    key.rsplit('.').next().unwrap_or(key).replace("[]", "")
+fn row(text: &str) -> Option<Row> {
+    let (first, rest) = text.strip_prefix('|')?.split_once('|')?;
+    let spans = |text: &str| {
+        text.split('`')
+            .skip(1)
+            .step_by(2)
+            .map(|key| key.replace("[]", ""))
+            .collect::<Vec<_>>()
+    };
+    let keys = spans(first);
+    let names = keys.iter().cloned().chain(spans(rest));
+    Some(Row {
+        names: names
+            .flat_map(|name| name.split('.').map(str::to_owned).collect::<Vec<_>>())
+            .collect(),
+        keys: keys
+            .iter()
+            .filter_map(|key| Some(key.rsplit('.').next()?.to_owned()))
+            .collect(),
+        is_optional: rest.contains("optional"),
+    })
 }
 
 /// Every key in a JSON file (or one of a JSON object a line), or the header of a CSV file. Names of files, places and figures, which are keys

@@ -22,8 +22,10 @@ const COPIED: [&str; 6] = [
 const AT_MOST: Duration = Duration::from_secs(120);
 
 /// Removed when dropped.
-pub struct Scratch {
+pub struct Scratch<'a> {
     folder: tempfile::TempDir,
+    /// What pages share: results kept by the content of photos, so that each photo is searched once.
+    cache: &'a Path,
 }
 
 /// A block of a page that was run.
@@ -34,8 +36,8 @@ pub struct Ran {
     pub fault: Option<String>,
 }
 
-impl Scratch {
-    pub fn new() -> Scratch {
+impl<'a> Scratch<'a> {
+    pub fn new(cache: &'a Path) -> Scratch<'a> {
         let folder = tempfile::tempdir().unwrap();
         for name in COPIED {
             copy(&common::home().join(name), &folder.path().join(name));
@@ -47,7 +49,7 @@ impl Scratch {
             std::fs::write(&path, &shim).unwrap();
             make_executable(&path);
         }
-        Scratch { folder }
+        Scratch { folder, cache }
     }
 
     pub fn path(&self) -> &Path {
@@ -99,7 +101,7 @@ impl Scratch {
             .env("FIRST", first_line.to_string())
             .env("PATH", path)
             .env("SCALEPROOF_HOME", self.path())
-            .env("XDG_CACHE_HOME", self.path().join(".cache"))
+            .env("XDG_CACHE_HOME", self.cache)
             .env_remove("SCALEPROOF_SHARED")
             .env_remove("SCALEPROOF_DETECTORS")
             .stdin(Stdio::null())

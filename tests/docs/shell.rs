@@ -51,6 +51,11 @@ pub fn kind(block: &Block) -> Result<Option<Kind>, String> {
     }
 }
 
+/// Whether commands of the program in a block are meant as such.
+pub fn holds_commands(block: &Block) -> bool {
+    block.info.is_empty() || !matches!(kind(block), Ok(None))
+}
+
 /// The commands of a block with the offset of their first line: comments are taken off, continued lines joined.
 pub fn commands(text: &str) -> Vec<(usize, String)> {
     let mut all: Vec<(usize, String)> = Vec::new();
