@@ -298,7 +298,11 @@ fn what_a_file_does_not_tell_is_asked() {
     asked(
         &[filled("mystery", &[1, 7], 0.0)],
         none,
-        &["mystery 1×7", "no known family", "detectors/README.md"],
+        &[
+            "mystery 1×7",
+            "no known family",
+            "docs/guide/reference/detector-manifest.md",
+        ],
     );
     let masks = onnx::network(&[picture()], &[filled("output0", &[1, 84, 126], 0.5)]);
     let error = proposed(&[masks, onnx::metadata("task", "segment")].concat(), none).unwrap_err();

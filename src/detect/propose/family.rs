@@ -1,6 +1,6 @@
 //! The families of detectors: how each is usually fed, which no ONNX file says, and what its manifest says of the head.
 //!
-//! Source: the table in `detectors/README.md`, from the repositories the families come from.
+//! Source: the table in `docs/guide/reference/detector-manifest.md`, from the repositories the families come from.
 
 use crate::detect::Labels;
 use crate::detect::manifest::{Channels, FirstLabel, Head, Input, Kernel, Layout, Resize, Values};

@@ -70,7 +70,7 @@ pub enum ProposeError {
     OtherTask { task: String },
     #[error("it answers a plain grey picture or noise with {what}: no box of it could be trusted")]
     NotANumber { what: String },
-    #[error("its outputs {outputs} are of no known family: see the table in detectors/README.md")]
+    #[error("its outputs {outputs} are of no known family: see the table in docs/guide/reference/detector-manifest.md")]
     Unknown { outputs: String },
     #[error("its outputs {outputs} have the shapes of {title}, but {reason}")]
     WrongNumbers {

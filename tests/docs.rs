@@ -1,0 +1,345 @@
+//! The documentation, held against the project: links lead somewhere, commands run, options exist, examples are read, keys are those that
+//! are written.
+
+mod common;
+#[path = "docs/examples.rs"]
+mod examples;
+#[path = "docs/help.rs"]
+mod help;
+#[path = "docs/markdown.rs"]
+mod markdown;
+#[path = "docs/scratch.rs"]
+mod scratch;
+#[path = "docs/shell.rs"]
+mod shell;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use common::home;
+use help::Commands;
+use markdown::Page;
+use scratch::Scratch;
+
+/// What a newcomer reads in five minutes.
+const README_WORDS: usize = 1000;
+
+/// Options of other programs that the documentation shows.
+const FOREIGN_OPTIONS: [&str; 19] = [
+    "--all-targets",
+    "--array",
+    "--bin",
+    "--check",
+    "--features",
+    "--group-directories-first",
+    "--lib",
+    "--locked",
+    "--no-default-features",
+    "--no-deps",
+    "--nocapture",
+    "--path",
+    "--quiet",
+    "--release",
+    "--test",
+    "--test-threads",
+    "--version",
+    "--wrap",
+    "--help",
+];
+
+fn pages() -> Vec<Page> {
+    markdown::all(home())
+}
+
+/// Pages of the guide and the README: those whose commands are run.
+fn is_guide(page: &Page) -> bool {
+    page.name == "README.md" || page.name.starts_with("docs/guide/")
+}
+
+/// What is said of the program as it is: the change log also says what it was, and the fonts were made by other programs.
+fn is_current(page: &Page) -> bool {
+    page.name != "CHANGELOG.md" && !page.name.starts_with("assets/")
+}
+
+fn assert_none(faults: &[String]) {
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let mut faults = Vec::new();
+    let pages = pages();
+    for page in &pages {
+        for link in page.links() {
+            if let Some(fault) = fault_of_link(page, &link.target, &pages) {
+                faults.push(format!("{}, line {}: {}: {fault}", page.name, link.line, link.target));
+            }
+        }
+    }
+    assert!(pages.iter().any(|p| p.name == "README.md"));
+    assert_none(&faults);
+}
+
+fn fault_of_link(page: &Page, target: &str, pages: &[Page]) -> Option<String> {
+    if target.starts_with("mailto:") {
+        return None;
+    }
+    if let Some((scheme, rest)) = target.split_once("://") {
+        let host = rest.split(['/', '?', '#']).next().unwrap_or_default();
+        let is_good =
+            ["http", "https"].contains(&scheme) && host.contains('.') && !target.contains(char::is_whitespace);
+        return (!is_good).then(|| "it is no address".into());
+    }
+    let (file, anchor) = target
+        .split_once('#')
+        .map_or((target, None), |(file, anchor)| (file, Some(anchor)));
+    let path = match file {
+        "" => page.path.clone(),
+        file => page
+            .path
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(file.replace("%20", " ")),
+    };
+    let Ok(path) = path.canonicalize() else {
+        return Some("the file is not there".into());
+    };
+    if !path.starts_with(home().canonicalize().unwrap()) {
+        return Some("it leads out of the project".into());
+    }
+    let anchor = anchor?;
+    let is = |p: &&Page| p.path.canonicalize().is_ok_and(|p| p == path);
+    match pages.iter().find(is) {
+        Some(page) if page.anchors().iter().any(|known| known == anchor) => None,
+        Some(_) => Some("no heading has this anchor".into()),
+        None => Some("anchors are checked in pages of the project only".into()),
+    }
+}
+
+#[test]
+fn the_summary_of_the_guide_lists_every_page() {
+    let summary = Page::open(home(), &home().join("docs/guide/SUMMARY.md"));
+    let folder = summary.path.parent().unwrap().canonicalize().unwrap();
+    let listed = summary.links().into_iter().filter(|link| link.target.ends_with(".md"));
+    let listed: BTreeSet<PathBuf> = listed
+        .filter_map(|link| folder.join(link.target).canonicalize().ok())
+        .collect();
+    let is_page = |page: &&Page| page.name.starts_with("docs/guide/") && page.name != summary.name;
+    let there: BTreeSet<PathBuf> = pages()
+        .iter()
+        .filter(is_page)
+        .map(|page| page.path.canonicalize().unwrap())
+        .collect();
+    let missing: Vec<_> = there.difference(&listed).collect();
+    assert!(missing.is_empty(), "not in SUMMARY.md: {missing:?}");
+    let elsewhere: Vec<_> = listed.difference(&there).collect();
+    assert!(
+        elsewhere.is_empty(),
+        "in SUMMARY.md and no page of the guide: {elsewhere:?}"
+    );
+}
+
+#[test]
+fn the_readme_is_read_in_five_minutes() {
+    let words = std::fs::read_to_string(home().join("README.md"))
+        .unwrap()
+        .split_whitespace()
+        .count();
+    assert!(
+        words <= README_WORDS,
+        "README.md has {words} words, more than {README_WORDS}: move what is not for a newcomer to the guide"
+    );
+}
+
+/// Every `./run …` and `scaleproof …` in a block of shell, and every code span that begins with a command.
+#[test]
+fn commands_have_the_options_that_the_documentation_shows() {
+    let (commands, mut faults) = (Commands::of_program(), Vec::new());
+    for page in pages().iter().filter(|page| is_current(page)) {
+        for block in &page.blocks {
+            let fault = shell::kind(block).err();
+            faults.extend(fault.map(|fault| format!("{}, line {}: {fault}", page.name, block.line)));
+            // A block without a kind may hold commands too; one of JSON may hold words that look like one.
+            let text = if shell::holds_commands(block) {
+                block.text.as_str()
+            } else {
+                ""
+            };
+            for (offset, command) in shell::commands(text) {
+                let found = shell::calls(&command)
+                    .into_iter()
+                    .filter_map(|call| commands.fault(&call));
+                faults.extend(found.map(|fault| {
+                    format!(
+                        "{}, line {}: {fault}: {}",
+                        page.name,
+                        block.line + offset,
+                        command.trim()
+                    )
+                }));
+            }
+        }
+        for (line, span) in page.code_spans() {
+            let words: Vec<String> = span.split_whitespace().map(str::to_owned).collect();
+            let calls = match words.first() {
+                Some(first) if ["./run", "scaleproof"].contains(&first.as_str()) => shell::calls(&span),
+                Some(first) if commands.is_command(std::slice::from_ref(first)) && words.len() > 1 => vec![words],
+                _ => continue,
+            };
+            let found = calls.iter().filter_map(|call| commands.fault(call));
+            faults.extend(found.map(|fault| format!("{}, line {line}: {fault}: `{span}`", page.name)));
+        }
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn no_option_is_mentioned_that_no_command_has() {
+    let (commands, mut faults) = (Commands::of_program(), Vec::new());
+    let known = commands.options();
+    let is_known = |option: &str| known.contains(option) || FOREIGN_OPTIONS.contains(&option);
+    for page in pages().iter().filter(|page| is_current(page)) {
+        let blocks = page.blocks.iter().map(|block| (block.line, block.text.clone()));
+        for (line, code) in page.code_spans().into_iter().chain(blocks) {
+            let unknown = options_in(&code).into_iter().filter(|option| !is_known(option));
+            faults.extend(unknown.map(|option| format!("{}, line {line}: {option}", page.name)));
+        }
+    }
+    assert_none(&faults);
+}
+
+/// Words such as `--name` in code.
+fn options_in(code: &str) -> Vec<String> {
+    let words = code.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-' || c == '_'));
+    let long = words.filter(|word| {
+        word.strip_prefix("--")
+            .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()))
+    });
+    long.map(str::to_owned).collect()
+}
+
+#[test]
+fn every_command_is_in_the_guide() {
+    let guide: Vec<Page> = pages()
+        .into_iter()
+        .filter(|page| page.name.starts_with("docs/guide/"))
+        .collect();
+    let mut text = String::new();
+    for page in &guide {
+        page.code_spans()
+            .into_iter()
+            .for_each(|(_, span)| text.push_str(&format!("`{span}`\n")));
+        page.blocks.iter().for_each(|block| text.push_str(&block.text));
+    }
+    let is_shown = |command: &str| {
+        let starts = ["scaleproof ", "./run ", "`"].map(|start| format!("{start}{command}"));
+        // A longer name does not count for a shorter one.
+        let ends_there = |at: usize, length: usize| {
+            !text[at + length..].starts_with(|c: char| c.is_ascii_alphanumeric() || c == '-')
+        };
+        starts.iter().any(|start| {
+            text.match_indices(start.as_str())
+                .any(|(at, _)| ends_there(at, start.len()))
+        })
+    };
+    let missing: Vec<String> = Commands::of_program()
+        .leaves()
+        .into_iter()
+        .filter(|command| !is_shown(command))
+        .collect();
+    assert!(missing.is_empty(), "no page of the guide shows {missing:?}");
+}
+
+/// The words for programs in the source: `Variant … => "word"` in the functions called `code`.
+#[test]
+fn every_code_is_in_the_reference() {
+    let page = std::fs::read_to_string(home().join("docs/guide/reference/codes.md")).unwrap();
+    for file in ["locate/doubt.rs", "capture/advice.rs", "survey/problem.rs"] {
+        let source = std::fs::read_to_string(home().join("src").join(file)).unwrap();
+        let (_, body) = source.split_once("fn code(&self)").unwrap();
+        let body = body.split("\n    }\n").next().unwrap();
+        let codes: Vec<&str> = body.split('"').skip(1).step_by(2).collect();
+        assert!(codes.len() > 5, "{file}: {codes:?}");
+        let missing: Vec<&&str> = codes
+            .iter()
+            .filter(|code| !page.contains(&format!("`{code}`")))
+            .collect();
+        assert!(missing.is_empty(), "codes.md lacks {missing:?} of src/{file}");
+    }
+}
+
+#[test]
+fn examples_of_the_reference_are_read_by_the_program() {
+    let (mut faults, mut count) = (Vec::new(), 0);
+    for page in pages()
+        .iter()
+        .filter(|page| page.name.starts_with("docs/guide/reference/"))
+    {
+        for block in page
+            .blocks
+            .iter()
+            .filter(|b| ["toml", "json", "yaml", "csv", "text"].contains(&b.info.as_str()))
+        {
+            let kind = block
+                .remark
+                .as_deref()
+                .and_then(|remark| remark.strip_prefix("read as:"));
+            let read = match kind {
+                Some(kind) => examples::read(kind.trim(), block),
+                None if block.info == "text" => continue,
+                None => Err("say above it what it is, as in <!-- read as: scene -->".into()),
+            };
+            count += 1;
+            faults.extend(
+                read.err()
+                    .map(|fault| format!("{}, line {}: {fault}", page.name, block.line)),
+            );
+        }
+    }
+    assert!(count > 15, "{count} examples");
+    assert_none(&faults);
+}
+
+/// In order within a page, each page in its own copy of the project's files; then the keys of what they wrote.
+#[test]
+fn commands_of_the_guide_run() {
+    let mut all: Vec<Page> = pages().into_iter().filter(is_guide).collect();
+    all.retain(|page| {
+        page.blocks
+            .iter()
+            .any(|block| matches!(shell::kind(block), Ok(Some(kind)) if kind != shell::Kind::Read))
+    });
+    let (faults, times) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
+    let (waiting, cache) = (Mutex::new(all.iter()), tempfile::tempdir().unwrap());
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let next = waiting.lock().unwrap().next();
+                    let Some(page) = next else { break };
+                    let scratch = Scratch::new(cache.path());
+                    let ran = scratch.run(page);
+                    let mut found: Vec<String> = ran.iter().filter_map(|block| block.fault.clone()).collect();
+                    if found.is_empty() {
+                        found = examples::faults_of_keys(page, scratch.path());
+                    }
+                    faults.lock().unwrap().extend(found);
+                    let of = |block: &scratch::Ran| {
+                        format!(
+                            "{:>6.1} s  {}, line {}",
+                            block.took.as_secs_f64(),
+                            page.name,
+                            block.line
+                        )
+                    };
+                    times.lock().unwrap().extend(ran.iter().map(of));
+                }
+            });
+        }
+    });
+    let mut times = times.into_inner().unwrap();
+    times.sort();
+    times.iter().rev().take(10).for_each(|time| println!("{time}"));
+    assert_none(&faults.into_inner().unwrap());
+}
