@@ -28,6 +28,7 @@ pub mod scene;
 pub mod score;
 pub mod session;
 pub mod simulate;
+pub mod spelling;
 pub mod statistics;
 pub mod survey;
 pub mod tags;
