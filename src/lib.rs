@@ -37,6 +37,7 @@ pub mod score;
 pub mod session;
 #[cfg(feature = "full")]
 pub mod simulate;
+pub mod spelling;
 pub mod statistics;
 #[cfg(feature = "full")]
 pub mod survey;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, progress};
+use super::{CommandResult, Outcome, print, progress};
 use crate::chart::locate::Sample;
 use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
 use crate::envelope::{self, Outline};
@@ -70,8 +70,11 @@ struct CaptureArgs {
     #[arg(long, value_name = "DIR")]
     session: PathBuf,
     /// Folder for the chart (SVG) and its numbers (JSON)
-    #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// One JSON object instead of a table: the numbers, and the files that were written
+    #[arg(long)]
+    json: bool,
 }
 
 /// The photos and the truth about them.
@@ -84,8 +87,11 @@ struct On {
     #[arg(long, value_name = "JSON")]
     truth: PathBuf,
     /// Folder for the charts (SVG) and their numbers (JSON)
-    #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// One JSON object instead of a table: the numbers, and the files that were written
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs `scaleproof chart …`.
@@ -124,9 +130,13 @@ fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("measuring", samples.len() * locate::detectors(&session.scene).len());
     let rows = locate::measure(&samples, &session.scene, &camera, || bar.inc(1))?;
     bar.finish_and_clear();
-    writeln!(out, "{}", locate::table(&rows))?;
-    let numbers = json(&session, &[Some(&args.on.truth)], &rows)?;
-    write(&args.on.out, "locate", &[("", locate::draw(&rows))], numbers, out)
+    let chart = Chart {
+        name: "locate",
+        table: locate::table(&rows),
+        drawn: vec![("", locate::draw(&rows))],
+        numbers: numbers(&session, &[Some(&args.on.truth)], &rows)?,
+    };
+    chart.write(&args.on.output, args.on.json, out)
 }
 
 fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
@@ -140,15 +150,20 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
         outlines.push(("mesh", Outline::surface(&mesh, model)));
     }
     let (samples, not_located) = placed(&session, &args.on)?;
+    let busy = progress::busy("measuring");
     let rows = envelope_chart::measure(&samples, &outlines, model.envelope.name());
+    busy.finish_and_clear();
     for sentence in not_located {
         say!("not measured: {sentence}");
     }
-    writeln!(out, "{}", envelope_chart::table(&rows))?;
     let inputs = [Some(args.on.truth.as_path()), args.mesh.as_deref()];
-    let numbers = json(&session, &inputs, &rows)?;
-    let charts = [("", envelope_chart::draw(&rows))];
-    write(&args.on.out, "envelope", &charts, numbers, out)
+    let chart = Chart {
+        name: "envelope",
+        table: envelope_chart::table(&rows),
+        drawn: vec![("", envelope_chart::draw(&rows))],
+        numbers: numbers(&session, &inputs, &rows)?,
+    };
+    chart.write(&args.on.output, args.on.json, out)
 }
 
 /// The photos of a session that the tags place, and a sentence about each of the others.
@@ -191,14 +206,18 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
     let photos = stability::on_photos(&samples, scene, camera, &detectors, args.seed, || bar.inc(1))?;
     let views = stability::on_views(scene, camera, args.views as usize, args.seed, || bar.inc(1));
     bar.finish_and_clear();
-    let charts = [
+    let drawn = vec![
         ("-photos", stability::draw("Spoiled photos", &photos)),
         ("-views", stability::draw("Simulated views", &views)),
     ];
     let steps: Vec<_> = photos.into_iter().chain(views).collect();
-    writeln!(out, "{}", stability::summary(&steps))?;
-    let numbers = json(&session, &[Some(&args.on.truth)], &steps)?;
-    write(&args.on.out, "stability", &charts, numbers, out)
+    let chart = Chart {
+        name: "stability",
+        table: stability::summary(&steps).to_string(),
+        drawn,
+        numbers: numbers(&session, &[Some(&args.on.truth)], &steps)?,
+    };
+    chart.write(&args.on.output, args.on.json, out)
 }
 
 fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
@@ -212,9 +231,13 @@ fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("measuring", frames.len() * capture::ways(&session.scene).len());
     let rows = capture::measure(&frames, &session.scene, session.known_camera()?, || bar.inc(1))?;
     bar.finish_and_clear();
-    writeln!(out, "{}", capture::table(&rows))?;
-    let numbers = json(&session, &[], &rows)?;
-    write(&args.out, "capture", &[("", capture::draw(&rows))], numbers, out)
+    let chart = Chart {
+        name: "capture",
+        table: capture::table(&rows),
+        drawn: vec![("", capture::draw(&rows))],
+        numbers: numbers(&session, &[], &rows)?,
+    };
+    chart.write(&args.output, args.json, out)
 }
 
 /// The session and its photos, decoded, with the truth about each.
@@ -222,11 +245,14 @@ fn load(on: &On) -> Result<(Session, Vec<Sample>), Box<dyn Error>> {
     let session = Session::open(&on.session)?;
     let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
     let truths = true_views(&on.truth, &names)?;
+    let bar = progress::photos("reading", names.len());
     let samples = session.photos.iter().zip(truths).map(|(entry, truth)| {
         let grey = Photo::open(&session.photo_path(entry))?.grey();
+        bar.inc(1);
         Ok(Sample { grey, truth })
     });
     let samples = samples.collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    bar.finish_and_clear();
     Ok((session, samples))
 }
 
@@ -250,7 +276,7 @@ fn enlarged(samples: Vec<Sample>, factor: f64) -> Vec<Sample> {
 }
 
 /// `read` are the files read besides the session's.
-fn json<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) -> Result<String, Box<dyn Error>> {
+fn numbers<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) -> Result<String, Box<dyn Error>> {
     let mut inputs = session.hashes.clone();
     for path in read.iter().flatten() {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -268,15 +294,36 @@ fn json<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) -> 
     })?)
 }
 
-/// Writes `NAME.json` and `NAME….svg` into a folder.
-fn write(folder: &Path, name: &str, charts: &[(&str, String)], json: String, out: &mut dyn Write) -> CommandResult {
-    let mut new = vec![(folder.join(format!("{name}.json")), json.into_bytes())];
-    for (suffix, svg) in charts {
-        new.push((folder.join(format!("{name}{suffix}.svg")), svg.clone().into_bytes()));
+/// What was measured.
+struct Chart {
+    /// Of its files.
+    name: &'static str,
+    table: String,
+    /// What follows the name, and the SVG.
+    drawn: Vec<(&'static str, String)>,
+    /// JSON.
+    numbers: String,
+}
+
+impl Chart {
+    /// Writes `NAME.json` and `NAME….svg` into a folder, and says what they show.
+    fn write(self, folder: &Path, is_json: bool, out: &mut dyn Write) -> CommandResult {
+        let mut new = vec![(
+            folder.join(format!("{}.json", self.name)),
+            self.numbers.clone().into_bytes(),
+        )];
+        for (suffix, svg) in self.drawn {
+            new.push((folder.join(format!("{}{suffix}.svg", self.name)), svg.into_bytes()));
+        }
+        files::replace_all_atomically(&new)?;
+        if is_json {
+            print::write_json(&new, serde_json::from_str(&self.numbers)?, out)?;
+            return Ok(Outcome::Done);
+        }
+        writeln!(out, "{}", self.table)?;
+        for (path, _) in &new {
+            writeln!(out, "{}", path.display())?;
+        }
+        Ok(Outcome::Done)
     }
-    files::replace_all_atomically(&new)?;
-    for (path, _) in &new {
-        writeln!(out, "{}", path.display())?;
-    }
-    Ok(Outcome::Done)
 }

@@ -7,7 +7,7 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::print::write_files;
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, progress};
 use crate::colour_chart::read::{FAMILIES, Quality, Reading, average, read};
 use crate::pattern::printed::PrintedColours;
 use crate::photo::Photo;
@@ -73,11 +73,15 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
     let there = args.output.as_deref().filter(|path| path.exists());
     let old = there.map(PrinterFile::load).transpose()?;
     let mut tags = AprilTagC::new(&FAMILIES)?;
+    let bar = progress::photos("reading", args.photos.len());
     let readings = args.photos.iter().map(|path| {
         let photo = Photo::open(path).map_err(|e| e.to_string())?;
-        read(&photo, &mut tags).map_err(|e| format!("{}: {e}", path.display()))
+        let reading = read(&photo, &mut tags).map_err(|e| format!("{}: {e}", path.display()))?;
+        bar.inc(1);
+        Ok(reading)
     });
     let readings = readings.collect::<Result<Vec<Reading>, String>>()?;
+    bar.finish_and_clear();
     let (colours, disagreements) = average(&readings, concat!("scaleproof ", env!("CARGO_PKG_VERSION")))?;
     if let Some(path) = &args.output {
         let file = PrinterFile {
@@ -134,11 +138,10 @@ fn summarise(
             colours.chart
         )?;
         if q.at_zero > 0 {
-            writeln!(
-                out,
+            say!(
                 "note: {} patches of {name} have a channel at 0; they may be darker or more saturated than read",
                 q.at_zero
-            )?;
+            );
         }
     }
     let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");

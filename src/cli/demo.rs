@@ -19,9 +19,9 @@ use crate::session::Session;
 /// Missing weights are fetched; without a network the detections recorded with the session are scored instead.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Folder for the template, the poses and the report.
-    #[arg(long, value_name = "DIR", default_value = "out/demo")]
-    out: PathBuf,
+    /// Folder for the template, the poses and the report
+    #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/demo")]
+    output: PathBuf,
     #[command(flatten)]
     folder: detectors::Folder,
 }
@@ -30,8 +30,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
-    files::replace_atomically(&args.out.join("random16.png"), &pattern.to_png()?)?;
-    let pdf = args.out.join("template.pdf");
+    files::replace_atomically(&args.output.join("random16.png"), &pattern.to_png()?)?;
+    let pdf = args.output.join("template.pdf");
     // The published tile size, 16 cells over 118 mm at 1:10.
     print_template(&pattern, "random16.png", 118.0, &pdf, out)?;
     writeln!(out, "\n2. Photos become camera poses and viewpoint bins")?;
@@ -40,7 +40,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let contestants = contestants(&session, &args.folder.folders()?, out)?;
     let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &contestants)?;
     let scores = score::score_with_progress(vec![session], contestants, &Options::default())?;
-    let page = report::write(&args.out, &scores, Some(&speeds))?;
+    let page = report::write(&args.output, &scores, Some(&speeds))?;
     score::caution(&scores);
     writeln!(out, "\nreport:   {}\ntemplate: {}\n", page.display(), pdf.display())?;
     writeln!(out, "{}", report::summary_table(&scores))?;

@@ -15,11 +15,14 @@ mod capture;
 mod chart;
 mod colour;
 mod compare;
+mod completions;
 mod demo;
 mod detectors;
 mod locate;
 mod merge;
+mod mistakes;
 mod output;
+mod overview;
 mod pattern;
 mod plan;
 mod print;
@@ -30,8 +33,10 @@ mod session;
 mod sessions;
 #[cfg(feature = "full")]
 mod survey;
+mod units;
 
 use std::error::Error;
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -43,6 +48,9 @@ use say::Visible;
 #[derive(Parser)]
 #[command(version, about)]
 struct Cli {
+    /// No progress and no notes; results and errors stay
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -72,6 +80,9 @@ enum Command {
     Survey(survey::Args),
     #[cfg(feature = "full")]
     Chart(chart::Args),
+    Completions(completions::Args),
+    #[command(hide = true)]
+    Manuals(completions::ManualsArgs),
 }
 
 /// What a finished command says to the shell.
@@ -86,14 +97,18 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub fn main() -> ExitCode {
     keep_refusals_quiet();
-    let mut command = Cli::command();
-    let parsed = command.try_get_matches_from_mut(std::env::args_os());
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let mut command = command();
+    let parsed = command.try_get_matches_from_mut(&arguments);
     let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (cli, matches) = match parsed {
         Ok(parsed) => parsed,
-        Err(e) if is_mistake(&e) => return refuse(&first_paragraph(&e.to_string())),
+        Err(e) if is_mistake(&e) => return refuse(&mistakes::sentence(&e, &command, &arguments)),
         Err(help_or_version) => help_or_version.exit(),
     };
+    if cli.quiet {
+        say::be_quiet();
+    }
     // A file that goes to standard output is alone there.
     let out: &mut dyn Write = match output::goes_to_standard_output(&command, &matches) {
         Err(sentence) => return refuse(&sentence),
@@ -124,6 +139,8 @@ pub fn main() -> ExitCode {
         Command::Survey(args) => survey::run(args, out),
         #[cfg(feature = "full")]
         Command::Chart(args) => chart::run(args, out),
+        Command::Completions(args) => completions::run(&args, out),
+        Command::Manuals(args) => completions::run_manuals(&args, out),
     };
     match result.and_then(|outcome| out.flush().map(|()| outcome).map_err(Into::into)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
@@ -131,6 +148,11 @@ pub fn main() -> ExitCode {
         Err(e) if is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
         Err(e) => refuse(&e.to_string()),
     }
+}
+
+/// The whole command line.
+fn command() -> clap::Command {
+    overview::explained(Cli::command())
 }
 
 fn refuse(sentence: &str) -> ExitCode {
@@ -154,16 +176,6 @@ fn keep_refusals_quiet() {
 /// False for help and version, also when help is shown because nothing was asked.
 fn is_mistake(e: &clap::Error) -> bool {
     e.use_stderr() && e.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
-}
-
-/// What was wrong with the arguments, without the usage that clap adds below.
-fn first_paragraph(message: &str) -> String {
-    let lines = message
-        .lines()
-        .take_while(|line| !line.trim().is_empty())
-        .map(str::trim);
-    let sentence = lines.collect::<Vec<_>>().join(" ");
-    format!("{} (see --help)", sentence.strip_prefix("error: ").unwrap_or(&sentence))
 }
 
 /// `scaleproof locate … | head` closes our output early; that is no error.

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use serde::Serialize;
+use serde_json::json;
 
-use super::print::write_files;
+use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::gamut::{PRINTABLE_DELTA_E, PatternFate, fate};
@@ -42,6 +43,9 @@ struct RandomArgs {
     /// The PNG to write, one pixel per cell
     #[arg(short, long, value_name = "PNG")]
     output: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(clap::Args)]
@@ -83,7 +87,13 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::random(args.cells, args.seed)?;
-    files::write_atomically(&args.output, &pattern.to_png()?)?;
+    let new = [(args.output.clone(), pattern.to_png()?)];
+    files::write_all_atomically(&new)?;
+    if args.json {
+        let facts = json!({ "cells": args.cells, "seed": args.seed, "pattern_sha256": pattern.sha256() });
+        write_json(&new, facts, out)?;
+        return Ok(Outcome::Done);
+    }
     let (path, cells) = (args.output.display(), args.cells);
     writeln!(out, "{path}: {cells} × {cells} random cells, seed {}", args.seed)?;
     Ok(Outcome::Done)

@@ -1,53 +1,322 @@
-//! Progress on standard error; nothing is drawn when nobody watches.
+//! Progress on standard error: a bar in a terminal; elsewhere, as in a log, a plain line every few seconds. Nothing with `--quiet`.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt::Display;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::say;
+
+/// Between two lines.
+const EVERY: Duration = Duration::from_secs(5);
+
+/// How far some work has come. Dropped before [`Progress::finish_and_clear`], it just goes.
+pub struct Progress {
+    bar: ProgressBar,
+    lines: Lines,
+}
+
+impl Progress {
+    pub fn inc(&self, steps: u64) {
+        self.bar.inc(steps);
+    }
+
+    pub fn set_position(&self, position: u64) {
+        self.bar.set_position(position);
+    }
+
+    pub fn set_length(&self, length: u64) {
+        self.bar.set_length(length);
+    }
+
+    /// How well it goes.
+    #[cfg_attr(not(feature = "attack"), allow(dead_code))]
+    pub fn set_message(&self, message: String) {
+        self.bar.set_message(message);
+    }
+
+    /// The work is done; what took long enough for a line gets a last one.
+    pub fn finish_and_clear(&self) {
+        if self.lines.stop() {
+            self.lines.say(&self.lines.work.last_line(&self.bar));
+        }
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.lines.stop();
+    }
+}
 
 /// A bar that counts photos.
-pub fn photos(what: &str, count: usize) -> ProgressBar {
-    bar(
-        ProgressBar::new(count as u64),
-        what,
-        "{msg:<18} {bar:30} {pos}/{len} photos, {eta} left",
-    )
+pub fn photos(what: &str, count: usize) -> Progress {
+    counting(what, count, "photos")
 }
 
 /// A bar that counts frames, one whole picture after the other.
-pub fn frames(what: &str, count: usize) -> ProgressBar {
-    bar(
-        ProgressBar::new(count as u64),
-        what,
-        "{msg:<18} {bar:30} {pos}/{len} frames, {eta} left",
-    )
+pub fn frames(what: &str, count: usize) -> Progress {
+    counting(what, count, "frames")
+}
+
+/// A bar that counts the steps of a search.
+pub fn steps(what: &str, count: usize) -> Progress {
+    counting(what, count, "steps")
+}
+
+fn counting(what: &str, count: usize, unit: &'static str) -> Progress {
+    let template = format!("{{msg:<18}} {{bar:30}} {{pos}}/{{len}} {unit}, {{eta}} left");
+    shown(ProgressBar::new(count as u64), what, Unit::Counted(unit), &template)
 }
 
 /// A bar that counts the seconds or the steps of a training; its message is how well it goes.
 #[cfg(feature = "attack")]
-pub fn training(is_time: bool, length: u64) -> ProgressBar {
+pub fn training(is_time: bool, length: u64) -> Progress {
     let unit = if is_time { "s" } else { "steps" };
     let template = format!("training {{bar:30}} {{pos}}/{{len}} {unit}, {{msg}}");
-    bar(ProgressBar::new(length), "", &template)
-}
-
-/// A bar that counts the steps of a search.
-pub fn steps(what: &str, count: usize) -> ProgressBar {
-    bar(
-        ProgressBar::new(count as u64),
-        what,
-        "{msg:<18} {bar:30} {pos}/{len} steps, {eta} left",
-    )
+    shown(ProgressBar::new(length), "training", Unit::Counted(unit), &template)
 }
 
 /// A bar that counts the bytes of a download, whose length may become known later.
-pub fn bytes(what: &str) -> ProgressBar {
-    bar(
-        ProgressBar::no_length(),
-        what,
-        "{msg:<18} {bar:30} {bytes} of {total_bytes}, {eta} left",
-    )
+pub fn bytes(what: &str) -> Progress {
+    let template = "{msg:<18} {bar:30} {bytes} of {total_bytes}, {eta} left";
+    shown(ProgressBar::no_length(), what, Unit::Bytes, template)
 }
 
-fn bar(bar: ProgressBar, what: &str, template: &str) -> ProgressBar {
+/// Work whose steps nobody counts.
+pub fn busy(what: &str) -> Progress {
+    let progress = shown(
+        ProgressBar::new_spinner(),
+        what,
+        Unit::None,
+        "{spinner} {msg}, {elapsed}",
+    );
+    if !progress.bar.is_hidden() {
+        progress.bar.enable_steady_tick(Duration::from_millis(200));
+    }
+    progress
+}
+
+/// Says what is being done, where no step can be counted.
+pub fn announce(sentence: &str) {
+    if !say::is_quiet() {
+        say!("{sentence}");
+    }
+}
+
+fn shown(bar: ProgressBar, what: &str, unit: Unit, template: &str) -> Progress {
     // A template that does not parse would only cost the looks.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.with_style(style).with_message(what.to_owned())
+    let bar = bar.with_style(style).with_message(what.to_owned());
+    // A bar is hidden where there is no terminal, or one that cannot move its cursor (TERM=dumb).
+    let lines = match (say::is_quiet(), bar.is_hidden()) {
+        (true, _) => {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+            None
+        }
+        (false, is_hidden) => is_hidden.then_some(EVERY),
+    };
+    let work = Work {
+        what: what.to_owned(),
+        unit,
+    };
+    let say = Arc::new(|line: &str| say!("{line}"));
+    Progress {
+        lines: Lines::start(work, bar.clone(), lines, say),
+        bar,
+    }
+}
+
+/// What is counted.
+#[derive(Debug, Clone, Copy)]
+enum Unit {
+    Counted(&'static str),
+    Bytes,
+    None,
+}
+
+/// What a line says beside the numbers.
+#[derive(Debug, Clone)]
+struct Work {
+    what: String,
+    unit: Unit,
+}
+
+impl Work {
+    /// As in `scoring 120/300 photos, 40 s left`.
+    fn line(&self, bar: &ProgressBar) -> String {
+        let left = bar.eta();
+        match self.unit {
+            Unit::None => format!("{}, {} so far", self.what, duration(bar.elapsed())),
+            _ if left.is_zero() => self.far(bar),
+            _ => format!("{}, {} left", self.far(bar), duration(left)),
+        }
+    }
+
+    fn last_line(&self, bar: &ProgressBar) -> String {
+        format!("{}, done in {}", self.far(bar), duration(bar.elapsed()))
+    }
+
+    fn far(&self, bar: &ProgressBar) -> String {
+        let (at, length) = (bar.position(), bar.length().filter(|length| *length > 0));
+        let far = match (self.unit, length) {
+            (Unit::Counted(unit), Some(length)) => format!("{} {at}/{length} {unit}", self.what),
+            (Unit::Bytes, Some(length)) => format!("{} {} of {}", self.what, megabytes(at), megabytes(length)),
+            (Unit::Bytes, None) => format!("{} {}", self.what, megabytes(at)),
+            _ => self.what.clone(),
+        };
+        let message = bar.message();
+        if message == self.what {
+            far
+        } else {
+            format!("{far}, {message}")
+        }
+    }
+}
+
+fn megabytes(bytes: u64) -> impl Display {
+    format!("{:.1} MB", bytes as f64 / 1e6)
+}
+
+/// `40 s`, `12 min` or `3 h 5 min`.
+fn duration(time: Duration) -> String {
+    match (time.as_secs_f64().round() as u64, time.as_secs() / 60) {
+        (seconds, _) if seconds < 120 => format!("{seconds} s"),
+        (_, minutes) if minutes < 120 => format!("{minutes} min"),
+        (_, minutes) => format!("{} h {} min", minutes / 60, minutes % 60),
+    }
+}
+
+type Say = Arc<dyn Fn(&str) + Send + Sync>;
+
+/// The thread that says a line from time to time, so that also work whose steps are long is heard of.
+struct Lines {
+    work: Work,
+    say: Say,
+    printer: Mutex<Option<Printer>>,
+}
+
+struct Printer {
+    /// Dropped, it stops the thread.
+    stop: Sender<()>,
+    /// Whether a line was said.
+    thread: JoinHandle<bool>,
+}
+
+impl Lines {
+    /// Without `every`, nothing is said.
+    fn start(work: Work, bar: ProgressBar, every: Option<Duration>, say: Say) -> Self {
+        let printer = every.map(|every| {
+            let (stop, stopped) = mpsc::channel();
+            let (work, say) = (work.clone(), say.clone());
+            let thread = std::thread::spawn(move || {
+                let mut has_said = false;
+                while stopped.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
+                    say(&work.line(&bar));
+                    has_said = true;
+                }
+                has_said
+            });
+            Printer { stop, thread }
+        });
+        Self {
+            work,
+            say,
+            printer: Mutex::new(printer),
+        }
+    }
+
+    fn say(&self, line: &str) {
+        (self.say)(line);
+    }
+
+    /// Whether a line was said before, the first time it is asked.
+    fn stop(&self) -> bool {
+        let printer = self.printer.lock().ok().and_then(|mut printer| printer.take());
+        printer.is_some_and(|Printer { stop, thread }| {
+            drop(stop);
+            thread.join().unwrap_or(false)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seconds(seconds: u64) -> String {
+        duration(Duration::from_secs(seconds))
+    }
+
+    #[test]
+    fn times_are_short() {
+        assert_eq!(
+            [1, 40, 119, 120, 719, 7200 + 310].map(seconds),
+            ["1 s", "40 s", "119 s", "2 min", "11 min", "2 h 5 min"]
+        );
+    }
+
+    #[test]
+    fn a_line_says_how_far_the_work_is_and_how_it_goes() {
+        let work = |unit| Work {
+            what: "scoring".into(),
+            unit,
+        };
+        let bar = ProgressBar::with_draw_target(Some(300), ProgressDrawTarget::hidden()).with_message("scoring");
+        assert_eq!(work(Unit::Counted("photos")).line(&bar), "scoring 0/300 photos");
+        bar.set_position(120);
+        assert_eq!(work(Unit::Counted("photos")).far(&bar), "scoring 120/300 photos");
+        bar.set_message("loss 0.5");
+        assert_eq!(
+            work(Unit::Counted("steps")).far(&bar),
+            "scoring 120/300 steps, loss 0.5"
+        );
+        bar.set_message("scoring");
+        bar.set_length(2_500_000);
+        bar.set_position(1_240_000);
+        assert_eq!(work(Unit::Bytes).far(&bar), "scoring 1.2 MB of 2.5 MB");
+        assert_eq!(work(Unit::None).line(&bar), "scoring, 0 s so far");
+    }
+
+    /// The lines that `work` causes when one comes every 20 ms.
+    fn lines(work: impl FnOnce(&Progress)) -> Vec<String> {
+        let said = Arc::new(Mutex::new(Vec::new()));
+        let keep = said.clone();
+        let bar = ProgressBar::with_draw_target(Some(4), ProgressDrawTarget::hidden()).with_message("looking");
+        let what = Work {
+            what: "looking".into(),
+            unit: Unit::Counted("photos"),
+        };
+        let say = Arc::new(move |line: &str| keep.lock().unwrap().push(line.to_owned()));
+        let progress = Progress {
+            lines: Lines::start(what, bar.clone(), Some(Duration::from_millis(20)), say),
+            bar,
+        };
+        work(&progress);
+        drop(progress);
+        Arc::into_inner(said).map_or_else(Vec::new, |said| said.into_inner().unwrap())
+    }
+
+    #[test]
+    fn long_work_is_heard_of_between_its_steps_and_at_its_end_short_work_is_not() {
+        let long = lines(|progress| {
+            progress.inc(1);
+            std::thread::sleep(Duration::from_millis(150));
+            progress.inc(3);
+            progress.finish_and_clear();
+        });
+        assert!(long.len() > 2, "{long:?}");
+        assert!(long[0].starts_with("looking 1/4 photos"), "{long:?}");
+        assert_eq!(long.last().unwrap(), "looking 4/4 photos, done in 0 s");
+        assert_eq!(lines(Progress::finish_and_clear), [""; 0]);
+        let given_up = lines(|_| std::thread::sleep(Duration::from_millis(100)));
+        assert!(
+            given_up.iter().all(|line| line.starts_with("looking 0/4 photos")),
+            "{given_up:?}"
+        );
+    }
 }

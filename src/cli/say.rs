@@ -3,11 +3,33 @@
 
 use std::fmt;
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Says a sentence on standard error. Nobody may be there to read it.
+/// Set once, at the start, by `--quiet`.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on, notes and progress are not shown.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether notes and progress are not to be shown.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Says a sentence on standard error, unless it is a note that `--quiet` silences. Nobody may be there to read it.
 pub fn say(sentence: fmt::Arguments) {
     let text = sentence.to_string().replace('\n', "\\u000a");
+    if is_quiet() && is_note(&text) {
+        return;
+    }
     let _ = writeln!(Visible(io::stderr().lock()), "{text}");
+}
+
+/// `note: …`, or `note on PHOTO: …`. What became of an input (`no pose for PHOTO: …`) is a result.
+fn is_note(sentence: &str) -> bool {
+    ["note: ", "note on "].iter().any(|begin| sentence.starts_with(begin))
 }
 
 /// `eprintln!` for texts from elsewhere.
@@ -58,6 +80,19 @@ fn is_hidden(c: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn notes_are_told_from_results_and_errors() {
+        assert!(is_note("note: the camera is a guess") && is_note("note on a.jpg: tag 3 was left out"));
+        for other in [
+            "error: no such file",
+            "not scored: a.jpg",
+            "no pose for a.jpg",
+            "notes.toml: 3 tags",
+        ] {
+            assert!(!is_note(other), "{other}");
+        }
+    }
 
     #[test]
     fn what_moves_the_cursor_is_shown_and_json_stays_json() {

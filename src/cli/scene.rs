@@ -4,10 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Subcommand, ValueEnum};
+use serde_json::json;
 
-use super::{CommandResult, Outcome};
+use super::print::write_json;
+use super::{CommandResult, Outcome, units};
 use crate::files;
 use crate::scene::{Bins, Envelope, Model, Ring, Scene, TagFamily};
+use crate::spelling;
 
 /// Make scene files
 #[derive(clap::Args)]
@@ -78,6 +81,9 @@ struct NewArgs {
     /// The scene file to write
     #[arg(short, long, value_name = "TOML")]
     output: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -89,7 +95,8 @@ pub(super) fn family(text: &str) -> Result<TagFamily, String> {
     let known = TagFamily::ALL.iter().find(|(_, name)| name.eq_ignore_ascii_case(text));
     known.map(|(family, _)| *family).ok_or_else(|| {
         let names: Vec<_> = TagFamily::ALL.iter().map(|(_, name)| *name).collect();
-        format!("use one of {}", names.join(", "))
+        let hint = spelling::hint(text, names.iter().copied());
+        format!("use one of {}{hint}", names.join(", "))
     })
 }
 
@@ -135,10 +142,18 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
         family: args.family,
         tilt_deg: args.tilt_deg,
     };
-    let text = ring.scene()?.to_toml();
+    let doubt = units::model(&ring.model.class, ring.model.size_mm, ring.model.scale);
+    let scene = ring.scene()?;
+    let text = scene.to_toml();
     // What is written can be read.
     Scene::parse(&text, path)?;
-    files::write_atomically(path, text.as_bytes())?;
+    let new = [(path.clone(), text.into_bytes())];
+    files::write_all_atomically(&new)?;
+    units::note(doubt);
+    if args.json {
+        write_json(&new, json!({ "tags": scene.tags.len() }), out)?;
+        return Ok(Outcome::Done);
+    }
     let (count, radius) = (args.tags, args.radius_mm);
     writeln!(
         out,

@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(long, default_value = "tag36h11", value_parser = scene::family)]
     family: TagFamily,
     /// The scene file to write
-    #[arg(short, long, visible_alias = "out", value_name = "TOML")]
+    #[arg(short, long, alias = "out", value_name = "TOML")]
     output: PathBuf,
     /// A JSON object instead of tables
     #[arg(long)]
@@ -58,7 +58,9 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         sizes: args.sizes.as_ref(),
         family: args.family,
     };
+    let busy = progress::busy("adjusting");
     let found = survey(&photos, &given, &camera)?;
+    busy.finish_and_clear();
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
     Scene::parse(&text, &args.output)?;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Labels;
 use super::input::Placement;
 use crate::files::{self, FileError};
+use crate::spelling;
 
 /// A detector this program knows.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -154,8 +155,8 @@ pub struct FirstLabel {
 /// Why a manifest was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum ManifestError {
-    #[error("no detector is called {name}: choose from {known}")]
-    Unknown { name: String, known: String },
+    #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
+    Unknown { name: String, known: Vec<String> },
     #[error("the manifest {file} is not valid: {message}")]
     Syntax { file: String, message: String },
     #[error("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name")]
@@ -188,11 +189,9 @@ impl Manifest {
         match all.iter().position(|m| m.name == name) {
             Some(i) => Ok(all.swap_remove(i)),
             None => {
-                let known = all.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ");
-                Err(ManifestError::Unknown {
-                    name: name.to_owned(),
-                    known,
-                })
+                let known = all.into_iter().map(|m| m.name).collect();
+                let name = name.to_owned();
+                Err(ManifestError::Unknown { name, known })
             }
         }
     }

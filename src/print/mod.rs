@@ -28,12 +28,14 @@ pub mod wrap;
 use std::path::PathBuf;
 
 use crate::geometry::length::{BadLength, shown};
+use crate::spelling;
 
 /// Why nothing was printed. Each variant is a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PrintError {
     #[error(
-        "paper '{text}' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610"
+        "paper '{text}' is not known; use a4, a3, letter, tabloid, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610{}",
+        spelling::hint(text, ["a4", "a3", "letter", "tabloid"])
     )]
     UnknownPaper { text: String },
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]

@@ -7,6 +7,7 @@ use super::fit::Fitted;
 use super::search::Search;
 use super::{AprilTagC, CoarseToFine, TagDetector, rivals};
 use crate::scene::TagFamily;
+use crate::spelling;
 
 /// A tag detector that can be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -47,7 +48,11 @@ pub enum CornersBy {
 /// Why a tag detector could not start.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum StartError {
-    #[error("the tag detector '{name}' is not known; use one of {}", names(TagDetectorChoice::ALL.iter()))]
+    #[error(
+        "the tag detector '{name}' is not known; use one of {}{}",
+        names(TagDetectorChoice::ALL.iter()),
+        spelling::hint(name, TagDetectorChoice::ALL.iter().map(|choice| choice.name()))
+    )]
     Unknown { name: String },
     #[error(
         "the tag detector {detector} cannot read tags of the family {}: use one of {}",

@@ -102,7 +102,7 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
 
 fn render(evaluation: &Evaluation, folder: &Path) -> Result<(), EvaluateError> {
     let bar = progress::frames("rendering", evaluation.photos().len());
-    let python = || blender::find(&cache(), |sentence| say!("{sentence}"));
+    let python = || blender::find(&cache(), progress::announce);
     let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
     bar.finish_and_clear();
     rendered

@@ -62,7 +62,7 @@ pub struct RenderArgs {
 pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     let plan = Plan::new(args.request()?)?;
     crate::files::check_writable(&args.output)?;
-    let python = blender::find(&cache(), |sentence| say!("{sentence}"))?;
+    let python = blender::find(&cache(), progress::announce)?;
     let bar = progress::frames("rendering", plan.frames().len());
     let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
     bar.finish_and_clear();

@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use serde_json::json;
 
-use super::{CutSheetArgs, write_files};
-use crate::cli::{CommandResult, Outcome};
+use super::{CutSheetArgs, write_files, write_json};
+use crate::cli::{CommandResult, Outcome, units};
 use crate::files;
 use crate::print::board::{BoardKind, BoardRequest, board};
 
@@ -32,6 +33,9 @@ pub struct BoardArgs {
     /// The definition to write [default: beside the PDF, ending in .toml]
     #[arg(long, value_name = "TOML")]
     definition: Option<PathBuf>,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -82,6 +86,12 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let mut files = args.sheets.files(&line, std::slice::from_ref(&made.sheet))?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
     write_files(&files, &[args.sheets.printer.as_deref()])?;
+    units::note(units::board(args.squares, args.square_mm));
+    if args.json {
+        let facts = json!({ "board": line, "definition": definition_path.display().to_string() });
+        write_json(&files, facts, out)?;
+        return Ok(Outcome::Done);
+    }
     let (pdf, definition) = (files[0].0.display(), definition_path.display());
     writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
     Ok(Outcome::Done)

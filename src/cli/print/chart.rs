@@ -2,7 +2,9 @@
 
 use std::io::Write;
 
-use super::{CutSheetArgs, write_files};
+use serde_json::json;
+
+use super::{CutSheetArgs, write_files, write_json};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::chart::chart;
 
@@ -10,6 +12,9 @@ use crate::print::chart::chart;
 pub struct ChartArgs {
     #[command(flatten)]
     sheets: CutSheetArgs,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs `scaleproof print chart`.
@@ -23,6 +28,11 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         made.layout.kind.levels().len(),
         made.layout.patches.len(),
     );
+    if args.json {
+        let facts = json!({ "chart": made.layout.kind.name(), "patches": patches, "levels": levels });
+        write_json(&files, facts, out)?;
+        return Ok(Outcome::Done);
+    }
     writeln!(
         out,
         "{path}: {patches} patches, {levels} levels a channel and greys; print at 100 %, photograph, then scaleproof colour read \

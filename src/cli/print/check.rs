@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
+use serde_json::json;
+
+use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
 use crate::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
@@ -26,6 +28,9 @@ pub struct CheckArgs {
     /// A day for the caption, as YYYY-MM-DD
     #[arg(long, value_name = "DATE")]
     date: Option<String>,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
@@ -39,6 +44,10 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let format = Format::of(args.format, &args.output);
     let files = as_files(format, &args.output, "Printer check", (&["check".to_owned()], &sheets))?;
     write_files(&files, &[args.printer.as_deref()])?;
+    if args.json {
+        write_json(&files, json!({ "next": request.printer.verify_command() }), out)?;
+        return Ok(Outcome::Done);
+    }
     for (path, _) in files {
         writeln!(
             out,

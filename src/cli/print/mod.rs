@@ -16,6 +16,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use serde_json::Value;
 
 use super::{CommandResult, Outcome};
 use crate::files;
@@ -111,6 +112,12 @@ fn as_files(
             named.map(file).collect()
         }
     })
+}
+
+/// Prints one JSON object whose `files` are those that were written.
+pub(super) fn write_json(files: &[NewFile], mut facts: Value, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    facts["files"] = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    Ok(writeln!(out, "{facts}")?)
 }
 
 /// Writes all files, or none, and none over an input.

@@ -4,7 +4,10 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Format, Outcome, as_files, write_files};
+use serde_json::json;
+
+use super::{CommandResult, Format, Outcome, as_files, write_files, write_json};
+use crate::cli::progress;
 use crate::pattern::Pattern;
 use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
 use crate::print::lettering::{counted, number};
@@ -71,8 +74,9 @@ pub fn run(
     paints: &Paints,
     (format, output): (Format, &Path),
     inputs: &[Option<&Path>],
-    out: &mut dyn Write,
+    (is_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
+    let busy = progress::busy("cutting stencils");
     let painted = match &paints.source {
         Source::Count(count) => Painted::by_count(pattern, *count)?,
         Source::Palette(palette) => Painted::by_palette(pattern, palette)?,
@@ -90,9 +94,36 @@ pub fn run(
     let made = paint_sheets(pattern, &painted, &request)?;
     let files = as_files(format, output, &title, (&made.names, &made.pages))?;
     write_files(&files, inputs)?;
+    busy.finish_and_clear();
+    if is_json {
+        write_json(&files, facts(&painted, &made), out)?;
+        return Ok(Outcome::Done);
+    }
     let first = files.first().map_or(output, |(path, _)| path);
     report(first, &painted, &made, out)?;
     Ok(Outcome::Done)
+}
+
+/// `--json`.
+fn facts(painted: &Painted, made: &PaintSheets) -> serde_json::Value {
+    let paints = painted.paints.iter().zip(&made.areas).map(|(used, area)| {
+        json!({
+            "name": used.paint.name,
+            "hex": used.paint.hex(),
+            "cells_mm2": area.cells_mm2,
+            "openings_mm2": area.openings_mm2,
+            "bridges_mm2": area.bridges_mm2,
+            "delta_e_mean": used.mean_delta_e,
+            "delta_e_max": used.max_delta_e,
+        })
+    });
+    let (mean, max) = painted.delta_e();
+    json!({
+        "sheets": made.layout.sheets.len(),
+        "paints": paints.collect::<Vec<_>>(),
+        "delta_e_mean": mean,
+        "delta_e_max": max,
+    })
 }
 
 fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Write) -> std::io::Result<()> {

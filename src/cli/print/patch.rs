@@ -4,8 +4,11 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+
 use super::wrap::{ModelArgs, SheetArgs};
-use super::{CommandResult, Format, Outcome, as_files, write_files};
+use super::{CommandResult, Format, Outcome, as_files, write_files, write_json};
+use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::counted;
 use crate::print::patch::{Patch, Picture, patches};
@@ -19,6 +22,9 @@ pub struct PatchArgs {
     places: PlaceArgs,
     #[command(flatten)]
     sheets: SheetArgs,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 /// Patches in their places.
@@ -78,21 +84,32 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
         sheets.printer.as_deref(),
     ]);
     write_files(&files, &inputs)?;
+    if args.model.mesh.is_some() {
+        units::note(units::turned(model.mesh.size_mm()));
+    }
+    for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
+        say!(
+            "note: {:.1} % of {} lie beyond the outline of the {} panel and are cut off",
+            100.0 * off,
+            patch.name,
+            patch.side.name()
+        );
+    }
+    if args.json {
+        let patches = wanted.iter().zip(&made.off_panel);
+        let patches = patches.map(|(patch, off)| {
+            let (width, height) = patch.size_mm;
+            json!({ "name": patch.name, "panel": patch.side.name(), "at_mm": patch.at_mm, "size_mm": [width, height], "off_panel_share": off })
+        });
+        write_json(&files, json!({ "patches": patches.collect::<Vec<_>>() }), out)?;
+        return Ok(Outcome::Done);
+    }
     writeln!(
         out,
         "{}: {} of panels and patches; print at 100 %",
         files[0].0.display(),
         counted(made.pages.len(), "page")
     )?;
-    for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
-        writeln!(
-            out,
-            "note: {:.1} % of {} lie beyond the outline of the {} panel and are cut off",
-            100.0 * off,
-            patch.name,
-            patch.side.name()
-        )?;
-    }
     Ok(Outcome::Done)
 }
 

@@ -5,9 +5,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use serde_json::json;
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
+use super::{CommandResult, Format, NewFile, Outcome, as_files, printer, write_files, write_json};
+use crate::cli::{progress, units};
 use crate::pattern::{Pattern, card};
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
 use crate::print::{lettering, paper};
@@ -70,6 +72,9 @@ pub struct TemplateArgs {
     date: Option<String>,
     #[command(flatten)]
     paint: PaintArgs,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -112,25 +117,27 @@ impl From<Orientation> for paper::Orientation {
 
 pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
-    let format = Format::of(args.format, &args.output);
+    let request = request(args, &pattern)?;
+    let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
+    let place = (Format::of(args.format, &args.output), args.output.as_path());
     if let Some(paints) = args.paint.paints()? {
         let inputs = [Some(&*args.pattern), args.printer.as_deref(), args.paint.palette_file()];
-        return paint::run(
+        paint::run(&pattern, request, &paints, place, &inputs, (args.json, out))?;
+    } else {
+        let (made, files) = write(
             &pattern,
-            request(args, &pattern)?,
-            &paints,
-            (format, &args.output),
-            &inputs,
-            out,
-        );
+            &request,
+            place,
+            &[Some(&args.pattern), args.printer.as_deref()],
+        )?;
+        if args.json {
+            write_json(&files, facts(&made), out)?;
+        } else {
+            let first = files.first().map_or(args.output.as_path(), |(path, _)| path);
+            writeln!(out, "{}", summary(first, &made))?;
+        }
     }
-    let (made, first) = write(
-        &pattern,
-        &request(args, &pattern)?,
-        (format, &args.output),
-        &[Some(&args.pattern), args.printer.as_deref()],
-    )?;
-    writeln!(out, "{}", summary(&first, &made))?;
+    units::note(doubt);
     Ok(Outcome::Done)
 }
 
@@ -139,13 +146,14 @@ pub fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Pat
     Ok(write(pattern, request, (Format::Pdf, output), &[])?.0)
 }
 
-/// Gives the first file as well: the only one of a PDF.
+/// Gives the files as well.
 fn write(
     pattern: &Pattern,
     request: &TemplateRequest,
     (format, output): (Format, &Path),
     inputs: &[Option<&Path>],
-) -> Result<(Template, PathBuf), Box<dyn Error>> {
+) -> Result<(Template, Vec<NewFile>), Box<dyn Error>> {
+    let busy = progress::busy("drawing");
     let made = template(pattern, request)?;
     let title = format!(
         "Template of {}, tile {} mm",
@@ -154,11 +162,8 @@ fn write(
     );
     let files = as_files(format, output, &title, (&made.page_names(), &made.pages))?;
     write_files(&files, inputs)?;
-    let first = files
-        .into_iter()
-        .next()
-        .map_or_else(|| output.to_owned(), |(path, _)| path);
-    Ok((made, first))
+    busy.finish_and_clear();
+    Ok((made, files))
 }
 
 fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Box<dyn Error>> {
@@ -183,6 +188,19 @@ fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Bo
         front: args.front.into(),
         date: args.date.as_deref().map(str::parse).transpose()?,
         layout,
+    })
+}
+
+/// `--json`.
+fn facts(made: &Template) -> serde_json::Value {
+    let layout = &made.layout;
+    let page = layout.frame.page;
+    json!({
+        "sheets": layout.sheets.len(),
+        "rows": layout.rows,
+        "columns": layout.columns,
+        "page_mm": [page.width_mm, page.height_mm],
+        "cell_mm": made.cell_mm,
     })
 }
 

@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome};
+use serde_json::json;
+
+use super::{CommandResult, Outcome, write_json};
 use crate::files;
 use crate::print::printer::{Printer, PrinterFile};
 
@@ -21,6 +23,9 @@ pub struct VerifyArgs {
     /// The file to write
     #[arg(short, long, value_name = "TOML", default_value = "printer.toml")]
     output: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
@@ -48,7 +53,12 @@ pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
         printer,
         colours: known.and_then(|file| file.colours),
     };
-    files::write_atomically(&args.output, file.to_toml()?.as_bytes())?;
+    let new = [(args.output.clone(), file.to_toml()?.into_bytes())];
+    files::write_all_atomically(&new)?;
+    if args.json {
+        write_json(&new, json!({ "correction": printer.caption() }), out)?;
+        return Ok(Outcome::Done);
+    }
     let output = args.output.display();
     writeln!(out, "{output}: {}; print with --printer {output}", printer.caption())?;
     Ok(Outcome::Done)

@@ -4,12 +4,15 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Format, Outcome, as_files, printer, write_files};
+use serde_json::json;
+
+use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
+use crate::cli::{progress, units};
 use crate::mesh::{Mesh, MeshError, Placement};
 use crate::pattern::{Pattern, card};
 use crate::print::lettering;
 use crate::print::template::check_scale;
-use crate::print::wrap::{Kept, WrapRequest, check_size, wrap};
+use crate::print::wrap::{Kept, Wrap, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -36,6 +39,9 @@ pub struct WrapArgs {
     max_stretch: f64,
     #[command(flatten)]
     sheets: SheetArgs,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 /// What is wrapped.
@@ -181,6 +187,7 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             &args.pattern,
         )?
     };
+    let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &pattern, &request)?;
     let title = format!(
         "Panels of {}, tile {} mm",
@@ -196,6 +203,15 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         sheets.printer.as_deref(),
     ];
     write_files(&files, &inputs)?;
+    busy.finish_and_clear();
+    if args.model.mesh.is_some() {
+        units::note(units::turned(model.mesh.size_mm()));
+    }
+    say_notes(args, &made);
+    if args.json {
+        write_json(&files, facts(&model, &made), out)?;
+        return Ok(Outcome::Done);
+    }
     let [length, width, height] = model.mesh.size_mm();
     writeln!(
         out,
@@ -207,19 +223,39 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     for fact in made.facts() {
         writeln!(out, "{fact}")?;
     }
+    Ok(Outcome::Done)
+}
+
+fn say_notes(args: &WrapArgs, made: &Wrap) {
     if args.flatten && made.strips.is_empty() && made.kept == Kept::default() {
         let limit = lettering::number(args.max_stretch);
-        writeln!(
-            out,
-            "note: no surface is stretched by more than {limit}, so nothing was unrolled"
-        )?;
+        say!("note: no surface is stretched by more than {limit}, so nothing was unrolled");
     }
     if made.unlettered_mm > 0.0 {
-        writeln!(
-            out,
-            "note: {:.0} mm of seams have no letter, as one of their panels has no room beside them",
-            made.unlettered_mm
-        )?;
+        let length_mm = made.unlettered_mm;
+        say!("note: {length_mm:.0} mm of seams have no letter, as one of their panels has no room beside them");
     }
-    Ok(Outcome::Done)
+}
+
+/// `--json`.
+fn facts(model: &Model, made: &Wrap) -> serde_json::Value {
+    let panels = made.pieces.iter().map(|piece| {
+        json!({
+            "panel": piece.panel.side.name(),
+            "sheets": piece.layout.sheets.len(),
+            "flat_mm2": piece.panel.flat_mm2(),
+            "surface_mm2": piece.panel.surface_mm2,
+            "largest_stretch": piece.panel.largest_stretch,
+        })
+    });
+    json!({
+        "model_size_mm": model.mesh.size_mm(),
+        "cell_mm": made.cell_mm,
+        "panels": panels.collect::<Vec<_>>(),
+        "strips": made.strips.len(),
+        "surface_mm2": made.surface_mm2,
+        "unprinted_mm2": made.unprinted_mm2(),
+        "largest_stretch": made.largest_stretch(),
+        "mean_stretch": made.mean_stretch(),
+    })
 }

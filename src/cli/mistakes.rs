@@ -1,0 +1,128 @@
+//! Mistakes in the arguments: one sentence that names the command, and the word that was probably meant.
+
+use std::ffi::OsString;
+
+use clap::Command;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// What was wrong with the arguments, without the usage that clap adds below.
+pub fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> String {
+    let command = named(whole, arguments);
+    let text = |kind| match e.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.clone()),
+        _ => None,
+    };
+    let mistake = match e.kind() {
+        ErrorKind::UnknownArgument => text(ContextKind::InvalidArg).map(|given| {
+            if given.starts_with('-') {
+                format!("'{command}' has no option '{given}'")
+            } else {
+                format!("'{command}' does not take '{given}'")
+            }
+        }),
+        ErrorKind::InvalidSubcommand => {
+            text(ContextKind::InvalidSubcommand).map(|given| format!("there is no command '{command} {given}'"))
+        }
+        _ => None,
+    };
+    let meant = suggestion(e).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
+    let mistake = mistake.unwrap_or_else(|| first_paragraph(&e.to_string()));
+    format!("{mistake}{meant} (see {command} --help)")
+}
+
+/// As far as the arguments name commands: `scaleproof print template`.
+fn named(whole: &Command, arguments: &[OsString]) -> String {
+    let (mut command, mut path) = (whole, whole.get_name().to_owned());
+    for argument in arguments.iter().skip(1).filter_map(|argument| argument.to_str()) {
+        match command.find_subcommand(argument) {
+            Some(inner) => {
+                command = inner;
+                path = format!("{path} {}", inner.get_name());
+            }
+            // An option of all commands may stand between them.
+            None if argument.starts_with('-') => {}
+            None => break,
+        }
+    }
+    path
+}
+
+/// The words that clap finds near, as in `'--output'`.
+fn suggestion(e: &clap::Error) -> Option<String> {
+    let kinds = [
+        ContextKind::SuggestedArg,
+        ContextKind::SuggestedSubcommand,
+        ContextKind::SuggestedValue,
+    ];
+    let near = kinds.iter().find_map(|kind| e.get(*kind))?;
+    match near {
+        ContextValue::String(word) => Some(format!("'{word}'")),
+        ContextValue::Strings(words) if !words.is_empty() => {
+            let words: Vec<_> = words.iter().map(|word| format!("'{word}'")).collect();
+            Some(words.join(" or "))
+        }
+        _ => None,
+    }
+}
+
+fn first_paragraph(message: &str) -> String {
+    let lines = message
+        .lines()
+        .take_while(|line| !line.trim().is_empty())
+        .map(str::trim);
+    let sentence = lines.collect::<Vec<_>>().join(" ");
+    sentence.strip_prefix("error: ").unwrap_or(&sentence).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(line: &str) -> String {
+        let mut whole = crate::cli::command();
+        let arguments: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        let e = whole.try_get_matches_from_mut(&arguments).unwrap_err();
+        sentence(&e, &whole, &arguments)
+    }
+
+    #[test]
+    fn the_sentence_names_the_command_and_what_was_meant() {
+        for (line, sentence) in [
+            (
+                "scaleproof print check --ouput x.pdf",
+                "'scaleproof print check' has no option '--ouput': did you mean '--output'? (see scaleproof print check --help)",
+            ),
+            (
+                "scaleproof -q scene new --bananas",
+                "'scaleproof scene new' has no option '--bananas' (see scaleproof scene new --help)",
+            ),
+            (
+                "scaleproof print check extra -o x.pdf",
+                "'scaleproof print check' does not take 'extra' (see scaleproof print check --help)",
+            ),
+            (
+                "scaleproof scor",
+                "there is no command 'scaleproof scor': did you mean 'score'? (see scaleproof --help)",
+            ),
+            (
+                "scaleproof print tempalte",
+                "there is no command 'scaleproof print tempalte': did you mean 'template'? (see scaleproof print --help)",
+            ),
+            (
+                "scaleproof bananas",
+                "there is no command 'scaleproof bananas' (see scaleproof --help)",
+            ),
+            (
+                "scaleproof print board --type charucco --squares 9x7 --square-mm 22 -o b.pdf",
+                "invalid value 'charucco' for '--type <KIND>' [possible values: charuco, chessboard, aprilgrid]: did you mean 'charuco'? (see \
+                 scaleproof print board --help)",
+            ),
+            (
+                "scaleproof print check",
+                "the following required arguments were not provided: --output <FILE> (see scaleproof print check --help)",
+            ),
+        ] {
+            assert_eq!(said(line), sentence);
+        }
+    }
+}
