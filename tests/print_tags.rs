@@ -94,7 +94,7 @@ fn assert_cards_fold_to_the_scene(folder: &Path, file: &Path) {
     );
     let request = TagRequest {
         media: Media {
-            paper: Paper::A4,
+            paper: Paper::A4.into(),
             printer: Printer::EXACT,
         },
         plain: false,
@@ -223,7 +223,7 @@ fn the_sheets_of_the_mat_make_the_whole() {
     let scene = scene(&folder.path().join("ring.toml"));
     let request = TagRequest {
         media: Media {
-            paper: Paper::A4,
+            paper: Paper::A4.into(),
             printer: Printer::EXACT,
         },
         plain: false,
