@@ -47,7 +47,10 @@ pub fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
 /// # Errors
 /// The index of the first thing that is larger than the area.
 pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
-    if let Some(i) = sizes.iter().position(|(w, h)| *w > area.width_mm() || *h > area.height_mm()) {
+    if let Some(i) = sizes
+        .iter()
+        .position(|(w, h)| *w > area.width_mm() || *h > area.height_mm())
+    {
         return Err(i);
     }
     let mut order: Vec<usize> = (0..sizes.len()).collect();

@@ -75,7 +75,9 @@ impl Ring {
             (out * self.radius_mm, out)
         };
         let places = self.rows().unwrap_or_else(|| (0..self.count).map(around).collect());
-        let flat = (0..).zip(places).map(|(id, (at, up))| self.tag(id, at, up, Vector3::z()));
+        let flat = (0..)
+            .zip(places)
+            .map(|(id, (at, up))| self.tag(id, at, up, Vector3::z()));
         let tents = (0..self.count).flat_map(|i| self.tent_tags(self.count + 2 * i, f64::from(i) * step_deg));
         Ok(Scene {
             model: self.model.clone(),

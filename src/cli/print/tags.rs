@@ -62,11 +62,12 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
 /// What was written.
 fn json(made: &TagSheets, files: &[NewFile]) -> Value {
     let files: Vec<_> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    let sheet = |(name, sheet): (&String, &crate::print::sheet::Sheet)| {
-        json!({ "name": name, "width_mm": sheet.width_mm, "height_mm": sheet.height_mm })
-    };
+    let sheet = |(name, sheet): (&String, &crate::print::sheet::Sheet)| json!({ "name": name, "width_mm": sheet.width_mm, "height_mm": sheet.height_mm });
     let sheets: Vec<_> = made.names.iter().zip(&made.sheets).map(sheet).collect();
-    let cards = made.cut_out.iter().map(|card| json!({ "name": card.name, "sheet": made.names.get(card.sheet) }));
+    let cards = made
+        .cut_out
+        .iter()
+        .map(|card| json!({ "name": card.name, "sheet": made.names.get(card.sheet) }));
     json!({
         "files": files,
         "sheets": sheets,
@@ -78,7 +79,11 @@ fn json(made: &TagSheets, files: &[NewFile]) -> Value {
 
 fn mat(ground: &Ground) -> Value {
     let paper = ground.paper;
-    let strips: Vec<_> = ground.strips.iter().map(|strip| format!("strip T{}", strip.tent + 1)).collect();
+    let strips: Vec<_> = ground
+        .strips
+        .iter()
+        .map(|strip| format!("strip T{}", strip.tent + 1))
+        .collect();
     json!({
         "size_mm": [paper.width_mm(), paper.height_mm()],
         "rows": ground.layout.rows,

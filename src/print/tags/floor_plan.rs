@@ -32,7 +32,8 @@ const FLAT_DEG: f64 = 0.5;
 const ROLL_MM: f64 = 400.0;
 /// One to this much smaller.
 const SCALES: [f64; 22] = [
-    1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.5, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 75.0, 100.0, 200.0, 500.0,
+    1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.5, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 75.0, 100.0,
+    200.0, 500.0,
 ];
 /// Columns: heading, and its right edge from the left of the table. The first is the card's name.
 const COLUMNS: [(&str, f64); 10] = [
@@ -105,8 +106,14 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
     let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
     let head = Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title);
-    let body = RectMm { top_mm: title_y - GAP_MM, ..area };
-    let room = RectMm { bottom_mm: body.top_mm - DRAWING_SHARE * body.height_mm(), ..body };
+    let body = RectMm {
+        top_mm: title_y - GAP_MM,
+        ..area
+    };
+    let room = RectMm {
+        bottom_mm: body.top_mm - DRAWING_SHARE * body.height_mm(),
+        ..body
+    };
     let (mut marks, drawing_end) = drawing(tags, scene, room);
     marks.push(head);
     let mut pages = Vec::new();
@@ -140,10 +147,15 @@ pub fn name(i: usize) -> String {
 fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     let [length, width, _] = scene.model.size_mm;
     let model = RectMm::new(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0);
-    let shown = tags.iter().fold(grown(model, ARROW_MM), |all, tag| union(all, bounds(&foot(tag))));
+    let shown = tags
+        .iter()
+        .fold(grown(model, ARROW_MM), |all, tag| union(all, bounds(&foot(tag))));
     // What the ids take beyond the cards, on the page.
     let edge = POINTER_MM + 3.0 * ID_MM;
-    let (wide, high) = (room.width_mm() - 2.0 * edge, room.height_mm() - 2.0 * edge - 2.0 * LEADING_MM);
+    let (wide, high) = (
+        room.width_mm() - 2.0 * edge,
+        room.height_mm() - 2.0 * edge - 2.0 * LEADING_MM,
+    );
     let fits = |n: &&f64| shown.width_mm() / **n <= wide && shown.height_mm() / **n <= high;
     let one_to = SCALES.iter().find(fits).copied().unwrap_or(1000.0);
     let view = View {
@@ -168,9 +180,13 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
 fn model_marks(model: RectMm, view: &View) -> Vec<Mark> {
     let on_page = |x: f64, y: f64| view.on_page(PointMm::new(x, y));
     let front = model.right_mm + 2.0;
-    let arrow: Outline = [(front, -ARROW_MM / 3.0), (front + ARROW_MM, 0.0), (front, ARROW_MM / 3.0)]
-        .map(|(x, y)| on_page(x, y))
-        .to_vec();
+    let arrow: Outline = [
+        (front, -ARROW_MM / 3.0),
+        (front + ARROW_MM, 0.0),
+        (front, ARROW_MM / 3.0),
+    ]
+    .map(|(x, y)| on_page(x, y))
+    .to_vec();
     let mut outlines = stroked(&view.outline(&model.outline()), LINE_MM);
     outlines.push(arrow);
     let (x, y) = (model.right_mm / 3.0, model.top_mm / 2.0);
@@ -187,7 +203,12 @@ fn model_marks(model: RectMm, view: &View) -> Vec<Mark> {
         Mark::Area { outlines, colour: GREY },
         text(on_page(x, 0.0), "x"),
         text(on_page(0.0, y), "y"),
-        Mark::text((corner.x_mm - 2.0, corner.y_mm - 3.0), 2.0, Anchor::Right, "front left corner"),
+        Mark::text(
+            (corner.x_mm - 2.0, corner.y_mm - 3.0),
+            2.0,
+            Anchor::Right,
+            "front left corner",
+        ),
     ]
 }
 
@@ -201,7 +222,10 @@ fn card(tag: &Tag, view: &View) -> Vec<Mark> {
     outlines.push(stroke(at, end, LINE_MM));
     let label = (end.x_mm + ID_MM * dx, end.y_mm + ID_MM * dy - 0.5 * CAP_HEIGHT * ID_MM);
     vec![
-        Mark::Area { outlines, colour: BLACK },
+        Mark::Area {
+            outlines,
+            colour: BLACK,
+        },
         Mark::text(label, ID_MM, Anchor::Centre, tag.id.to_string()),
     ]
 }
@@ -252,7 +276,11 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
         COLUMNS.iter().zip(cells).map(cell).collect::<Vec<_>>()
     };
     marks.extend(row(y, COLUMNS.map(|(name, _)| name.to_owned())));
-    marks.push(Mark::line((room.left_mm, y - 1.2), (room.left_mm + factor * 178.0, y - 1.2), 0.15));
+    marks.push(Mark::line(
+        (room.left_mm, y - 1.2),
+        (room.left_mm + factor * 178.0, y - 1.2),
+        0.15,
+    ));
     let has_room = ((y - room.bottom_mm) / LEADING_MM).floor().max(0.0) as usize;
     let (now, later) = tags.split_at(has_room.min(tags.len()));
     for tag in now {
@@ -266,8 +294,16 @@ fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
     let [length, width, _] = scene.model.size_mm;
     let (c, place) = (tag.centre_mm, Place::of(tag));
     let many = scene.families().len() > 1;
-    let family = if many { format!("{} ", family_name(tag.family)) } else { String::new() };
-    let heading = format!("{}{}°", if place.lies_flat { "top to " } else { "faces " }, tenth(place.heading_deg));
+    let family = if many {
+        format!("{} ", family_name(tag.family))
+    } else {
+        String::new()
+    };
+    let heading = format!(
+        "{}{}°",
+        if place.lies_flat { "top to " } else { "faces " },
+        tenth(place.heading_deg)
+    );
     [
         format!("{family}{}", tag.id),
         tenth(c.x),

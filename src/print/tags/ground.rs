@@ -13,7 +13,7 @@ use crate::print::PrintError;
 use crate::print::page::{Media, Page};
 use crate::print::paper::Stock;
 use crate::print::shapes::{clipped, stroked};
-use crate::print::sheet::{PointMm, RectMm};
+use crate::print::sheet::RectMm;
 use crate::print::template::{Layout, MAX_SHEETS, Region, SheetPlan};
 
 /// What neighbouring sheets share for gluing.
@@ -38,7 +38,12 @@ impl Ground {
     ///
     /// # Errors
     /// Paper too small for the rulers, too many sheets.
-    pub fn new(mat: Mat, arrangement: &Arrangement, request: &TagRequest, others: &[(f64, f64)]) -> Result<Self, TagPrintError> {
+    pub fn new(
+        mat: Mat,
+        arrangement: &Arrangement,
+        request: &TagRequest,
+        others: &[(f64, f64)],
+    ) -> Result<Self, TagPrintError> {
         let media = request.media;
         let mut best: Option<(Cost, Ground)> = None;
         let mut refused = None;
@@ -64,7 +69,13 @@ impl Ground {
     }
 
     /// On one paper, used one way round. Tent cards that no strip reaches stand on the mat, which grows for them.
-    fn on(page: Page, mat: &Mat, arrangement: &Arrangement, media: Media, with_strips: bool) -> Result<Self, TagPrintError> {
+    fn on(
+        page: Page,
+        mat: &Mat,
+        arrangement: &Arrangement,
+        media: Media,
+        with_strips: bool,
+    ) -> Result<Self, TagPrintError> {
         let usable = page.0.usable;
         let longest = SHORT_MM.min(usable.width_mm().max(usable.height_mm()));
         let mut content = if with_strips { mat.core } else { mat.whole() };
@@ -84,7 +95,14 @@ impl Ground {
                 None => {
                     let cut_tags = cut_tags(mat, &layout, paper);
                     let mat = mat.clone();
-                    return Ok(Self { mat, layout, paper, strips, cut_tags }.without_empty_sheets());
+                    return Ok(Self {
+                        mat,
+                        layout,
+                        paper,
+                        strips,
+                        cut_tags,
+                    }
+                    .without_empty_sheets());
                 }
             }
         }
@@ -92,13 +110,29 @@ impl Ground {
 
     /// Leaves out every sheet that carries nothing, as long as the others hang together.
     fn without_empty_sheets(mut self) -> Self {
-        let roots: Vec<_> = self.strips.iter().flat_map(|strip| stroked(&strip.root(), 0.1)).collect();
-        let shapes: Vec<_> = self.mat.shapes.iter().flat_map(|shape| shape.outlines.iter()).chain(&roots).collect();
+        let roots: Vec<_> = self
+            .strips
+            .iter()
+            .flat_map(|strip| stroked(&strip.root(), 0.1))
+            .collect();
+        let shapes: Vec<_> = self
+            .mat
+            .shapes
+            .iter()
+            .flat_map(|shape| shape.outlines.iter())
+            .chain(&roots)
+            .collect();
         let carries = |own: RectMm| shapes.iter().any(|outline| clipped(outline, own).len() > 2);
         let sheets = self.layout.sheets.iter().cloned();
         let empty: Vec<_> = sheets.filter(|plan| !carries(self.ground(plan.own))).collect();
         for plan in empty {
-            let rest: Vec<_> = self.layout.sheets.iter().filter(|other| **other != plan).cloned().collect();
+            let rest: Vec<_> = self
+                .layout
+                .sheets
+                .iter()
+                .filter(|other| **other != plan)
+                .cloned()
+                .collect();
             if hang_together(&rest) {
                 self.layout.sheets = rest;
             }
@@ -109,9 +143,9 @@ impl Ground {
     /// Draws the outline of each strip's root on the mat.
     fn finished(mut self) -> Self {
         for strip in &self.strips {
-            let root = strip.root();
-            let at = middle(&root);
-            self.mat.add_outline(&strip.outline(), at, format!("strip T{}", strip.tent + 1));
+            let at = strip.name_at();
+            self.mat
+                .add_outline(&strip.outline(), at, format!("strip T{}", strip.tent + 1));
         }
         self
     }
@@ -125,11 +159,6 @@ impl Ground {
     pub fn ground(&self, region: Region) -> RectMm {
         on_ground(self.paper, region)
     }
-}
-
-fn middle(outline: &[PointMm]) -> PointMm {
-    let r = bounds(outline);
-    PointMm::new((r.left_mm + r.right_mm) / 2.0, (r.bottom_mm + r.top_mm) / 2.0)
 }
 
 fn on_ground(paper: RectMm, region: Region) -> RectMm {
@@ -165,7 +194,11 @@ fn tiled(page: Page, media: Media, mat: &Mat, content: RectMm) -> Result<(Layout
     }
     let (mut x, mut y) = (across.edges(), down.edges());
     // A roll is cut off where the mat ends.
-    let along = if page.0.setup.turned { (&mut x, &across) } else { (&mut y, &down) };
+    let along = if page.0.setup.turned {
+        (&mut x, &across)
+    } else {
+        (&mut y, &down)
+    };
     if let (Stock::Roll { .. }, (edges, axis)) = (media.paper, along)
         && edges.len() == 2
     {
@@ -199,7 +232,9 @@ fn hang_together(sheets: &[SheetPlan]) -> bool {
     let mut next = 0;
     while let Some(here) = reached.get(next).map(|i| &sheets[*i]) {
         let beside = |plan: &SheetPlan| plan.row.abs_diff(here.row) + plan.column.abs_diff(here.column) == 1;
-        let more: Vec<_> = (0..sheets.len()).filter(|i| beside(&sheets[*i]) && !reached.contains(i)).collect();
+        let more: Vec<_> = (0..sheets.len())
+            .filter(|i| beside(&sheets[*i]) && !reached.contains(i))
+            .collect();
         reached.extend(more);
         next += 1;
     }
@@ -221,7 +256,10 @@ impl Cost {
         let paper = match media.paper {
             Stock::Roll { .. } => sheets * page.width_mm * page.height_mm,
             Stock::Cut(_) => {
-                let strips = ground.strips.iter().map(|strip| (strip.length_mm, super::strip::WIDTH_MM));
+                let strips = ground
+                    .strips
+                    .iter()
+                    .map(|strip| (strip.length_mm, super::strip::WIDTH_MM));
                 let sizes: Vec<_> = others.iter().copied().chain(strips).collect();
                 sheets + piece::pages(&sizes, media)? as f64
             }

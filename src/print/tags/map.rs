@@ -72,17 +72,32 @@ impl Map<'_> {
     /// Steps above the pictures, or beside them where the page is wide.
     fn body(&self, body: RectMm) -> Vec<Mark> {
         let wide = body.width_mm() > 1.2 * body.height_mm();
-        let steps_mm = if wide { 0.5 * body.width_mm() - GAP_MM } else { body.width_mm() };
+        let steps_mm = if wide {
+            0.5 * body.width_mm() - GAP_MM
+        } else {
+            body.width_mm()
+        };
         let (mut marks, end) = steps(&self.steps(), body, steps_mm);
         let room = if wide {
-            RectMm::new(body.left_mm + steps_mm + 2.0 * GAP_MM, body.bottom_mm, body.right_mm, body.top_mm)
+            RectMm::new(
+                body.left_mm + steps_mm + 2.0 * GAP_MM,
+                body.bottom_mm,
+                body.right_mm,
+                body.top_mm,
+            )
         } else {
             RectMm::new(body.left_mm, body.bottom_mm, body.right_mm, end - GAP_MM)
         };
         let (thumbnails, top) = self.thumbnails(room);
         marks.extend(thumbnails);
         if let Some(ground) = self.ground {
-            marks.extend(self.ground_map(ground, RectMm { bottom_mm: top + GAP_MM, ..room }));
+            marks.extend(self.ground_map(
+                ground,
+                RectMm {
+                    bottom_mm: top + GAP_MM,
+                    ..room
+                },
+            ));
         }
         marks
     }
@@ -94,7 +109,11 @@ impl Map<'_> {
         let kinds = [self.plan_names, self.card_names, &mat];
         let named: Vec<String> = kinds.iter().filter_map(|names| span(names)).collect();
         let mut steps = vec![
-            format!("Print all {} at 100 %, without fit to page: this map, {}.", counted(all, "sheet"), named.join(", ")),
+            format!(
+                "Print all {} at 100 %, without fit to page: this map, {}.",
+                counted(all, "sheet"),
+                named.join(", ")
+            ),
             "Measure both rulers below with a steel ruler before you cut anything.".to_owned(),
         ];
         if mat.len() > 1 {
@@ -142,7 +161,11 @@ impl Map<'_> {
     /// The ground with the sheets of the mat behind it.
     fn ground_map(&self, ground: &Ground, room: RectMm) -> Vec<Mark> {
         let strips: Vec<Outline> = ground.strips.iter().map(super::strip::Strip::outline).collect();
-        let shown = strips.iter().fold(union(ground.paper, ground.mat.whole()), |all, strip| union(all, bounds(strip)));
+        let shown = strips
+            .iter()
+            .fold(union(ground.paper, ground.mat.whole()), |all, strip| {
+                union(all, bounds(strip))
+            });
         let (wide, high) = (room.width_mm().min(MAP_MOST_MM), room.height_mm().min(MAP_MOST_MM));
         let scale = (wide / shown.width_mm()).min(high / shown.height_mm());
         if scale <= 0.0 {
@@ -158,7 +181,10 @@ impl Map<'_> {
         let mut marks = Vec::new();
         for plan in &ground.layout.sheets {
             let cell = bounds(&view.outline(&ground.ground(plan.own).outline()));
-            marks.push(Mark::Fill(Fill { area: cell, colour: PAPER }));
+            marks.push(Mark::Fill(Fill {
+                area: cell,
+                colour: PAPER,
+            }));
             marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
             let size_mm = SHEET_ID_MM.min(0.3 * cell.height_mm()).min(0.3 * cell.width_mm());
             let at = (cell.left_mm + 1.0, cell.top_mm - 1.0 - CAP_HEIGHT * size_mm);
@@ -176,7 +202,10 @@ impl Map<'_> {
             let around = bounds(&outline);
             marks.push(area(stroked(&outline, LINE_MM), colour));
             let size_mm = fitting_size_mm(&name, NAME_MM, 0.9 * around.width_mm().max(around.height_mm()));
-            let at = ((around.left_mm + around.right_mm) / 2.0, (around.bottom_mm + around.top_mm - CAP_HEIGHT * size_mm) / 2.0);
+            let at = (
+                (around.left_mm + around.right_mm) / 2.0,
+                (around.bottom_mm + around.top_mm - CAP_HEIGHT * size_mm) / 2.0,
+            );
             marks.push(Mark::text(at, size_mm, Anchor::Centre, name));
         };
         for strip in strips {
@@ -206,7 +235,8 @@ impl Map<'_> {
             (a_row, names.len().div_ceil(a_row) as f64 * high)
         };
         let mut high = *THUMBNAIL_MM.end();
-        while high > *THUMBNAIL_MM.start() && (fit(high).1 > share * room.height_mm() || high * ratio > room.width_mm()) {
+        while high > *THUMBNAIL_MM.start() && (fit(high).1 > share * room.height_mm() || high * ratio > room.width_mm())
+        {
             high -= 1.0;
         }
         let (a_row, all_high) = fit(high);
@@ -218,7 +248,10 @@ impl Map<'_> {
             let size_mm = fitting_size_mm(name, NAME_MM, high * ratio + GAP_MM - 1.0);
             marks.push(Mark::text((x, y - NAME_MM), size_mm, Anchor::Left, (*name).clone()));
             let cell = RectMm::new(x, y - NAME_MM - 1.0 - high, x + high * ratio, y - NAME_MM - 1.0);
-            marks.push(Mark::Fill(Fill { area: cell, colour: PAPER }));
+            marks.push(Mark::Fill(Fill {
+                area: cell,
+                colour: PAPER,
+            }));
             marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
             if let Some(page) = i.checked_sub(self.plan_names.len()).and_then(|i| self.cards.get(i)) {
                 marks.extend(small(page, cell));

@@ -18,7 +18,8 @@ pub fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
         "Ground mat seen from above, the model's front to the right; stand the model and the tent cards on their outlines.",
     ];
     let captions = captions(scene, media, how_to);
-    let sheet = |plan: &SheetPlan| page.cut_sheet(plan.trim, marks(ground, plan), &captions, &format!("mat {}", plan.id()));
+    let sheet =
+        |plan: &SheetPlan| page.cut_sheet(plan.trim, marks(ground, plan), &captions, &format!("mat {}", plan.id()));
     ground.layout.sheets.iter().map(sheet).collect()
 }
 
@@ -37,12 +38,11 @@ fn marks(ground: &Ground, plan: &SheetPlan) -> Vec<Mark> {
         let room = RectMm::new(at.x_mm - half, at.y_mm, at.x_mm + half, at.y_mm + label.size_mm);
         // A text across a cut stands on both sheets, so that it is whole once they are glued.
         if overlap(&room, &plan.trim) {
-            marks.push(Mark::text(
-                (at.x_mm, at.y_mm),
-                label.size_mm,
-                Anchor::Centre,
-                label.text.clone(),
-            ));
+            let text = Mark::text((at.x_mm, at.y_mm), label.size_mm, Anchor::Centre, label.text.clone());
+            marks.push(Mark::Clipped {
+                to: vec![plan.printed.outline()],
+                marks: vec![text],
+            });
         }
     }
     marks.extend(guides(&ground.layout, plan));

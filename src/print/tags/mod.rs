@@ -107,6 +107,7 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
         arrange(scene)
     };
     let media = request.media;
+    piece::check(&pieces(&arrangement, None)?, media)?;
     let ground = ground(scene, &arrangement, request)?;
     let cards = piece::spread(&pieces(&arrangement, ground.as_ref())?, media)?;
     let plans = floor_plan::sheets(&arrangement.cards, scene, media)?;
@@ -125,10 +126,19 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     sheets.extend(plans);
     let first_card = sheets.len();
     let captions = captions(scene, media, cards_how_to(&arrangement));
-    sheets.extend(cards.iter().zip(&card_names).map(|(page, name)| page.page.sheet(page.marks.clone(), &captions, name)));
+    sheets.extend(
+        cards
+            .iter()
+            .zip(&card_names)
+            .map(|(page, name)| page.page.sheet(page.marks.clone(), &captions, name)),
+    );
     sheets.extend(ground.iter().flat_map(|ground| mat_sheet::sheets(ground, scene, media)));
     let mat_names = ground.as_ref().map(Ground::names).unwrap_or_default();
-    let names = ["map".to_owned()].into_iter().chain(plan_names.clone()).chain(card_names.clone()).chain(mat_names);
+    let names = ["map".to_owned()]
+        .into_iter()
+        .chain(plan_names.clone())
+        .chain(card_names.clone())
+        .chain(mat_names);
     Ok(TagSheets {
         names: names.collect(),
         contents: contents(&arrangement, ground.as_ref(), plan_names.len(), cards.len()),
@@ -140,7 +150,10 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
 }
 
 /// Everything that is cut out of shared pages.
-fn pieces<'a>(arrangement: &'a Arrangement, ground: Option<&'a Ground>) -> Result<Vec<piece::Piece<'a>>, TagPrintError> {
+fn pieces<'a>(
+    arrangement: &'a Arrangement,
+    ground: Option<&'a Ground>,
+) -> Result<Vec<piece::Piece<'a>>, TagPrintError> {
     let mut pieces = tent_sheet::pieces(&arrangement.tents);
     pieces.extend(card::pieces(&arrangement.cards)?);
     pieces.extend(ground.into_iter().flat_map(strip_sheet::pieces));
@@ -148,11 +161,7 @@ fn pieces<'a>(arrangement: &'a Arrangement, ground: Option<&'a Ground>) -> Resul
 }
 
 /// The ground mat, if the scene needs one.
-fn ground(
-    scene: &Scene,
-    arrangement: &Arrangement,
-    request: &TagRequest,
-) -> Result<Option<Ground>, TagPrintError> {
+fn ground(scene: &Scene, arrangement: &Arrangement, request: &TagRequest) -> Result<Option<Ground>, TagPrintError> {
     if arrangement.flat.is_empty() && arrangement.tents.is_empty() {
         return Ok(None);
     }
@@ -164,7 +173,13 @@ fn ground(
 fn cut_out(cards: &[piece::PiecePage], first: usize) -> Vec<CutOut> {
     let on = |(i, page): (usize, &piece::PiecePage)| {
         let named = page.names.clone().into_iter();
-        named.map(move |(name, area)| CutOut { name, sheet: first + i, area }).collect::<Vec<_>>()
+        named
+            .map(move |(name, area)| CutOut {
+                name,
+                sheet: first + i,
+                area,
+            })
+            .collect::<Vec<_>>()
     };
     cards.iter().enumerate().flat_map(on).collect()
 }
@@ -176,7 +191,11 @@ fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, ca
         (arrangement.cards.len(), "plain card"),
         (strips, "place strip"),
     ];
-    let kinds: Vec<_> = kinds.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| counted(n, what)).collect();
+    let kinds: Vec<_> = kinds
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| counted(n, what))
+        .collect();
     let mut contents = vec!["a map".to_owned()];
     if plans > 0 {
         contents.push(format!("a floor plan on {}", counted(plans, "sheet")));
@@ -196,7 +215,9 @@ fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(lifted_mm) = arrangement.lifted_mm() {
         let height = number(lifted_mm);
-        notes.push(format!("the scene has flat tags at a height of {height} mm; the mat puts them at 0"));
+        notes.push(format!(
+            "the scene has flat tags at a height of {height} mm; the mat puts them at 0"
+        ));
     }
     let Some(ground) = ground else { return notes };
     notes.extend(ground.mat.crowded());

@@ -37,10 +37,7 @@ pub fn spread(pieces: &[Piece], media: Media) -> Result<Vec<PiecePage>, TagPrint
     if pieces.is_empty() {
         return Ok(Vec::new());
     }
-    let sizes: Vec<_> = pieces.iter().map(|piece| piece.size_mm).collect();
-    let (page, spots) = packed(&sizes, media, |thing| {
-        pieces.get(thing).map_or((String::new(), ""), |piece| (piece.what.clone(), piece.instead))
-    })?;
+    let (page, spots) = placed(pieces, media)?;
     let mut pages: Vec<PiecePage> = (0..count(&spots))
         .map(|number| cut_off(page, media, number, &spots))
         .collect::<Result<_, _>>()?;
@@ -57,13 +54,36 @@ pub fn spread(pieces: &[Piece], media: Media) -> Result<Vec<PiecePage>, TagPrint
     Ok(pages)
 }
 
+/// Where each piece lies.
+fn placed(pieces: &[Piece], media: Media) -> Result<(Page, Vec<Spot>), TagPrintError> {
+    let sizes: Vec<_> = pieces.iter().map(|piece| piece.size_mm).collect();
+    let name = |thing: usize| {
+        pieces
+            .get(thing)
+            .map_or((String::new(), ""), |piece| (piece.what.clone(), piece.instead))
+    };
+    packed(&sizes, media, name)
+}
+
+/// Refuses pieces that are larger than the paper.
+///
+/// # Errors
+/// As [`spread`].
+pub fn check(pieces: &[Piece], media: Media) -> Result<(), TagPrintError> {
+    placed(pieces, media).map(|_| ())
+}
+
 /// How many pages things of some sizes take.
 ///
 /// # Errors
 /// As [`spread`].
 pub fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
     let unnamed = |_| ("a card".to_owned(), "");
-    if sizes.is_empty() { Ok(0) } else { Ok(count(&packed(sizes, media, unnamed)?.1)) }
+    if sizes.is_empty() {
+        Ok(0)
+    } else {
+        Ok(count(&packed(sizes, media, unnamed)?.1))
+    }
 }
 
 fn count(spots: &[Spot]) -> usize {

@@ -61,9 +61,7 @@ impl Axis {
                     return (cost(*at), 0);
                 };
                 let from = places[before].iter().zip(&ways[before]).enumerate();
-                let reached = from.filter(|(_, (place, _))| {
-                    (SLIVER_MM..=self.step() + 1e-6).contains(&(at - *place))
-                });
+                let reached = from.filter(|(_, (place, _))| (SLIVER_MM..=self.step() + 1e-6).contains(&(at - *place)));
                 let best = reached.min_by(|a, b| a.1.1.0.total_cmp(&b.1.1.0));
                 best.map_or((f64::INFINITY, 0), |(j, (_, (so_far, _)))| (so_far + cost(*at), j))
             };

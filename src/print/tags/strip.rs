@@ -53,8 +53,12 @@ impl Standing {
         }
         let middles = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
         let [a, b] = middles;
-        let strips = [(a, b), (b, a)].map(|(foot, other)| Strip::from_foot(number, tent, (foot, other), mat, paper, most_mm));
-        let shortest = strips.into_iter().flatten().min_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
+        let strips =
+            [(a, b), (b, a)].map(|(foot, other)| Strip::from_foot(number, tent, (foot, other), mat, paper, most_mm));
+        let shortest = strips
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
         shortest.map_or(Standing::OutOfReach, Standing::OnStrip)
     }
 }
@@ -86,12 +90,18 @@ impl Strip {
                 },
             }
         };
-        let steps = |from: f64, to: f64| (0..).map(move |k| from + f64::from(k) * STEP_MM).take_while(move |s| *s <= to);
+        let steps = |from: f64, to: f64| {
+            (0..)
+                .map(move |k| from + f64::from(k) * STEP_MM)
+                .take_while(move |s| *s <= to)
+        };
         let most = most_mm - under;
         let first = |root: f64| steps(root, most).find(|reach| within(bounds(&strip(*reach, root).root()), paper));
         let least = first(*ROOT_MM.start())?;
         let fits = |reach: &f64| strip(*reach, 0.0).is_clear(mat);
-        let longest = steps(least, most.min(least + ROOT_MM.end() - ROOT_MM.start())).take_while(fits).last()?;
+        let longest = steps(least, most.min(least + ROOT_MM.end() - ROOT_MM.start()))
+            .take_while(fits)
+            .last()?;
         Some(strip(longest, ROOT_MM.start() + longest - least))
     }
 
@@ -105,6 +115,11 @@ impl Strip {
     pub fn root(&self) -> Outline {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, -x + self.root_mm, y)
+    }
+
+    /// Where the strip's name stands on the mat: in its root, beside its middle line, on which the model's arrow may lie.
+    pub fn name_at(&self) -> PointMm {
+        self.place.at((self.root_mm - self.length_mm) / 2.0, WIDTH_MM / 3.0)
     }
 
     fn is_clear(&self, mat: &Mat) -> bool {

@@ -42,7 +42,11 @@ fn marks(strip: &Strip, ground: &Ground, at: PointMm) -> Vec<Mark> {
         Anchor::Left,
         format!("glue onto strip {name}"),
     ));
-    marks.push(Mark::line((free.0, area.bottom_mm), (free.0, area.bottom_mm + EDGE_MM), 0.2));
+    marks.push(Mark::line(
+        (free.0, area.bottom_mm),
+        (free.0, area.bottom_mm + EDGE_MM),
+        0.2,
+    ));
     marks.push(Mark::line((free.0, area.top_mm - EDGE_MM), (free.0, area.top_mm), 0.2));
     marks.extend(cut_line(area));
     marks

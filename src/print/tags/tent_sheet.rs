@@ -1,7 +1,7 @@
 //! Draws tent cards: cut lines solid, fold lines dashed, a tag on each face.
 
-use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::piece::Piece;
+use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::{LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::lettering::{fitting_size_mm, number};
 use crate::print::shapes::{Placement, black_modules};
