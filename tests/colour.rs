@@ -176,7 +176,7 @@ fn a_photo_is_read_rightly_or_refused() {
 /// The place of the chart's upper left corner on the page and a picture's pixels per mm.
 fn corner_px() -> ([f64; 2], f64) {
     let media = Media {
-        paper: Paper::A4,
+        paper: Paper::A4.into(),
         printer: Correction::EXACT,
     };
     let area = chart(media).unwrap().area;

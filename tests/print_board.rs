@@ -76,7 +76,7 @@ fn print(
         marker_mm,
         dictionary: dictionary.map(str::to_owned),
         media: Media {
-            paper: Paper::A4,
+            paper: Paper::A4.into(),
             printer: Printer::EXACT,
         },
     };

@@ -16,7 +16,7 @@ use scaleproof::print::page::Media;
 use scaleproof::print::paper::Paper;
 use scaleproof::print::printer::Printer;
 use scaleproof::print::sheet::Sheet;
-use scaleproof::print::tags::{TagRequest, arrange, tag_sheets};
+use scaleproof::print::tags::{TagRequest, TagSheets, arrange, tag_sheets};
 use scaleproof::scene::{Scene, TagFamily};
 
 /// Runs the program; it must succeed.
@@ -94,10 +94,11 @@ fn assert_cards_fold_to_the_scene(folder: &Path, file: &Path) {
     );
     let request = TagRequest {
         media: Media {
-            paper: Paper::A4,
+            paper: Paper::A4.into(),
             printer: Printer::EXACT,
         },
         plain: false,
+        whole_mat: false,
     };
     let (made, tents) = (tag_sheets(&scene, &request).unwrap(), arrange(&scene).tents);
     let pages = render(&pdf, 300, A4);
@@ -214,44 +215,271 @@ fn worst_on_mat(mat: &Page, scene: &Scene, allowed_mm: f64) -> f64 {
     worst
 }
 
-/// The mat on A4, cut at the crop marks and laid together.
+fn made(scene: &Scene, paper: &str, whole_mat: bool) -> TagSheets {
+    let media = Media {
+        paper: paper.parse().unwrap(),
+        printer: Printer::EXACT,
+    };
+    let request = TagRequest {
+        media,
+        plain: false,
+        whole_mat,
+    };
+    tag_sheets(scene, &request).unwrap()
+}
+
+/// The mat cut at the crop marks and laid together: on A4, and from a roll.
 #[test]
 fn the_sheets_of_the_mat_make_the_whole() {
     let folder = tempfile::tempdir().unwrap();
     run(folder.path(), RING);
-    run(folder.path(), "print tags --scene ring.toml -o mat.pdf");
     let scene = scene(&folder.path().join("ring.toml"));
-    let request = TagRequest {
-        media: Media {
-            paper: Paper::A4,
-            printer: Printer::EXACT,
-        },
-        plain: false,
-    };
-    let sheets = tag_sheets(&scene, &request).unwrap().sheets;
-    let pages = render(&folder.path().join("mat.pdf"), 200, A4);
-    let tents = pages
-        .iter()
-        .zip(&sheets)
-        .position(|(_, sheet)| sheet.trim.left_mm > 6.0)
-        .unwrap();
-    let whole = laid_together(&pages[tents..], &sheets[tents..]);
-    let worst = worst_on_mat(&whole, &scene, 0.3);
-    println!(
-        "flat tags over {} glued sheets: corners within {worst:.3} mm of the scene",
-        sheets.len() - tents
+    for (paper, option) in [("a4", " --whole-mat"), ("roll610", "")] {
+        run(
+            folder.path(),
+            &format!("print tags --scene ring.toml --paper {paper}{option} -o mat.pdf"),
+        );
+        let made = made(&scene, paper, paper == "a4");
+        let first = made.names.iter().position(|name| name == "A1").unwrap();
+        let sheets = &made.sheets[first..];
+        let pages = pictured(&folder.path().join("mat.pdf"), 200, &made.sheets);
+        let whole = laid_together(&pages[first..], sheets);
+        let worst = worst_on_mat(&whole, &scene, 0.3);
+        println!(
+            "{paper}: flat tags over {} glued sheets: corners within {worst:.3} mm of the scene",
+            sheets.len()
+        );
+    }
+}
+
+/// Rendered pages of any sizes.
+fn pictured(pdf: &Path, dpi: u32, sheets: &[Sheet]) -> Vec<Page> {
+    let mut pages = render(pdf, dpi, A4);
+    assert_eq!(pages.len(), sheets.len());
+    for (page, sheet) in pages.iter_mut().zip(sheets) {
+        page.height_mm = sheet.height_mm;
+    }
+    pages
+}
+
+const DEFAULT_RING: &str =
+    "scene new --preset ring --radius-mm 400 --tags 8 --tag-mm 50 --model-size-mm 455x186x128 -o scene.toml";
+
+/// No more than a dozen sheets, and every flat tag is found whole on one trimmed sheet of the mat, its white ring too.
+#[test]
+fn the_default_ring_takes_twelve_sheets_and_no_seam_cuts_a_tag() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), DEFAULT_RING);
+    let said = run(folder.path(), "print tags --scene scene.toml -o tags.pdf");
+    assert!(said.contains("12 sheets: a map, "), "{said}");
+    let scene = scene(&folder.path().join("scene.toml"));
+    let made = made(&scene, "a4", false);
+    assert!(made.sheets.len() <= 12, "{} sheets", made.sheets.len());
+    let pages = pictured(&folder.path().join("tags.pdf"), 300, &made.sheets);
+    let mut found = Vec::new();
+    for (page, (name, sheet)) in pages.iter().zip(made.names.iter().zip(&made.sheets)) {
+        if name.contains(' ') || name == "map" {
+            continue;
+        }
+        for (_, id, corners) in page.tags(&scene.families()) {
+            for [x, y] in corners {
+                let white_mm = 50.0 / 8.0 - 0.1;
+                assert!(
+                    x > sheet.trim.left_mm + white_mm && x < sheet.trim.right_mm - white_mm,
+                    "tag {id} is cut"
+                );
+                assert!(
+                    y > sheet.trim.bottom_mm + white_mm && y < sheet.trim.top_mm - white_mm,
+                    "tag {id} is cut"
+                );
+            }
+            found.push(id);
+        }
+    }
+    found.sort_unstable();
+    assert_eq!(
+        found,
+        [0, 1, 2, 3, 4, 5, 6, 7],
+        "each tag of the mat once, on one sheet"
     );
+}
+
+/// A strip whose root covers its outline on the mat shows the foot of its card where the scene puts it.
+#[test]
+fn place_strips_put_cards_where_the_scene_says() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), DEFAULT_RING);
+    run(folder.path(), "print tags --scene scene.toml -o tags.pdf");
+    let scene = scene(&folder.path().join("scene.toml"));
+    let made = made(&scene, "a4", false);
+    let pages = pictured(&folder.path().join("tags.pdf"), 200, &made.sheets);
+    let ground = made.ground.as_ref().unwrap();
+    let tents = arrange(&scene).tents;
+    assert_eq!(ground.strips.len(), 8);
+    for strip in &ground.strips {
+        let name = format!("strip T{}", strip.tent + 1);
+        let cut = made.cut_out.iter().find(|cut| cut.name == name).unwrap();
+        assert!((cut.area.width_mm() - strip.length_mm).abs() < 1e-9);
+        // From the strip's own frame, its middle as origin, to the ground.
+        let [c, s] = strip.place.right;
+        let centre = strip.place.centre;
+        let on_ground = |x: f64, y: f64| [centre.x_mm + c * x - s * y, centre.y_mm + s * x + c * y];
+        let on_page = |x: f64, y: f64| {
+            [
+                (cut.area.left_mm + cut.area.right_mm) / 2.0 + x,
+                (cut.area.bottom_mm + cut.area.top_mm) / 2.0 + y,
+            ]
+        };
+        // Along a line beside the middle, the foot of the card is the first line after the root.
+        let page = &pages[cut.sheet];
+        let from = strip.root_mm - strip.length_mm / 2.0 + 1.0;
+        let steps = (0..)
+            .map(|k| from + 0.05 * f64::from(k))
+            .take_while(|x| *x < strip.length_mm / 2.0 - 1.0);
+        let y = 14.0;
+        let dark: Vec<f64> = steps.filter(|x| page.is_black(on_page(*x, y))).collect();
+        assert!(!dark.is_empty(), "{name} shows no foot");
+        let foot = dark.iter().sum::<f64>() / dark.len() as f64;
+        let [x, y] = on_ground(foot, y);
+        let feet = tents[strip.tent].foot_mm();
+        let off = [(feet[0], feet[1]), (feet[2], feet[3])]
+            .map(|(a, b)| ((b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x)).abs() / (b - a).norm());
+        assert!(off[0].min(off[1]) < 0.15, "{name}: the foot is {off:?} mm off");
+        // The root lies on the mat's paper, and not on a tag.
+        for p in strip.root() {
+            let paper = ground.paper;
+            assert!(
+                p.x_mm >= paper.left_mm
+                    && p.x_mm <= paper.right_mm
+                    && p.y_mm >= paper.bottom_mm
+                    && p.y_mm <= paper.top_mm
+            );
+        }
+        assert!(strip.root_mm >= 30.0);
+    }
+}
+
+fn texts(sheet: &Sheet) -> Vec<&str> {
+    fn of(mark: &scaleproof::print::sheet::Mark) -> Option<&str> {
+        match mark {
+            scaleproof::print::sheet::Mark::Text { text, .. } => Some(text),
+            _ => None,
+        }
+    }
+    sheet.marks.iter().filter_map(of).collect()
+}
+
+#[test]
+fn the_map_names_every_sheet_once() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), DEFAULT_RING);
+    std::fs::write(folder.path().join("all.toml"), all_families()).unwrap();
+    for file in ["scene.toml", "all.toml"] {
+        let made = made(&scene(&folder.path().join(file)), "a4", false);
+        let on_map = texts(&made.sheets[0]);
+        assert!(
+            on_map
+                .iter()
+                .any(|text| text.contains(&format!("all {} sheets at 100 %", made.sheets.len()))),
+            "{on_map:?}"
+        );
+        assert!(
+            on_map.iter().any(|text| text.contains("print verify")),
+            "the scale check"
+        );
+        for name in &made.names[1..] {
+            let count = on_map.iter().filter(|text| *text == name).count();
+            assert_eq!(count, 1, "{name} of {file} is on the map {count} times");
+        }
+    }
+}
+
+/// The floor plan's rows against the numbers in the scene file.
+#[test]
+fn the_floor_plan_says_what_the_scene_says() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), DEFAULT_RING);
+    run(folder.path(), "print tags --scene scene.toml --plain -o tags.pdf");
+    let text = std::process::Command::new("pdftotext")
+        .args(["-layout", "tags.pdf", "-"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let text = String::from_utf8(text.stdout).unwrap();
+    let scene = scene(&folder.path().join("scene.toml"));
+    for tag in &scene.tags {
+        let c = tag.centre_mm;
+        let tenth = |v: f64| format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0);
+        let numbers = [c.x, c.y, c.z, 227.5 - c.x, 93.0 - c.y, c.x.hypot(c.y)].map(tenth);
+        let row = text.lines().find(|line| {
+            let words: Vec<_> = line.split_whitespace().collect();
+            words.len() > 8
+                && words[words.len() - 10.min(words.len())..].contains(&tag.id.to_string().as_str())
+                && numbers.iter().all(|number| words.contains(&number.as_str()))
+        });
+        assert!(row.is_some(), "tag {}: no row with {numbers:?}", tag.id);
+    }
+    // T1 before the front: its outer tag faces the front at 60° to the ground, the inner one the model; flat tags lie.
+    for words in ["faces 0.0°", "faces 180.0°", "top to 90.0°", "60.0°"] {
+        assert!(text.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn json_says_what_was_written() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), DEFAULT_RING);
+    let said = run(folder.path(), "print tags --scene scene.toml --json -o tags.pdf");
+    let told: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(told["files"], serde_json::json!(["tags.pdf"]));
+    assert_eq!(told["sheets"].as_array().unwrap().len(), 12);
+    assert_eq!(told["sheets"][0]["name"], "map");
+    assert_eq!(
+        told["mat"]["sheets"],
+        serde_json::json!(["A1", "A2", "B1", "B2", "C1", "C2"])
+    );
+    assert_eq!(told["mat"]["cut_tags"], serde_json::json!([]));
+    assert_eq!(told["cards"].as_array().unwrap().len(), 16);
+    assert!(
+        told["notes"][0]
+            .as_str()
+            .unwrap()
+            .starts_with("place strips save sheets")
+    );
+}
+
+/// A row of tags without room for a seam between them.
+#[test]
+fn tags_that_no_shift_saves_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let row: String = (0..40)
+        .map(|i| {
+            let x = -800 + 40 * i;
+            format!("[[tag]]\nid = {i}\nsize_mm = 30\ncentre_mm = [{x}, 300, 0]\nright = [0, -1, 0]\nup = [1, 0, 0]\n")
+        })
+        .collect();
+    // Wider than their distance: no seam fits between them.
+    std::fs::write(
+        folder.path().join("s.toml"),
+        format!("{ALL_FAMILIES}{}", row.replace("size_mm = 30", "size_mm = 33")),
+    )
+    .unwrap();
+    let output = program()
+        .current_dir(folder.path())
+        .args("print tags --scene s.toml -o t.pdf".split(' '))
+        .output()
+        .unwrap();
+    let said = stderr(&output);
+    assert!(said.contains("note: seams of the mat run through tags "), "{said}");
+    assert!(said.contains("lay plain cards over them (--plain)"), "{said}");
 }
 
 /// The trimmed sheets edge to edge, row by row.
 fn laid_together(pages: &[Page], sheets: &[Sheet]) -> Page {
     let dpi = pages[0].dpi;
     let px = |mm: f64| (mm / 25.4 * dpi).round() as i64;
-    let side = sheets
-        .iter()
-        .map(|s| s.trim.width_mm() + s.trim.height_mm())
-        .sum::<f64>()
-        / 4.0;
+    let area: f64 = sheets.iter().map(|s| s.trim.width_mm() * s.trim.height_mm()).sum();
+    let side = 2.0 * area.sqrt();
     let mut whole = GrayImage::from_pixel(px(side) as u32, px(side) as u32, image::Luma([255]));
     let mut at = (0.0, 0.0);
     for (i, (page, sheet)) in pages.iter().zip(sheets).enumerate() {
@@ -513,7 +741,14 @@ fn things_that_stand_on_each_other_are_named() {
     };
     let noted = |tags: &[String]| {
         std::fs::write(folder.path().join("s.toml"), format!("{ALL_FAMILIES}{}", tags.concat())).unwrap();
-        run(folder.path(), "print tags --scene s.toml -o tags.pdf")
+        let command = "print tags --scene s.toml -o tags.pdf";
+        stderr(
+            &program()
+                .current_dir(folder.path())
+                .args(command.split(' '))
+                .output()
+                .unwrap(),
+        )
     };
     assert!(noted(&[flat(0, 400.0), flat(1, 420.0)]).contains("note: tag 0 and tag 1 overlap on the mat"));
     assert!(noted(&[flat(0, 200.0)]).contains("note: the model and tag 0 overlap"));
@@ -525,7 +760,10 @@ fn tags_come_as_svg_too() {
     let folder = tempfile::tempdir().unwrap();
     run(folder.path(), RING);
     run(folder.path(), "print tags --scene ring.toml -o tags.svg");
-    let first = std::fs::read_to_string(folder.path().join("tags-1.svg")).unwrap();
+    for name in ["map", "cards-1", "A1"] {
+        assert!(folder.path().join(format!("tags-{name}.svg")).exists(), "{name}");
+    }
+    let first = std::fs::read_to_string(folder.path().join("tags-cards-1.svg")).unwrap();
     assert!(first.contains("<path d=\"M") && first.contains("width=\"210mm\"") || first.contains("width=\"297mm\""));
     assert!(!folder.path().join("tags.svg").exists());
 }

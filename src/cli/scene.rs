@@ -27,7 +27,7 @@ enum What {
 
 #[derive(clap::Args)]
 struct NewArgs {
-    /// How the tags stand; ring: tent cards in a circle, the first before the model's front, and a flat tag between each two
+    /// How the tags stand; ring: tent cards in a circle, the first before the model's front, and flat tags along the model's sides
     #[arg(long, value_enum)]
     preset: Preset,
     /// Radius of the ring in mm
@@ -157,7 +157,7 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
     let (count, radius) = (args.tags, args.radius_mm);
     writeln!(
         out,
-        "{}: {count} tent cards and {count} flat tags on a ring of {radius} mm; print them with `scaleproof print tags`",
+        "{}: {count} tent cards on a ring of {radius} mm and {count} flat tags; print them with `scaleproof print tags`",
         path.display()
     )?;
     Ok(Outcome::Done)

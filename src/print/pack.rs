@@ -41,6 +41,69 @@ pub fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     Ok(spots)
 }
 
+/// The same on fewer pages: the highest first, each into the first row of any page that has room for it. The spots come in the order
+/// of the things.
+///
+/// # Errors
+/// The index of the first thing that is larger than the area.
+pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
+    if let Some(i) = sizes
+        .iter()
+        .position(|(w, h)| *w > area.width_mm() || *h > area.height_mm())
+    {
+        return Err(i);
+    }
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by(|a, b| sizes[*b].1.total_cmp(&sizes[*a].1));
+    let mut rows: Vec<Row> = Vec::new();
+    let mut spots = vec![None; sizes.len()];
+    for i in order {
+        let (width, height) = sizes[i];
+        let room = rows.iter().position(|row| row.x_mm + width <= area.right_mm);
+        let at = room.unwrap_or_else(|| {
+            rows.push(Row::below(&rows, area, height));
+            rows.len() - 1
+        });
+        let row = &mut rows[at];
+        spots[i] = Some(Spot {
+            page: row.page,
+            at: PointMm::new(row.x_mm, row.top_mm - height),
+        });
+        row.x_mm += width + GAP_MM;
+    }
+    Ok(spots.into_iter().flatten().collect())
+}
+
+/// Things side by side under one line.
+struct Row {
+    page: usize,
+    /// Where the next thing begins.
+    x_mm: f64,
+    top_mm: f64,
+    bottom_mm: f64,
+}
+
+impl Row {
+    /// A new row of some height on the first page that has room below its last row.
+    fn below(rows: &[Row], area: RectMm, height: f64) -> Row {
+        let pages = rows.iter().map(|row| row.page + 1).max().unwrap_or(0);
+        let top_of = |page: usize| {
+            let on_page = rows.iter().filter(|row| row.page == page);
+            on_page.map(|row| row.bottom_mm - GAP_MM).fold(area.top_mm, f64::min)
+        };
+        let page = (0..pages)
+            .find(|page| top_of(*page) - height >= area.bottom_mm)
+            .unwrap_or(pages);
+        let top_mm = top_of(page);
+        Row {
+            page,
+            x_mm: area.left_mm,
+            top_mm,
+            bottom_mm: top_mm - height,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,7 +113,7 @@ mod tests {
         #[test]
         fn things_lie_inside_and_apart(sizes in prop::collection::vec((1.0..80.0_f64, 1.0..90.0_f64), 1..40)) {
             let area = RectMm::new(10.0, 20.0, 90.0, 110.0);
-            let spots = pack(&sizes, area).unwrap();
+            for spots in [pack(&sizes, area).unwrap(), tight(&sizes, area).unwrap()] {
             for (i, (spot, size)) in spots.iter().zip(&sizes).enumerate() {
                 prop_assert!(spot.at.x_mm >= 10.0 && spot.at.x_mm + size.0 <= 90.0 + 1e-9);
                 prop_assert!(spot.at.y_mm >= 20.0 - 1e-9 && spot.at.y_mm + size.1 <= 110.0 + 1e-9);
@@ -60,11 +123,25 @@ mod tests {
                         || apart(spot.at.y_mm, size.1, other.at.y_mm, other_size.1));
                 }
             }
+            }
         }
     }
 
     #[test]
+    fn what_is_flat_goes_into_the_space_that_high_things_leave() {
+        let area = RectMm::new(0.0, 0.0, 180.0, 254.0);
+        let sizes: Vec<_> = [(86.5, 211.5); 8].into_iter().chain([(170.0, 36.0); 4]).collect();
+        let pages = |spots: Vec<Spot>| spots.iter().map(|spot| spot.page + 1).max();
+        assert_eq!(pages(tight(&sizes, area).unwrap()), Some(4));
+        assert_eq!(pages(pack(&sizes, area).unwrap()), Some(5));
+    }
+
+    #[test]
     fn a_thing_too_large_is_named() {
+        assert_eq!(
+            tight(&[(5.0, 5.0), (11.0, 5.0)], RectMm::new(0.0, 0.0, 10.0, 10.0)),
+            Err(1)
+        );
         assert_eq!(
             pack(&[(5.0, 5.0), (11.0, 5.0)], RectMm::new(0.0, 0.0, 10.0, 10.0)),
             Err(1)

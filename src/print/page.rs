@@ -1,12 +1,13 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
 use super::PrintError;
-use super::frame::Frame;
+use super::frame::{Frame, Setup};
 use super::lettering::{fitting_size_mm, printable};
-use super::paper::{Orientation, Paper};
+use super::paper::{MAX_SIDE_MM, Orientation, Stock};
 use super::printer::{Printer, corrected_one};
 use super::sheet::{Anchor, Mark, RectMm, Sheet};
-use super::template::{LayoutRequest, layout, rulers};
+use super::template::layout::{cut_from_roll, roll_page};
+use super::template::rulers;
 
 /// Border of the paper that office printers do not reach.
 pub const MARGIN_MM: f64 = 5.0;
@@ -19,7 +20,7 @@ const LABEL_WIDTH_MM: f64 = 24.0;
 /// What is printed on, and by what.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Media {
-    pub paper: Paper,
+    pub paper: Stock,
     pub printer: Printer,
 }
 
@@ -28,22 +29,35 @@ pub struct Media {
 pub struct Page(pub Frame);
 
 impl Page {
-    /// The areas of a paper used upright or across.
+    /// The areas of a paper used upright or across. A roll's page is as long as a page can be; [`Page::shortened`] cuts it off.
     ///
     /// # Errors
     /// Paper too small for the rulers.
     pub fn new(media: Media, orientation: Orientation) -> Result<Self, PrintError> {
-        // The areas are the tiled template's, so that all pages of this program look alike.
-        let one_page = layout(&LayoutRequest {
-            size_mm: (1.0, 1.0),
-            paper: media.paper.into(),
-            orientation,
-            overlap_mm: 0.0,
-            bleed_mm: 0.0,
+        let turned = orientation == Orientation::Landscape;
+        let setup = Setup {
             margin_mm: MARGIN_MM,
             printer: media.printer,
-        })?;
-        Ok(Self(one_page.frame))
+            turned,
+        };
+        let page = match media.paper {
+            Stock::Cut(paper) if turned => paper.landscape(),
+            Stock::Cut(paper) => paper.portrait(),
+            Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
+        };
+        Ok(Self(Frame::new(page, setup)?))
+    }
+
+    /// The page itself, or a piece of the roll that is just long enough for a usable area of this length.
+    ///
+    /// # Errors
+    /// Paper too small for the rulers.
+    pub fn shortened(self, media: Media, usable_mm: f64) -> Result<Self, PrintError> {
+        let Stock::Roll { width_mm } = media.paper else {
+            return Ok(self);
+        };
+        let setup = self.0.setup;
+        Ok(Self(Frame::new(cut_from_roll(width_mm, usable_mm, &setup), setup)?))
     }
 
     /// Upright and across, as far as the paper allows; never empty.

@@ -2,7 +2,7 @@
 
 pub(super) mod cover;
 pub(super) mod furniture;
-mod layout;
+pub(super) mod layout;
 mod seams;
 
 use std::sync::Arc;

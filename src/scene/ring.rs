@@ -10,11 +10,14 @@ use crate::geometry::length::{BadLength, shown, size_mm};
 const CARD_MARGIN_MM: f64 = 2.0;
 /// Beside the tag on a tent card; the printed card is a little narrower.
 const CARD_SIDE_MM: f64 = 15.0;
+/// A row of flat tags keeps this from the model at least, and this from tag to tag.
+const ROW_GAP_MM: f64 = 5.0;
 /// Flatter or steeper cards do not stand.
 const TILT_DEG: std::ops::RangeInclusive<f64> = 30.0..=75.0;
 const FEWEST: u32 = 3;
 
-/// `count` tent cards at equal angles, the first before the model's front, and a flat tag half way between each two.
+/// `count` tent cards at equal angles, the first before the model's front, and as many flat tags: in a row along each side of the
+/// model, so that few sheets carry them all; or, where the ring leaves no room for rows, half way between each two cards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
     pub model: Model,
@@ -67,7 +70,14 @@ impl Ring {
         self.check()?;
         let bins = checked_bins(self.bins.clone()).map_err(RingError::Scene)?;
         let step_deg = 360.0 / f64::from(self.count);
-        let flat = (0..self.count).map(|i| self.flat_tag(i, (f64::from(i) + 0.5) * step_deg));
+        let around = |i: u32| {
+            let out = outwards((f64::from(i) + 0.5) * step_deg);
+            (out * self.radius_mm, out)
+        };
+        let places = self.rows().unwrap_or_else(|| (0..self.count).map(around).collect());
+        let flat = (0..)
+            .zip(places)
+            .map(|(id, (at, up))| self.tag(id, at, up, Vector3::z()));
         let tents = (0..self.count).flat_map(|i| self.tent_tags(self.count + 2 * i, f64::from(i) * step_deg));
         Ok(Scene {
             model: self.model.clone(),
@@ -109,8 +119,7 @@ impl Ring {
     /// Nothing may overlap, whichever way it is turned.
     fn check_room(&self, model_mm: f64) -> Result<(), RingError> {
         let flat_mm = self.with_white_mm() / 2.0 * std::f64::consts::SQRT_2;
-        let foot_mm = self.face_mm() * self.tilt_deg.to_radians().cos();
-        let tent_mm = foot_mm.hypot(self.with_white_mm() / 2.0 + CARD_SIDE_MM);
+        let tent_mm = self.card_reach_mm();
         let neighbours = (90.0 / f64::from(self.count)).to_radians().sin();
         for (reason, least_mm) in [
             (
@@ -142,10 +151,36 @@ impl Ring {
         self.with_white_mm() + 2.0 * CARD_MARGIN_MM
     }
 
-    /// On the ground, its top away from the model.
-    fn flat_tag(&self, id: u32, azimuth_deg: f64) -> Tag {
-        let out = outwards(azimuth_deg);
-        self.tag(id, out * self.radius_mm, out, Vector3::z())
+    /// Centres and tops of the flat tags in a row on the left from front to rear, and one on the right back to the front. A row stands
+    /// its tags' size off the model, where it hides few of them, or nearer where the cards need the room.
+    fn rows(&self) -> Option<Vec<(Vector3<f64>, Vector3<f64>)>> {
+        let [length, width, _] = self.model.size_mm;
+        let half = self.with_white_mm() / 2.0;
+        let left = self.count.div_ceil(2);
+        let apart = length / f64::from(left);
+        let outmost = (length - apart) / 2.0 + half;
+        // Everything within this is clear of every card, whichever way it stands.
+        let free = self.radius_mm - self.card_reach_mm();
+        let reach = (free > outmost).then(|| (free * free - outmost * outmost).sqrt())?;
+        let gap = self.tag_mm.min(reach - width / 2.0 - 2.0 * half);
+        if gap < ROW_GAP_MM || apart < 2.0 * half + ROW_GAP_MM {
+            return None;
+        }
+        let row = |count: u32, side: f64| {
+            let up = Vector3::y() * side;
+            let at = move |i: u32| {
+                let along = (f64::from(i) + 0.5) / f64::from(count) - 0.5;
+                Vector3::x() * (-side * length * along) + up * (width / 2.0 + gap + half)
+            };
+            (0..count).map(move |i| (at(i), up)).collect::<Vec<_>>()
+        };
+        Some([row(left, 1.0), row(self.count - left, -1.0)].concat())
+    }
+
+    /// From the middle of a tent card to its farthest corner.
+    fn card_reach_mm(&self) -> f64 {
+        let foot_mm = self.face_mm() * self.tilt_deg.to_radians().cos();
+        foot_mm.hypot(self.with_white_mm() / 2.0 + CARD_SIDE_MM)
     }
 
     /// Upright on the two faces of a card whose ridge runs around the ring.

@@ -21,6 +21,7 @@ use serde_json::Value;
 use super::{CommandResult, Outcome};
 use crate::files;
 use crate::print::page::Media;
+use crate::print::paper::Stock;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
 use crate::print::{pdf, svg};
@@ -164,14 +165,14 @@ fn svg_path(output: &Path, name: &str) -> PathBuf {
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
 struct CutSheetArgs {
-    /// a4, a3, letter, tabloid, or WxH in mm
+    /// a4, a3, letter, tabloid, or WxH in mm; tags also on a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
     /// Correct the sizes by this file of `print verify`
     #[arg(long, value_name = "TOML")]
     printer: Option<PathBuf>,
     /// The file to write
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, alias = "out", value_name = "FILE")]
     output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
     #[arg(long, value_enum)]
@@ -179,13 +180,19 @@ struct CutSheetArgs {
 }
 
 impl CutSheetArgs {
+    /// Cut paper.
     fn media(&self) -> Result<Media, Box<dyn Error>> {
-        if self.paper.starts_with("roll") {
+        let media = self.any_media()?;
+        if let Stock::Roll { .. } = media.paper {
             return Err(
-                "tags, boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm"
-                    .into(),
+                "boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into(),
             );
         }
+        Ok(media)
+    }
+
+    /// Cut paper or a roll.
+    fn any_media(&self) -> Result<Media, Box<dyn Error>> {
         Ok(Media {
             paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,
@@ -195,8 +202,13 @@ impl CutSheetArgs {
     /// The sheets as files to write: one PDF, or numbered SVGs.
     fn files(&self, title: &str, sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
         let names: Vec<String> = (1..=sheets.len()).map(|n| n.to_string()).collect();
+        self.named_files(title, &names, sheets)
+    }
+
+    /// The sheets as files to write: one PDF, or SVGs with these names.
+    fn named_files(&self, title: &str, names: &[String], sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
         let format = Format::of(self.format, &self.output);
-        as_files(format, &self.output, title, (&names, sheets))
+        as_files(format, &self.output, title, (names, sheets))
     }
 }
 

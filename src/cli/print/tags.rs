@@ -3,10 +3,12 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CutSheetArgs, write_files};
+use serde_json::{Value, json};
+
+use super::{CutSheetArgs, NewFile, write_files};
 use crate::cli::{CommandResult, Outcome};
-use crate::print::lettering;
-use crate::print::tags::{TagRequest, tag_sheets};
+use crate::print::lettering::counted;
+use crate::print::tags::{Ground, TagRequest, TagSheets, tag_sheets};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -14,38 +16,81 @@ pub struct TagsArgs {
     /// The scene whose tags to print
     #[arg(long, value_name = "TOML")]
     scene: PathBuf,
-    /// Every tag as a plain card: no tent cards, no ground mat
+    /// Every tag as a plain card, with a floor plan: no tent cards, no ground mat
     #[arg(long)]
     plain: bool,
+    /// The place of every tent card on the mat itself, with no place strips: more sheets
+    #[arg(long, conflicts_with = "plain")]
+    whole_mat: bool,
+    /// Say as JSON what was written
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     sheets: CutSheetArgs,
 }
 
 /// Runs `scaleproof print tags`.
 pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
-    let media = args.sheets.media()?;
+    let media = args.sheets.any_media()?;
     let scene = Scene::open(&args.scene)?;
     let made = tag_sheets(
         &scene,
         &TagRequest {
             media,
             plain: args.plain,
+            whole_mat: args.whole_mat,
         },
     )?;
     let title = format!("Tags of {}", scene.model.name);
-    let files = args.sheets.files(&title, &made.sheets)?;
+    // In a file's name, `cards 1` is `cards-1`.
+    let names: Vec<String> = made.names.iter().map(|name| name.replace(' ', "-")).collect();
+    let files = args.sheets.named_files(&title, &names, &made.sheets)?;
     write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
-    let contents = made.contents.join(", ");
-    writeln!(out, "{}: {contents}; print at 100 %", files[0].0.display())?;
-    if let Some(lifted_mm) = made.lifted_mm {
-        let height = lettering::number(lifted_mm);
-        writeln!(
-            out,
-            "note: the scene has flat tags at a height of {height} mm; the mat puts them at 0"
-        )?;
+    if args.json {
+        writeln!(out, "{}", json(&made, &files))?;
+        return Ok(Outcome::Done);
     }
-    for crowd in &made.crowded {
-        writeln!(out, "note: {crowd}")?;
+    let sheets = counted(made.sheets.len(), "sheet");
+    let contents = made.contents.join(", ");
+    writeln!(out, "{}: {sheets}: {contents}; print at 100 %", files[0].0.display())?;
+    for note in &made.notes {
+        say!("note: {note}");
     }
     Ok(Outcome::Done)
+}
+
+/// What was written.
+fn json(made: &TagSheets, files: &[NewFile]) -> Value {
+    let files: Vec<_> = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    let sheet = |(name, sheet): (&String, &crate::print::sheet::Sheet)| json!({ "name": name, "width_mm": sheet.width_mm, "height_mm": sheet.height_mm });
+    let sheets: Vec<_> = made.names.iter().zip(&made.sheets).map(sheet).collect();
+    let cards = made
+        .cut_out
+        .iter()
+        .map(|card| json!({ "name": card.name, "sheet": made.names.get(card.sheet) }));
+    json!({
+        "files": files,
+        "sheets": sheets,
+        "cards": cards.collect::<Vec<_>>(),
+        "mat": made.ground.as_ref().map(mat),
+        "notes": made.notes,
+    })
+}
+
+fn mat(ground: &Ground) -> Value {
+    let paper = ground.paper;
+    let strips: Vec<_> = ground
+        .strips
+        .iter()
+        .map(|strip| format!("strip T{}", strip.tent + 1))
+        .collect();
+    json!({
+        "size_mm": [paper.width_mm(), paper.height_mm()],
+        "rows": ground.layout.rows,
+        "columns": ground.layout.columns,
+        "sheets": ground.names(),
+        "tags": ground.mat.tags.iter().map(|(id, _)| id).collect::<Vec<_>>(),
+        "cut_tags": ground.cut_tags,
+        "strips": strips,
+    })
 }

@@ -131,7 +131,7 @@ mod tests {
             marker_mm: None,
             dictionary: None,
             media: crate::print::page::Media {
-                paper: crate::print::paper::Paper::A4,
+                paper: crate::print::paper::Paper::A4.into(),
                 printer: crate::print::printer::Printer::EXACT,
             },
         };

@@ -1,11 +1,11 @@
 //! Plain cards: one tag each, upright, inside a cut line.
 
-use super::{LINE_MM, TagPrintError, captions, family_name, image_of, on_pages, packed};
+use super::piece::{Piece, cut_line};
+use super::{TagPrintError, family_name, image_of};
 use crate::print::lettering::{fitting_size_mm, number};
-use crate::print::page::Media;
 use crate::print::shapes::{Placement, black_modules};
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, RectMm, Sheet};
-use crate::scene::{Scene, Tag};
+use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, RectMm};
+use crate::scene::Tag;
 use crate::tags::TagImage;
 
 /// Below the tag, for its name.
@@ -13,31 +13,20 @@ const STRIP_MM: f64 = 7.0;
 const TEXT_MM: f64 = 3.0;
 const UP_MM: f64 = 3.0;
 
-/// The pages with one card for each tag.
-pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
-    let images = tags.iter().map(|tag| image_of(tag)).collect::<Result<Vec<_>, _>>()?;
-    let width = |i: usize| images[i].width_mm(tags[i].size_mm);
-    let sizes: Vec<_> = (0..tags.len()).map(|i| (width(i), width(i) + STRIP_MM)).collect();
-    if sizes.is_empty() {
-        return Ok(Vec::new());
-    }
-    let (page, spots) = packed(&sizes, media, |i| format!("the card of tag {}", tags[i].id), "")?;
-    let drawn = spots.iter().zip(tags.iter().zip(&images));
-    let drawn = drawn.map(|(spot, (tag, image))| marks(tag, image, spot.at)).collect();
-    let pages = on_pages(&spots, drawn);
-    let how_to = [
-        "Cut along the solid lines; the white around a tag belongs to it.",
-        "Fix each card where the scene file says, with its triangle towards the tag's up direction.",
-    ];
-    let count = pages.len();
-    let sheet = |(i, marks)| {
-        page.sheet(
-            marks,
-            &captions(scene, media, how_to),
-            &format!("cards {}/{count}", i + 1),
-        )
+/// The card of each tag.
+pub fn pieces<'a>(tags: &[&'a Tag]) -> Result<Vec<Piece<'a>>, TagPrintError> {
+    let piece = |tag: &&'a Tag| {
+        let (tag, image) = (*tag, image_of(tag)?);
+        let width = image.width_mm(tag.size_mm);
+        Ok(Piece {
+            size_mm: (width, width + STRIP_MM),
+            name: format!("id {}", tag.id),
+            what: format!("the card of tag {}", tag.id),
+            instead: "",
+            draw: Box::new(move |at| Ok(marks(tag, &image, at))),
+        })
     };
-    Ok(pages.into_iter().enumerate().map(sheet).collect())
+    tags.iter().map(piece).collect()
 }
 
 fn marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
@@ -69,10 +58,4 @@ fn marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
     marks.push(Mark::text(baseline, size_mm, Anchor::Left, name));
     marks.extend(cut_line(card));
     marks
-}
-
-fn cut_line(card: RectMm) -> [Mark; 4] {
-    let (l, b, r, t) = (card.left_mm, card.bottom_mm, card.right_mm, card.top_mm);
-    [((l, b), (r, b)), ((r, b), (r, t)), ((r, t), (l, t)), ((l, t), (l, b))]
-        .map(|(from, to)| Mark::line(from, to, LINE_MM))
 }

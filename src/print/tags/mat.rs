@@ -1,22 +1,21 @@
-//! The ground mat: what lies and stands on the table, seen from above. Geometry only; [`super::mat_sheet`] spreads it over paper.
-//!
-//! *Mat frame*: the mat seen from above, the model's front to the right; origin at the lower left corner, x right (the model's x),
-//! y up (the model's y), millimetres.
+//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame of [`super::view`];
+//! [`super::ground`] spreads it over paper.
 
 use nalgebra::Point3;
 
 use super::arrange::Arrangement;
 use super::tent::Tent;
+use super::view::{View, bounds, grown, union};
 use super::{TagPrintError, image_of};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use crate::print::shapes::{Outline, Placement, black_modules, overlap, stroke, stroked};
-use crate::print::sheet::{BLACK, PointMm, Rgb};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Rgb};
 use crate::scene::{Model, Scene, Tag};
 
-const GREY: Rgb = [110, 110, 110];
+pub const GREY: Rgb = [110, 110, 110];
 /// Free paper around everything.
 const BORDER_MM: f64 = 8.0;
-const LINE_MM: f64 = 0.4;
+pub const LINE_MM: f64 = 0.4;
 const TEXT_MM: f64 = 4.0;
 const TITLE_MM: f64 = 8.0;
 const UP_MM: f64 = 4.0;
@@ -26,11 +25,18 @@ const ARROW_MM: f64 = 18.0;
 /// Everything on the mat, in painting order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mat {
-    pub size_mm: (f64, f64),
     pub shapes: Vec<Shape>,
     pub labels: Vec<Label>,
-    /// What each thing is called and the ground it needs, in the model frame: tags with their white ring.
+    /// What each thing is called and the ground it needs: tags with their white ring.
     footprints: Vec<(String, Outline)>,
+    /// The model's outline, cross and arrow.
+    pub model: Vec<Outline>,
+    /// The model and the flat tags, with a border.
+    pub core: RectMm,
+    /// The ground of each tent card.
+    pub tents: Vec<RectMm>,
+    /// The flat tags with their white rings, by id.
+    pub tags: Vec<(u32, Outline)>,
 }
 
 /// Convex outlines of one colour.
@@ -55,19 +61,22 @@ impl Mat {
     /// A tag that cannot be drawn.
     pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
         let mut mat = Mat {
-            size_mm: (0.0, 0.0),
             shapes: Vec::new(),
             labels: Vec::new(),
             footprints: Vec::new(),
+            model: Vec::new(),
+            core: RectMm::new(0.0, 0.0, 0.0, 0.0),
+            tents: Vec::new(),
+            tags: Vec::new(),
         };
         mat.add_model(&scene.model);
         for tag in &arrangement.flat {
             mat.add_flat_tag(tag)?;
         }
+        mat.core = grown(mat.drawn_on(), BORDER_MM);
         for (i, tent) in arrangement.tents.iter().enumerate() {
             mat.add_tent(i + 1, tent);
         }
-        mat.moved_to_its_corner();
         Ok(mat)
     }
 
@@ -101,6 +110,7 @@ impl Mat {
             (front + 2.0, ARROW_MM / 3.0),
         ];
         outlines.push(arrow.map(|(x, y)| PointMm::new(x, y)).to_vec());
+        self.model.clone_from(&outlines);
         self.shapes.push(Shape { outlines, colour: GREY });
         let size = format!("{} × {} mm", number(length), number(width));
         let text_mm = TITLE_MM.min(width / 8.0);
@@ -119,8 +129,9 @@ impl Mat {
             right: level_unit(tag.right.x, tag.right.y),
             module_mm: tag.size_mm / image.border_modules() as f64,
         };
-        self.footprints
-            .push((format!("tag {}", tag.id), place.rectangle(-half, -half, half, half)));
+        let ground = place.rectangle(-half, -half, half, half);
+        self.tags.push((tag.id, ground.clone()));
+        self.footprints.push((format!("tag {}", tag.id), ground));
         let mut outlines = black_modules(image.modules(), &place);
         outlines.push(place.up_mark(0.0, half, UP_MM));
         self.shapes.push(Shape {
@@ -136,10 +147,10 @@ impl Mat {
         let feet = tent.foot_mm();
         let outline = feet.each_ref().map(on_mat);
         self.footprints.push((format!("tent card T{number}"), outline.to_vec()));
-        self.shapes.push(Shape {
-            outlines: stroked(&outline, LINE_MM),
-            colour: GREY,
-        });
+        let mut outlines = stroked(&outline, LINE_MM);
+        outlines.extend(tent.middle_marks());
+        self.shapes.push(Shape { outlines, colour: GREY });
+        self.tents.push(grown(bounds(&outline), BORDER_MM));
         let [a_left, a_right, b_right, b_left] = feet;
         let middle = nalgebra::center(&a_left, &b_right);
         let size_mm = TITLE_MM.min(tent.base_mm / 4.0);
@@ -157,31 +168,37 @@ impl Mat {
         self.labels.push(Label { at, size_mm, text });
     }
 
-    /// Moves the model frame to the mat frame.
-    fn moved_to_its_corner(&mut self) {
-        let points = || self.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten());
-        let ends = |value: fn(&PointMm) -> f64| {
-            points()
-                .map(value)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                    (low.min(v), high.max(v))
-                })
-        };
-        let (x, y) = (ends(|p| p.x_mm), ends(|p| p.y_mm));
-        let (left, bottom) = (x.0 - BORDER_MM, y.0 - BORDER_MM);
-        self.size_mm = (x.1 + BORDER_MM - left, y.1 + BORDER_MM - bottom);
-        let corners = self
-            .shapes
-            .iter_mut()
-            .flat_map(|shape| shape.outlines.iter_mut().flatten());
-        for point in corners.chain(self.labels.iter_mut().map(|label| &mut label.at)) {
-            point.x_mm -= left;
-            point.y_mm -= bottom;
-        }
+    /// The rectangle around all shapes.
+    fn drawn_on(&self) -> RectMm {
+        bounds(self.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten()))
+    }
+
+    /// The ground with all tent cards.
+    pub fn whole(&self) -> RectMm {
+        self.tents.iter().fold(self.core, |all, tent| union(all, *tent))
+    }
+
+    /// What is seen of the shapes through a window, inside a rectangle of the page.
+    pub fn marks(&self, view: &View, to: RectMm) -> Vec<Mark> {
+        let seen = self.shapes.iter().map(|shape| Mark::Area {
+            outlines: view.clipped(&shape.outlines, to),
+            colour: shape.colour,
+        });
+        seen.filter(|mark| !matches!(mark, Mark::Area { outlines, .. } if outlines.is_empty()))
+            .collect()
+    }
+
+    /// Adds grey lines around an outline, and its name in the middle.
+    pub fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
+        self.shapes.push(Shape {
+            outlines: stroked(outline, LINE_MM),
+            colour: GREY,
+        });
+        self.label((at.x_mm, at.y_mm), TEXT_MM, name);
     }
 }
 
-fn on_mat(point: &Point3<f64>) -> PointMm {
+pub fn on_mat(point: &Point3<f64>) -> PointMm {
     PointMm::new(point.x, point.y)
 }
 

@@ -4,19 +4,29 @@
 
 mod arrange;
 mod card;
+mod floor_plan;
+mod ground;
+mod map;
 mod mat;
 mod mat_sheet;
+mod piece;
+mod seams;
+mod strip;
+mod strip_sheet;
 mod tent;
 mod tent_sheet;
+mod view;
 
 pub use arrange::{Arrangement, FLAT_MM, arrange};
+pub use floor_plan::Place;
+pub use ground::Ground;
+pub use strip::Strip;
 pub use tent::{FlatTag, Fold, Net, Panel, TILT_DEG, Tent};
 
 use super::PrintError;
-use super::lettering::number;
-use super::pack;
-use super::page::{Media, Page};
-use super::sheet::{Mark, RectMm, Sheet};
+use super::lettering::{counted, number};
+use super::page::Media;
+use super::sheet::{RectMm, Sheet};
 use crate::scene::{Scene, Tag, TagFamily};
 use crate::tags::TagImage;
 
@@ -53,19 +63,34 @@ pub struct TagRequest {
     pub media: Media,
     /// Every tag as a plain card, whatever the scene does with it.
     pub plain: bool,
+    /// The place of every tent card on the mat itself, however many sheets it takes.
+    pub whole_mat: bool,
 }
 
 /// The pages, and what is on them.
 #[derive(Debug, Clone)]
 pub struct TagSheets {
-    /// Tent cards, then plain cards, then the mat.
+    /// The map, the floor plan of plain cards, cards and strips, then the mat.
     pub sheets: Vec<Sheet>,
+    /// What each sheet is called on the map, and in the name of its file.
+    pub names: Vec<String>,
     /// One line for each kind of thing printed.
     pub contents: Vec<String>,
-    /// Flat tags that the scene puts above the ground by more than it can be wrong by: the highest, in mm.
-    pub lifted_mm: Option<f64>,
-    /// Things of the scene that stand on each other, or too close to be seen apart: a sentence each.
-    pub crowded: Vec<String>,
+    /// Everything that is cut out of cards.
+    pub cut_out: Vec<CutOut>,
+    pub ground: Option<Ground>,
+    /// What the user should know: a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// A card or a strip on its sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutOut {
+    pub name: String,
+    /// Index of its sheet.
+    pub sheet: usize,
+    /// Where it lies in true millimetres (page frame).
+    pub area: RectMm,
 }
 
 /// Draws the tags of a scene.
@@ -81,37 +106,155 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     } else {
         arrange(scene)
     };
-    let mut made = TagSheets {
-        sheets: Vec::new(),
-        contents: Vec::new(),
-        lifted_mm: arrangement.lifted_mm(),
-        crowded: Vec::new(),
+    let media = request.media;
+    piece::check(&pieces(&arrangement, None)?, media)?;
+    let ground = ground(scene, &arrangement, request)?;
+    let cards = piece::spread(&pieces(&arrangement, ground.as_ref())?, media)?;
+    let plans = floor_plan::sheets(&arrangement.cards, scene, media)?;
+    let plan_names: Vec<String> = (0..plans.len()).map(floor_plan::name).collect();
+    let card_names: Vec<String> = (1..=cards.len()).map(|n| format!("cards {n}")).collect();
+    let map = map::Map {
+        scene,
+        media,
+        arrangement: &arrangement,
+        ground: ground.as_ref(),
+        cards: &cards,
+        plan_names: &plan_names,
+        card_names: &card_names,
     };
-    let tents = tent_sheet::sheets(&arrangement.tents, scene, request.media)?;
-    made.add(tents, count(arrangement.tents.len(), "tent card"));
-    let cards = card::sheets(&arrangement.cards, scene, request.media)?;
-    made.add(cards, count(arrangement.cards.len(), "plain card"));
-    if !(arrangement.flat.is_empty() && arrangement.tents.is_empty()) {
-        let mat = mat::Mat::new(scene, &arrangement)?;
-        let size = format!("ground mat of {:.0} × {:.0} mm", mat.size_mm.0, mat.size_mm.1);
-        made.crowded = mat.crowded();
-        made.add(mat_sheet::sheets(&mat, scene, request.media)?, size);
-    }
-    Ok(made)
+    let mut sheets = vec![map.sheet()?];
+    sheets.extend(plans);
+    let first_card = sheets.len();
+    let captions = captions(scene, media, cards_how_to(&arrangement));
+    sheets.extend(
+        cards
+            .iter()
+            .zip(&card_names)
+            .map(|(page, name)| page.page.sheet(page.marks.clone(), &captions, name)),
+    );
+    sheets.extend(ground.iter().flat_map(|ground| mat_sheet::sheets(ground, scene, media)));
+    let mat_names = ground.as_ref().map(Ground::names).unwrap_or_default();
+    let names = ["map".to_owned()]
+        .into_iter()
+        .chain(plan_names.clone())
+        .chain(card_names.clone())
+        .chain(mat_names);
+    Ok(TagSheets {
+        names: names.collect(),
+        contents: contents(&arrangement, ground.as_ref(), plan_names.len(), cards.len()),
+        cut_out: cut_out(&cards, first_card),
+        notes: notes(&arrangement, ground.as_ref()),
+        ground,
+        sheets,
+    })
 }
 
-impl TagSheets {
-    fn add(&mut self, sheets: Vec<Sheet>, what: String) {
-        if !sheets.is_empty() {
-            self.contents
-                .push(format!("{what} on {}", count(sheets.len(), "sheet")));
-            self.sheets.extend(sheets);
-        }
-    }
+/// Everything that is cut out of shared pages.
+fn pieces<'a>(
+    arrangement: &'a Arrangement,
+    ground: Option<&'a Ground>,
+) -> Result<Vec<piece::Piece<'a>>, TagPrintError> {
+    let mut pieces = tent_sheet::pieces(&arrangement.tents);
+    pieces.extend(card::pieces(&arrangement.cards)?);
+    pieces.extend(ground.into_iter().flat_map(strip_sheet::pieces));
+    Ok(pieces)
 }
 
-fn count(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+/// The ground mat, if the scene needs one.
+fn ground(scene: &Scene, arrangement: &Arrangement, request: &TagRequest) -> Result<Option<Ground>, TagPrintError> {
+    if arrangement.flat.is_empty() && arrangement.tents.is_empty() {
+        return Ok(None);
+    }
+    let sizes: Vec<_> = pieces(arrangement, None)?.iter().map(|piece| piece.size_mm).collect();
+    let mat = mat::Mat::new(scene, arrangement)?;
+    Ground::new(mat, arrangement, request, &sizes).map(Some)
+}
+
+fn cut_out(cards: &[piece::PiecePage], first: usize) -> Vec<CutOut> {
+    let on = |(i, page): (usize, &piece::PiecePage)| {
+        let named = page.names.clone().into_iter();
+        named
+            .map(move |(name, area)| CutOut {
+                name,
+                sheet: first + i,
+                area,
+            })
+            .collect::<Vec<_>>()
+    };
+    cards.iter().enumerate().flat_map(on).collect()
+}
+
+fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, cards: usize) -> Vec<String> {
+    let strips = ground.map_or(0, |ground| ground.strips.len());
+    let kinds = [
+        (arrangement.tents.len(), "tent card"),
+        (arrangement.cards.len(), "plain card"),
+        (strips, "place strip"),
+    ];
+    let kinds: Vec<_> = kinds
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| counted(n, what))
+        .collect();
+    let mut contents = vec!["a map".to_owned()];
+    if plans > 0 {
+        contents.push(format!("a floor plan on {}", counted(plans, "sheet")));
+    }
+    if cards > 0 {
+        contents.push(format!("{} on {}", kinds.join(" and "), counted(cards, "sheet")));
+    }
+    if let Some(ground) = ground {
+        let (wide, high) = (ground.paper.width_mm(), ground.paper.height_mm());
+        let sheets = counted(ground.layout.sheets.len(), "sheet");
+        contents.push(format!("a ground mat of {wide:.0} × {high:.0} mm on {sheets}"));
+    }
+    contents
+}
+
+fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(lifted_mm) = arrangement.lifted_mm() {
+        let height = number(lifted_mm);
+        notes.push(format!(
+            "the scene has flat tags at a height of {height} mm; the mat puts them at 0"
+        ));
+    }
+    let Some(ground) = ground else { return notes };
+    notes.extend(ground.mat.crowded());
+    let ids: Vec<String> = ground.cut_tags.iter().map(u32::to_string).collect();
+    match ids.as_slice() {
+        [] => {}
+        [id] => notes.push(format!(
+            "a seam of the mat runs through tag {id} however the sheets are laid; glue it exactly, or lay a plain card over it (--plain)"
+        )),
+        ids => notes.push(format!(
+            "seams of the mat run through tags {} however the sheets are laid; glue them exactly, or lay plain cards over them (--plain)",
+            ids.join(", ")
+        )),
+    }
+    if !ground.strips.is_empty() {
+        notes.push(
+            "place strips save sheets and put cards within about 1 mm; --whole-mat prints every card's place on the mat".to_owned(),
+        );
+    }
+    notes
+}
+
+/// How to cut what is on the pages with cards.
+fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
+    let tents = [
+        "Cut along the solid lines, crease along the dashed ones, fold away from the print, glue the tab inside the base.",
+        "Stand each card on its outline on the ground mat or its place strip, each tag on the side that carries its number.",
+    ];
+    let cards = [
+        "Cut along the solid lines; the white around a tag belongs to it.",
+        "Fix each card where the floor plan says, with its triangle towards the tag's up direction.",
+    ];
+    match (arrangement.tents.is_empty(), arrangement.cards.is_empty()) {
+        (true, _) => cards,
+        (false, true) => tents,
+        (false, false) => [tents[0], cards[1]],
+    }
 }
 
 /// The picture of a tag, checked to be printable.
@@ -134,44 +277,6 @@ fn family_name(family: TagFamily) -> &'static str {
         .map_or("an unknown family", |(_, name)| name)
 }
 
-/// Things of some sizes spread over the fewest pages, the paper used upright or across.
-///
-/// # Errors
-/// Paper too small for the rulers, or for thing `i`, which `name` puts into words.
-fn packed(
-    sizes: &[(f64, f64)],
-    media: Media,
-    name: impl Fn(usize) -> String,
-    instead: &'static str,
-) -> Result<(Page, Vec<pack::Spot>), TagPrintError> {
-    let mut best: Option<(Page, Vec<pack::Spot>)> = None;
-    let mut refused = None;
-    for page in Page::both_ways(media)? {
-        match pack::pack(sizes, page.0.usable) {
-            Ok(spots) => {
-                let pages = |spots: &[pack::Spot]| spots.last().map_or(0, |spot| spot.page);
-                if best.as_ref().is_none_or(|(_, held)| pages(&spots) < pages(held)) {
-                    best = Some((page, spots));
-                }
-            }
-            Err(thing) => refused = refused.or(Some((thing, page.0.usable))),
-        }
-    }
-    match (best, refused) {
-        (Some(best), _) => Ok(best),
-        (None, refused) => {
-            let (thing, area) = refused.unwrap_or((0, RectMm::new(0.0, 0.0, 0.0, 0.0)));
-            let size = |(width, height): (f64, f64)| format!("{} × {}", number(width), number(height));
-            Err(TagPrintError::TooLarge {
-                what: name(thing),
-                needed_mm: size(sizes.get(thing).copied().unwrap_or_default()),
-                free_mm: size((area.width_mm(), area.height_mm())),
-                instead,
-            })
-        }
-    }
-}
-
 /// The lines at the foot of every page.
 fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
     vec![
@@ -186,14 +291,4 @@ fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
             env!("CARGO_PKG_VERSION")
         ),
     ]
-}
-
-/// The marks of each page: those of each thing, on its spot.
-fn on_pages(spots: &[pack::Spot], things: Vec<Vec<Mark>>) -> Vec<Vec<Mark>> {
-    let mut pages: Vec<Vec<Mark>> = Vec::new();
-    for (spot, marks) in spots.iter().zip(things) {
-        pages.resize_with(pages.len().max(spot.page + 1), Vec::new);
-        pages[spot.page].extend(marks);
-    }
-    pages
 }

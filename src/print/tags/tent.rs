@@ -7,6 +7,8 @@
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 
 use crate::geometry::{Rigid, rigid};
+use crate::print::shapes::{Outline, stroke};
+use crate::print::sheet::PointMm;
 use crate::scene::Tag;
 
 /// How far two tags may be from each other's mirror image and still stand on one card: half of what a scene is held to.
@@ -21,6 +23,10 @@ pub const SIDE_MM: f64 = 12.0;
 const TAB_MM: f64 = 12.0;
 /// The tab's ends are cut back, so that it slides in.
 const TAB_SLANT_MM: f64 = 5.0;
+
+/// The mark on the ground at the middle of a foot.
+const MIDDLE_MM: f64 = 5.0;
+const MIDDLE_LINE_MM: f64 = 0.4;
 
 /// Two tags that lean back to back on one folded card.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,6 +113,18 @@ impl Tent {
     pub fn foot_mm(&self) -> [Point3<f64>; 4] {
         let (x, y) = (self.width_mm / 2.0, self.base_mm / 2.0);
         [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| self.place * Point3::new(x, y, 0.0))
+    }
+}
+
+impl Tent {
+    /// On the ground, at the middle of each foot: a short line away from the card, which the mark at the foot of its face meets.
+    pub fn middle_marks(&self) -> [Outline; 2] {
+        let at = |y: f64| {
+            let place = self.place * Point3::new(0.0, y, 0.0);
+            PointMm::new(place.x, place.y)
+        };
+        let (foot, end) = (self.base_mm / 2.0, self.base_mm / 2.0 + MIDDLE_MM);
+        [-1.0, 1.0].map(|side| stroke(at(side * foot), at(side * end), MIDDLE_LINE_MM))
     }
 }
 

@@ -1,51 +1,34 @@
 //! Draws tent cards: cut lines solid, fold lines dashed, a tag on each face.
 
+use super::piece::Piece;
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
-use super::{LINE_MM, TagPrintError, captions, family_name, image_of, on_pages, packed};
+use super::{LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::lettering::{fitting_size_mm, number};
-use crate::print::page::Media;
 use crate::print::shapes::{Placement, black_modules};
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Sheet};
-use crate::scene::Scene;
+use crate::print::sheet::{Anchor, BLACK, Mark, PointMm};
 
 const TEXT_MM: f64 = 3.0;
 const TITLE_MM: f64 = 7.0;
 const LEADING_MM: f64 = 4.2;
 const UP_MM: f64 = 4.0;
+/// The mark at the middle of a face's foot; the tag's white ring begins above it.
+const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
-/// The pages with the cards of some tents; tent `i` is called T`i + 1`.
-pub fn sheets(tents: &[Tent], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
-    if tents.is_empty() {
-        return Ok(Vec::new());
-    }
-    let nets: Vec<Net> = tents.iter().map(Tent::net).collect();
-    let sizes: Vec<_> = nets.iter().map(|net| (net.width_mm, net.height_mm)).collect();
-    let name = |i: usize| {
-        format!(
-            "tent card T{} (tags {} and {})",
-            i + 1,
-            tents[i].tags[0].id,
-            tents[i].tags[1].id
-        )
+/// The cards of some tents; tent `i` is called T`i + 1`.
+pub fn pieces(tents: &[Tent]) -> Vec<Piece<'_>> {
+    let piece = |(i, tent): (usize, &'_ Tent)| {
+        let (net, tent) = (tent.net(), tent.clone());
+        let [a, b] = [tent.tags[0].id, tent.tags[1].id];
+        Piece {
+            size_mm: (net.width_mm, net.height_mm),
+            name: format!("T{}", i + 1),
+            what: format!("tent card T{} (tags {a} and {b})", i + 1),
+            instead: ", or print plain cards (--plain)",
+            draw: Box::new(move |at| marks(i + 1, &tent, &net, at)),
+        }
     };
-    let (page, spots) = packed(&sizes, media, name, ", or print plain cards (--plain)")?;
-    let drawn = spots.iter().enumerate();
-    let drawn = drawn.map(|(i, spot)| marks(i + 1, &tents[i], &nets[i], spot.at));
-    let pages = on_pages(&spots, drawn.collect::<Result<_, _>>()?);
-    let how_to = [
-        "Cut along the solid lines, crease along the dashed ones, fold away from the print, glue the tab inside the base.",
-        "Stand each card on its outline on the ground mat, each tag on the side that carries its number.",
-    ];
-    let count = pages.len();
-    let sheet = |(i, marks)| {
-        page.sheet(
-            marks,
-            &captions(scene, media, how_to),
-            &format!("tents {}/{count}", i + 1),
-        )
-    };
-    Ok(pages.into_iter().enumerate().map(sheet).collect())
+    tents.iter().enumerate().map(piece).collect()
 }
 
 /// All marks of one card whose flat frame begins at `at` on the page.
@@ -153,5 +136,8 @@ fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
     let around = [tab[0], tab[1], tab[2], [w, h], [0.0, h], tab[3]];
     let next = around.iter().cycle().skip(1);
     let cuts = around.iter().zip(next).map(|(from, to)| line(*from, *to, None));
-    cuts.chain(folds).collect()
+    // Where a face meets the ground: its middle, which belongs to the mark on the ground.
+    let feet = [(net.folds[0].y_mm, MIDDLE_MM), (net.folds[2].y_mm, -MIDDLE_MM)];
+    let middles = feet.map(|(y, up)| line([w / 2.0, y], [w / 2.0, y + up], None));
+    cuts.chain(folds).chain(middles).collect()
 }

@@ -19,7 +19,7 @@ pub const MAX_SHEETS: usize = 400;
 const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
 
 /// Usable length of the page with the instructions on a roll.
-const ROLL_COVER_MM: f64 = 160.0;
+pub(in crate::print) const ROLL_COVER_MM: f64 = 160.0;
 
 /// What the pages must carry and what they are printed on. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -178,7 +178,7 @@ fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), Prin
     Ok((columns as usize, rows as usize))
 }
 
-fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
+pub(in crate::print) fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
     let (width_mm, height_mm) = if turned {
         (length_mm, width_mm)
     } else {
@@ -188,7 +188,7 @@ fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
 }
 
 /// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
-fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &Setup) -> Paper {
+pub(in crate::print) fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &Setup) -> Paper {
     let (along_x, along_y) = setup.length_for(usable_mm);
     let length = if setup.turned { along_x } else { along_y };
     roll_page(width_mm, length.ceil().min(MAX_SIDE_MM), setup.turned)
@@ -227,34 +227,40 @@ impl Plan {
         let (overlap, bleed) = (request.overlap_mm, request.bleed_mm);
         let x = cuts(request.size_mm.0, self.columns, overlap, bleed);
         let y = cuts(request.size_mm.1, self.rows, overlap, bleed);
-        // A stretch of its own becomes what is printed: overlap towards a neighbour, bleed at the outer edge.
-        let before = |i: usize, from: f64| if i == 0 { from - bleed } else { from };
-        let after = |last: bool, to: f64| if last { to + bleed } else { to + overlap };
-        let places = (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (row, column)));
-        let sheet = |(row, column): (usize, usize)| {
-            let own = Region {
-                left_mm: x[column],
-                top_mm: y[row],
-                right_mm: x[column + 1],
-                bottom_mm: y[row + 1],
-            };
-            let carried = Region {
-                left_mm: before(column, own.left_mm),
-                top_mm: before(row, own.top_mm),
-                right_mm: after(column + 1 == self.columns, own.right_mm),
-                bottom_mm: after(row + 1 == self.rows, own.bottom_mm),
-            };
-            SheetPlan {
-                row,
-                column,
-                own,
-                carried,
-                trim: on_page(&self.frame, carried, own),
-                printed: on_page(&self.frame, carried, carried),
-            }
-        };
-        places.map(sheet).collect()
+        sheet_plans(&self.frame, &x, &y, overlap, bleed)
     }
+}
+
+/// The sheets between some cuts, the template's own edges among them, row by row.
+fn sheet_plans(frame: &Frame, x: &[f64], y: &[f64], overlap: f64, bleed: f64) -> Vec<SheetPlan> {
+    // A stretch of its own becomes what is printed: overlap towards a neighbour, bleed at the outer edge.
+    let before = |i: usize, from: f64| if i == 0 { from - bleed } else { from };
+    let after = |last: bool, to: f64| if last { to + bleed } else { to + overlap };
+    let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+    let sheet = |(row, column): (usize, usize)| {
+        let own = Region {
+            left_mm: x[column],
+            top_mm: y[row],
+            right_mm: x[column + 1],
+            bottom_mm: y[row + 1],
+        };
+        let carried = Region {
+            left_mm: before(column, own.left_mm),
+            top_mm: before(row, own.top_mm),
+            right_mm: after(column + 1 == columns, own.right_mm),
+            bottom_mm: after(row + 1 == rows, own.bottom_mm),
+        };
+        SheetPlan {
+            row,
+            column,
+            own,
+            carried,
+            trim: on_page(frame, carried, own),
+            printed: on_page(frame, carried, carried),
+        }
+    };
+    places.map(sheet).collect()
 }
 
 /// Where a region sits on the page of the sheet that carries `carried`: that one's top-left corner is the usable area's.
@@ -282,11 +288,30 @@ fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64>
 }
 
 impl Layout {
+    /// Sheets cut at given edges, from 0 on, each along its axis in rising order; the first and the last are the template's own.
+    /// Every sheet must have room for what it carries.
+    pub fn cut_at(frame: Frame, x: &[f64], y: &[f64], overlap_mm: f64) -> Self {
+        Self {
+            frame,
+            cover: frame,
+            rows: y.len().saturating_sub(1),
+            columns: x.len().saturating_sub(1),
+            sheets: sheet_plans(&frame, x, y, overlap_mm, 0.0),
+        }
+    }
+
     /// Width and height of the whole template.
     pub fn size_mm(&self) -> (f64, f64) {
-        self.sheets
-            .last()
-            .map_or((1.0, 1.0), |last| (last.own.right_mm, last.own.bottom_mm))
+        let owns = || self.sheets.iter().map(|plan| plan.own);
+        (
+            owns().map(|own| own.right_mm).fold(1e-3, f64::max),
+            owns().map(|own| own.bottom_mm).fold(1e-3, f64::max),
+        )
+    }
+
+    /// Whether a sheet is printed; one that carries nothing may be left out.
+    pub fn has(&self, row: usize, column: usize) -> bool {
+        self.sheets.iter().any(|plan| (plan.row, plan.column) == (row, column))
     }
 }
 

@@ -18,10 +18,10 @@ impl Layout {
         let right_of = |row: usize, column: usize| letters(row_starts(row) + column);
         let below = |row: usize, column: usize| letters(row_starts(row) + self.columns - 1 + column);
         Seams {
-            left: (column > 0).then(|| right_of(row, column - 1)),
-            right: (column + 1 < self.columns).then(|| right_of(row, column)),
-            above: (row > 0).then(|| below(row - 1, column)),
-            below: (row + 1 < self.rows).then(|| below(row, column)),
+            left: (column > 0 && self.has(row, column - 1)).then(|| right_of(row, column - 1)),
+            right: self.has(row, column + 1).then(|| right_of(row, column)),
+            above: (row > 0 && self.has(row - 1, column)).then(|| below(row - 1, column)),
+            below: self.has(row + 1, column).then(|| below(row, column)),
         }
     }
 }
