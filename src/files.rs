@@ -25,6 +25,13 @@ pub enum FileError {
     Write { path: PathBuf, reason: String },
 }
 
+/// A file or folder that lies beside the running program, as in an unpacked archive; `None` when it is not there.
+pub fn beside_the_program(name: &str) -> Option<PathBuf> {
+    let program = std::env::current_exe().ok()?.canonicalize().ok()?;
+    let path = program.parent()?.join(name);
+    path.exists().then_some(path)
+}
+
 /// No file that this program reads whole is larger: a frame set's list, a COCO file and a network's weights have some hundred megabytes.
 const MOST_BYTES: u64 = 4 << 30;
 

@@ -77,9 +77,13 @@ pub fn print_template(
     Ok(())
 }
 
-/// The project's folder: named by `./run`, else where the program was compiled.
+/// The folder with the stored photos: named by `./run`, else where a packaged program lies, else where it was compiled.
 pub fn home() -> PathBuf {
-    std::env::var_os("SCALEPROOF_HOME").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from)
+    let named = std::env::var_os("SCALEPROOF_HOME").map(PathBuf::from);
+    let packaged = || files::beside_the_program("captures")?.parent().map(Path::to_owned);
+    named
+        .or_else(packaged)
+        .unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")))
 }
 
 /// Every detector: live where its weights are here or can be fetched, else from the session's recordings.

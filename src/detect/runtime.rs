@@ -16,6 +16,7 @@ use super::heads::{self, Data, Decoded, Tensor, Unreadable};
 use super::input::{self, Placement};
 use super::manifest::{Input, Layout, Values};
 use super::{Detection, MAX_DETECTIONS, Manifest};
+use crate::files;
 use crate::geometry::BoxPx;
 
 /// Why a detector could not run.
@@ -60,7 +61,7 @@ pub struct Runtime {
 }
 
 impl Runtime {
-    /// Loads ONNX Runtime from `$ORT_DYLIB_PATH`, else from the system's library path.
+    /// Loads ONNX Runtime from `$ORT_DYLIB_PATH`, else from `lib` beside the program, else from the system's library path.
     pub fn load() -> Result<&'static Runtime, DetectError> {
         static RUNTIME: OnceLock<Result<Runtime, DetectError>> = OnceLock::new();
         RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
@@ -78,7 +79,7 @@ impl Runtime {
 }
 
 fn load() -> Result<Runtime, DetectError> {
-    let file = std::env::var("ORT_DYLIB_PATH").unwrap_or_else(|_| default_library().to_owned());
+    let file = std::env::var("ORT_DYLIB_PATH").unwrap_or_else(|_| default_library());
     let missing = |reason: String| {
         let reason = reason.lines().next().unwrap_or_default().to_owned();
         DetectError::NoRuntime {
@@ -104,11 +105,15 @@ fn library_name(file: &str) -> String {
         .map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-fn default_library() -> &'static str {
-    match std::env::consts::OS {
+/// The library that lies beside a packaged program, else the system's.
+fn default_library() -> String {
+    let name = match std::env::consts::OS {
         "macos" => "libonnxruntime.dylib",
         _ => "libonnxruntime.so",
-    }
+    };
+    let packaged = files::beside_the_program("lib").map(|lib| lib.join(name));
+    let packaged = packaged.filter(|path| path.is_file());
+    packaged.map_or_else(|| name.to_owned(), |path| path.to_string_lossy().into_owned())
 }
 
 /// One detector, ready to run in one thread.

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Makes scaleproof-VERSION-x86_64-linux.tar.xz: a folder that runs wherever it lies, with nothing installed, on any Linux whose libc is not older
+# than this machine's. Called by `./run package`, after the build.
+#
+#   package/make.sh                  the archive, in out/package
+#   package/make.sh --folder DIR     only the folder that is packed
+set -euo pipefail
+
+home=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$home"
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$home/target}"
+
+say() { printf '[package] %s\n' "$*" >&2; }
+stop() { printf 'error: %s\n' "$*" >&2; exit 2; }
+
+version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+name="scaleproof-$version-$(uname -m)-linux"
+folder="$home/out/package/$name"
+[ "${1:-}" != --folder ] || folder=${2:?--folder needs a folder}
+[ ! -e "$folder" ] || rm -r "$folder"
+mkdir -p "$folder/lib" "$folder/licences"
+
+# The program, which looks for its libraries beside itself; so do the libraries, for theirs (an RPATH, not a RUNPATH).
+say "linking"
+cargo rustc --quiet --release --locked --features attack --bin scaleproof -- \
+  -C strip=symbols -C 'link-arg=-Wl,--disable-new-dtags,-rpath,$ORIGIN/lib'
+cp "$CARGO_TARGET_DIR/release/scaleproof" "$folder/"
+
+# What every Linux has: the C library and what belongs to it.
+is_libc() { case "$1" in linux-vdso*|ld-linux*|libc.so*|libm.so*|libdl.so*|libpthread.so*|librt.so*|libresolv.so*|libutil.so*) true ;; *) false ;; esac; }
+
+say "libraries"
+while read -r library path; do
+  is_libc "$(basename "$library")" && continue
+  [ -e "$path" ] || stop "the library $library was not found"
+  cp -L "$path" "$folder/lib/$library"
+  package=$(dpkg-query -S "$(realpath "$path")" 2>/dev/null | head -1 | cut -d: -f1) || true
+  if [ -n "$package" ] && [ -e "/usr/share/doc/$package/copyright" ]; then
+    cp "/usr/share/doc/$package/copyright" "$folder/licences/$package.txt"
+  else
+    say "no licence found for $library"
+  fi
+done < <(ldd "$folder/scaleproof" | awk '$2 == "=>" { print $1, $3 }' | sort)
+
+onnxruntime=$(dirname "${ORT_DYLIB_PATH:?is set by ./run}")
+runtime=$(basename "$(realpath "$ORT_DYLIB_PATH")")
+cp "$onnxruntime/$runtime" "$folder/lib/"
+ln -s "$runtime" "$folder/lib/libonnxruntime.so"
+for text in LICENSE ThirdPartyNotices.txt; do
+  [ -e "$onnxruntime/$text" ] || stop "the licence of ONNX Runtime is not in $onnxruntime: remove that folder and run this again"
+  cp "$onnxruntime/$text" "$folder/licences/onnxruntime-$text"
+done
+
+# The texts that every crate in the program came with, and the names of their licences.
+say "licences"
+sources="${CARGO_HOME:-$HOME/.cargo}/registry/src"
+cargo tree --locked --features attack -e normal --prefix none --format '{p} | {l}' | sed 's/ (\*)$//; s/ (proc-macro)//' | sort -u |
+  grep -v '^scaleproof ' > "$folder/licences/crates.txt"
+while read -r crate number _; do
+  # Crates of one version come from one place.
+  for text in "$sources"/*/"$crate-${number#v}"/{LICENSE,LICENCE,COPYING,NOTICE,UNLICENSE,license}*; do
+    [ -f "$text" ] || continue
+    cp --no-preserve=mode "$text" "$folder/licences/crate-$crate-$(basename "$text").txt"
+  done
+done < "$folder/licences/crates.txt"
+cp LICENSE-APACHE LICENSE-MIT "$folder/licences/"
+cp assets/fonts/*[Ll][Ii][Cc][Ee]* "$folder/licences/" 2>/dev/null || true
+
+say "manual pages, completions, the stored photos, the guide"
+"$folder/scaleproof" manuals -o "$folder/man/man1" >/dev/null
+mkdir -p "$folder/completions"
+for shell in bash zsh fish; do
+  "$folder/scaleproof" completions "$shell" > "$folder/completions/scaleproof.$shell"
+done
+cp -r captures calibration patterns README.md "$folder/"
+mkdir -p "$folder/docs"
+cp -r docs/guide docs/*.png docs/*.jpg docs/*.svg "$folder/docs/"
+
+[ "${1:-}" != --folder ] || exit 0
+say "packing"
+archive="$home/out/package/$name.tar.xz"
+tar -C "$(dirname "$folder")" --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -c "$name" | xz -T0 -6 > "$archive.partial"
+mv "$archive.partial" "$archive"
+say "$(du -m "$archive" | cut -f1) MB; needs glibc $(ldd --version | sed -n '1s/.* //p') or newer"
+printf '%s\n' "$archive"
