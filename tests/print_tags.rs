@@ -240,7 +240,12 @@ fn the_sheets_of_the_mat_make_the_whole() {
             &format!("print tags --scene ring.toml --paper {paper}{option} -o mat.pdf"),
         );
         let made = made(&scene, paper, paper == "a4");
-        let first = made.names.iter().position(|name| name == "A1").unwrap();
+        let first = made
+            .names
+            .iter()
+            .rposition(|name| name == "map" || name.contains(' '))
+            .unwrap()
+            + 1;
         let sheets = &made.sheets[first..];
         let pages = pictured(&folder.path().join("mat.pdf"), 200, &made.sheets);
         let whole = laid_together(&pages[first..], sheets);
@@ -413,8 +418,7 @@ fn the_floor_plan_says_what_the_scene_says() {
         let numbers = [c.x, c.y, c.z, 227.5 - c.x, 93.0 - c.y, c.x.hypot(c.y)].map(tenth);
         let row = text.lines().find(|line| {
             let words: Vec<_> = line.split_whitespace().collect();
-            words.len() > 8
-                && words[words.len() - 10.min(words.len())..].contains(&tag.id.to_string().as_str())
+            words.contains(&tag.id.to_string().as_str())
                 && numbers.iter().all(|number| words.contains(&number.as_str()))
         });
         assert!(row.is_some(), "tag {}: no row with {numbers:?}", tag.id);
@@ -481,18 +485,21 @@ fn laid_together(pages: &[Page], sheets: &[Sheet]) -> Page {
     let area: f64 = sheets.iter().map(|s| s.trim.width_mm() * s.trim.height_mm()).sum();
     let side = 2.0 * area.sqrt();
     let mut whole = GrayImage::from_pixel(px(side) as u32, px(side) as u32, image::Luma([255]));
-    let mut at = (0.0, 0.0);
-    for (i, (page, sheet)) in pages.iter().zip(sheets).enumerate() {
-        let trim = sheet.trim;
+    // Where the rows and columns before a sheet end; sheets that carry nothing may be missing.
+    let before = |index: usize, of: fn((usize, usize)) -> usize, side: fn(&Sheet) -> f64| -> f64 {
+        let one = |i: usize| sheets.iter().find(|sheet| of(place(sheet)) == i).map(side);
+        (0..index)
+            .map(|i| one(i).expect("every row and column has a sheet"))
+            .sum()
+    };
+    for (page, sheet) in pages.iter().zip(sheets) {
+        let (trim, (row, column)) = (sheet.trim, place(sheet));
         let (left, top) = (px(trim.left_mm), px(page.height_mm - trim.top_mm));
         let (wide, high) = (px(trim.width_mm()), px(trim.height_mm()));
         let cut = image::imageops::crop_imm(&page.picture, left as u32, top as u32, wide as u32, high as u32);
-        image::imageops::replace(&mut whole, &cut.to_image(), px(at.0), px(at.1));
-        at.0 += trim.width_mm();
-        // The last sheet of a row has no strip to its right: the next begins at the left again.
-        if sheets.get(i + 1).is_some_and(|_| is_last_of_row(sheets, i)) {
-            at = (0.0, at.1 + trim.height_mm());
-        }
+        let x = before(column, |place| place.1, |sheet| sheet.trim.width_mm());
+        let y = before(row, |place| place.0, |sheet| sheet.trim.height_mm());
+        image::imageops::replace(&mut whole, &cut.to_image(), px(x), px(y));
     }
     Page {
         height_mm: f64::from(whole.height()) / dpi * 25.4,
@@ -501,10 +508,12 @@ fn laid_together(pages: &[Page], sheets: &[Sheet]) -> Page {
     }
 }
 
-/// Ids run A1, A2, …, B1: read from the label in the corner.
-fn is_last_of_row(sheets: &[Sheet], i: usize) -> bool {
-    let row = |sheet: &Sheet| label(sheet).chars().nth(4);
-    row(&sheets[i]) != row(&sheets[i + 1])
+/// Row and column of a sheet of the mat, from 0, as the label in its corner says: `mat B3`.
+fn place(sheet: &Sheet) -> (usize, usize) {
+    let label = label(sheet);
+    let id = label.strip_prefix("mat ").unwrap();
+    let row = id.bytes().next().unwrap() - b'A';
+    (usize::from(row), id[1..].parse::<usize>().unwrap() - 1)
 }
 
 fn label(sheet: &Sheet) -> String {

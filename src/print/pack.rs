@@ -54,7 +54,9 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
         return Err(i);
     }
     let mut order: Vec<usize> = (0..sizes.len()).collect();
-    order.sort_by(|a, b| sizes[*b].1.total_cmp(&sizes[*a].1));
+    // What differs by rounding only keeps its order.
+    let high = |i: &usize| (sizes[*i].1 * 100.0).round();
+    order.sort_by(|a, b| high(b).total_cmp(&high(a)));
     let mut rows: Vec<Row> = Vec::new();
     let mut spots = vec![None; sizes.len()];
     for i in order {
@@ -70,6 +72,7 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
             at: PointMm::new(row.x_mm, row.top_mm - height),
         });
         row.x_mm += width + GAP_MM;
+        row.bottom_mm = row.bottom_mm.min(row.top_mm - height);
     }
     Ok(spots.into_iter().flatten().collect())
 }
