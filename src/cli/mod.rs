@@ -12,6 +12,7 @@ mod colour;
 mod compare;
 mod demo;
 mod detectors;
+mod failing_alike;
 mod locate;
 mod merge;
 mod output;
