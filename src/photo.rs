@@ -31,6 +31,8 @@ pub enum PhotoError {
     File(#[from] files::FileError),
     #[error("{path} is not a JPEG or PNG picture: use a photo straight from the camera", path = path.display())]
     NotAPicture { path: PathBuf },
+    #[error("{}", convert_sentence(path, kind))]
+    Heif { path: PathBuf, kind: &'static str },
     #[error("{path} ends in the middle of the picture: copy it from the camera again", path = path.display())]
     Truncated { path: PathBuf },
     #[error("{path} has {size}: scale it down", path = path.display())]
@@ -39,6 +41,22 @@ pub enum PhotoError {
     TooManyScans { path: PathBuf, scans: u64 },
     #[error("{path} cannot be decoded ({reason}): copy it from the camera again", path = path.display())]
     Damaged { path: PathBuf, reason: String },
+}
+
+/// What to do with a picture of another kind that phones make.
+fn convert_sentence(path: &Path, kind: &str) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let how = match kind {
+        "HEIC" => "set the iPhone to Settings › Camera › Formats › Most Compatible, or convert it",
+        _ => "convert it to JPEG",
+    };
+    format!(
+        "{} is {} {kind} picture, which this program does not read: {how} with `heif-dec '{name}' '{stem}.jpg'` (Debian: apt install \
+         libheif-examples, where it may be called heif-convert), and see that it stands upright",
+        path.display(),
+        if kind == "AVIF" { "an" } else { "a" },
+    )
 }
 
 /// One decoded photo, turned upright by its EXIF orientation.
@@ -86,6 +104,8 @@ impl Photo {
 #[derive(Debug, PartialEq)]
 enum DecodeProblem {
     NotAPicture,
+    /// Its kind.
+    Heif(&'static str),
     Truncated,
     /// How large, as a clause.
     TooLarge(String),
@@ -98,6 +118,7 @@ impl DecodeProblem {
         let path = path.to_owned();
         match self {
             DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
+            DecodeProblem::Heif(kind) => PhotoError::Heif { path, kind },
             DecodeProblem::Truncated => PhotoError::Truncated { path },
             DecodeProblem::TooLarge(size) => PhotoError::TooLarge { path, size },
             DecodeProblem::TooManyScans(scans) => PhotoError::TooManyScans { path, scans },
@@ -154,10 +175,30 @@ impl Kind {
         match image::guess_format(bytes) {
             Ok(ImageFormat::Jpeg) => Ok(Kind::Jpeg(Outline::of(bytes).ok_or(DecodeProblem::Truncated)?)),
             Ok(ImageFormat::Png) => Ok(Kind::Png),
-            _ => Err(DecodeProblem::NotAPicture),
+            _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif)),
         }
     }
 }
+
+/// The kind of an HEIF file (ISO 23008-12, 10: its brands), by the `ftyp` box that it begins with.
+fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
+    let length = u32::from_be_bytes(*bytes.first_chunk()?) as usize;
+    let ftyp = bytes.get(4..length.min(bytes.len()).min(LONGEST_FTYP))?;
+    // The major brand, a version, and the brands that the file fits as well.
+    let (major, others) = ftyp.strip_prefix(b"ftyp")?.split_at_checked(4)?;
+    let brands: Vec<&[u8]> = std::iter::once(major).chain(others.chunks_exact(4).skip(1)).collect();
+    let is_any = |known: &[&[u8]]| brands.iter().any(|brand| known.contains(brand));
+    if is_any(&[b"avif", b"avis"]) {
+        Some("AVIF")
+    } else if is_any(&[b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis"]) {
+        Some("HEIC")
+    } else {
+        is_any(&[b"mif1", b"msf1"]).then_some("HEIF")
+    }
+}
+
+/// Files name a handful of brands, 4 bytes each.
+const LONGEST_FTYP: usize = 1024;
 
 /// What EXIF data says; data that cannot be read is no reason to refuse the picture.
 fn orientation_of(exif: Option<&[u8]>) -> Orientation {
@@ -361,6 +402,34 @@ mod tests {
             DecodeProblem::NotAPicture
         );
         assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAPicture);
+    }
+
+    #[test]
+    fn pictures_of_iphones_are_known_by_their_brands() {
+        let ftyp = |brands: &[u8]| {
+            [
+                &(8 + brands.len() as u32).to_be_bytes()[..],
+                b"ftyp",
+                brands,
+                b"\0\0\0\x08mdat",
+            ]
+            .concat()
+        };
+        for (brands, kind) in [
+            (&b"heic\0\0\0\0mif1heic"[..], Some("HEIC")),
+            (b"mif1\0\0\0\0mif1heix", Some("HEIC")),
+            (b"mif1\0\0\0\0mif1", Some("HEIF")),
+            (b"avif\0\0\0\0avifmif1miaf", Some("AVIF")),
+            (b"isom\0\0\x02\0isomiso2", None),
+            (b"", None),
+        ] {
+            let file = ftyp(brands);
+            let problem = kind.map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif);
+            assert_eq!(decode(&file).unwrap_err(), problem, "{}", brands.escape_ascii());
+            for cut in 0..file.len() {
+                let _ = decode(&file[..cut]);
+            }
+        }
     }
 
     proptest! {

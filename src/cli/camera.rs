@@ -43,6 +43,9 @@ struct ConvertArgs {
 struct ShowArgs {
     /// Camera file of any format
     file: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(clap::Args)]
@@ -77,6 +80,7 @@ impl FormatName {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Convert(args) => convert(&args, out)?,
+        What::Show(args) if args.json => writeln!(out, "{}", json(&Camera::open(&args.file)?))?,
         What::Show(args) => show(&Camera::open(&args.file)?, out)?,
         What::Guess(args) => guess(&args, out)?,
     }
@@ -111,8 +115,25 @@ fn save(path: &Path, text: &str, made_from: &Path) -> Result<(), Box<dyn std::er
     Ok(files::write_atomically(path, text.as_bytes())?)
 }
 
+/// The field of view of a side in px, degrees, without distortion.
+fn field_deg(side: u32, focal_px: f64) -> f64 {
+    2.0 * (f64::from(side) / 2.0 / focal_px).atan().to_degrees()
+}
+
+/// What [`show`] says, for programs.
+fn json(camera: &Camera) -> serde_json::Value {
+    serde_json::json!({
+        "size_px": [camera.width, camera.height],
+        "focal_px": [camera.fx, camera.fy],
+        "centre_px": [camera.cx, camera.cy],
+        "sigma_px": camera.sigma_px,
+        "field_of_view_deg": [field_deg(camera.width, camera.fx), field_deg(camera.height, camera.fy)],
+        "distortion": camera.distortion(),
+        "guessed_focal_percent": camera.guess.map(|guess| guess.focal_percent),
+    })
+}
+
 fn show(camera: &Camera, out: &mut dyn Write) -> std::io::Result<()> {
-    let field_deg = |side: u32, focal: f64| 2.0 * (f64::from(side) / 2.0 / focal).atan().to_degrees();
     writeln!(out, "picture          {} × {} px", camera.width, camera.height)?;
     writeln!(out, "focal length     fx {:.2}, fy {:.2} px", camera.fx, camera.fy)?;
     writeln!(out, "principal point  {:.2}, {:.2} px", camera.cx, camera.cy)?;

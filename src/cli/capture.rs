@@ -1,5 +1,6 @@
 //! `scaleproof capture`: walk round the model once and have every view.
 
+mod interrupt;
 mod page;
 mod teller;
 
@@ -9,6 +10,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use self::interrupt::Interruptible;
 use self::teller::Teller;
 use super::{CommandResult, Outcome};
 use crate::camera::Camera;
@@ -41,7 +43,14 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Command {
     /// List the cameras of this machine
-    ListCameras,
+    ListCameras(ListArgs),
+}
+
+#[derive(clap::Args)]
+struct ListArgs {
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(clap::Args)]
@@ -125,14 +134,22 @@ struct Summary {
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match (args.command, args.guided) {
-        (Some(Command::ListCameras), _) => list(out),
+        (Some(Command::ListCameras(args)), _) => list(&args, out),
         (None, Some(guided)) => guide(&guided, &args.wanted, &args.browser, out),
         (None, None) => Err("say where photos come from with --source (see --help)".into()),
     }
 }
 
-fn list(out: &mut dyn Write) -> CommandResult {
+fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
     let cameras = list_cameras().map_err(|reason| format!("the cameras cannot be listed: {reason}"))?;
+    if args.json {
+        let named = cameras.iter().map(|camera| {
+            let source = format!("camera:{}", camera.number);
+            serde_json::json!({ "source": source, "name": camera.name, "description": camera.description })
+        });
+        writeln!(out, "{}", serde_json::json!({ "cameras": named.collect::<Vec<_>>() }))?;
+        return Ok(Outcome::Done);
+    }
     if cameras.is_empty() {
         writeln!(
             out,
@@ -154,7 +171,7 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
     let guidance = wanted.guidance(&scene.bins)?;
-    let mut source = match &args.source {
+    let source = match &args.source {
         Some(SourceName::Upload) if !browser.page => {
             return Err("photos are sent to the page: add --page, or --page --lan for phones".into());
         }
@@ -173,8 +190,9 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
     let store = Store::open(&args.output, &args.scene, &args.camera)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
     take_back(args, &scene, &mut capture, out)?;
-    match (page, &mut source) {
-        (Some(page), _) => {
+    begin(args, &capture, out)?;
+    match (page, source) {
+        (Some(page), source) => {
             let about = About {
                 variant: args.variant.clone(),
                 place: args.place.clone(),
@@ -192,7 +210,7 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
                 Teller::new(args.json, is_stream, out),
             )?;
         }
-        (None, Some(source)) => follow(source.as_mut(), &mut capture, Teller::new(args.json, is_stream, out))?,
+        (None, Some(source)) => follow(source, args, &mut capture, Teller::new(args.json, is_stream, out))?,
         (None, None) => {}
     }
     finish(&capture, args.json, out)
@@ -259,22 +277,72 @@ fn take_back(
     Ok(())
 }
 
-/// Shows the capture every frame until all views are there or the source ends.
+/// Says what the capture waits for, before anything happens; programs read it in the summary.
+fn begin(args: &Guided, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
+    let guidance = capture.guidance();
+    let (all, open) = (guidance.targets().len(), guidance.open().count());
+    let (Some(first), Some(source)) = (guidance.open().next(), &args.source) else {
+        return Ok(());
+    };
+    if args.json {
+        return Ok(());
+    }
+    let views = match open == all {
+        true => format!("{} to take; start {}", counted(all), place(&first.viewpoint)),
+        false => format!(
+            "{open} of {} still open; go on {}",
+            counted(all),
+            place(&first.viewpoint)
+        ),
+    };
+    let how = match source {
+        SourceName::Watch(folder) if args.headless => format!("looking at the photos in {}", folder.display()),
+        SourceName::Watch(folder) => format!("copy photos into {}; Ctrl-C ends", folder.display()),
+        SourceName::Replay(folder) => format!("replaying the photos of {}", folder.display()),
+        SourceName::Camera(_) => "walk round the model with the camera; Ctrl-C ends".to_owned(),
+        SourceName::Upload => "send photos to the page".to_owned(),
+    };
+    writeln!(out, "{views}; {how}")?;
+    out.flush()
+}
+
+fn counted(views: usize) -> String {
+    format!("{views} view{}", if views == 1 { "" } else { "s" })
+}
+
+/// Where to stand, as people say it.
+fn place(v: &Viewpoint) -> String {
+    let side = match v.azimuth_deg.round().rem_euclid(360.0) {
+        0.0 => "in front of the model".to_owned(),
+        90.0 => "at the model's left side".to_owned(),
+        180.0 => "behind the model".to_owned(),
+        270.0 => "at the model's right side".to_owned(),
+        azimuth => format!("at {azimuth:.0}° round the model"),
+    };
+    format!("{side} ({:.0}° up, {:.0} mm away)", v.pitch_deg, v.distance_mm)
+}
+
+/// Shows the capture every frame until all views are there, the source ends, or somebody presses Ctrl-C.
 fn follow(
-    source: &mut dyn FrameSource,
+    source: Box<dyn FrameSource + Send>,
+    args: &Guided,
     capture: &mut Capture,
     mut teller: Teller,
 ) -> Result<(), Box<dyn std::error::Error>> {
+    let mut source = Interruptible::new(source);
     let mut settings = None;
     while !capture.guidance().is_finished() {
-        let Some(frame) = source.next()? else { break };
-        if settings != source.settings() {
-            settings = source.settings();
+        let Some((frame, set)) = source.next()? else { break };
+        if settings != set {
+            settings = set;
             settings.iter().for_each(|settings| teller.set(settings));
             capture.set_camera_settings(settings.clone());
         }
         let answer = capture.see(&frame)?;
         teller.seen(&frame.name, &answer, capture.guidance())?;
+    }
+    if source.was_interrupted() {
+        say!("stopped; the same command with -o {} goes on", args.output.display());
     }
     Ok(())
 }

@@ -1,15 +1,19 @@
 //! `scaleproof locate`: where did the camera stand in these photos?
 
+mod overlay;
+
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::failing_alike::{self, Files, MOST_LISTED};
 use super::{CommandResult, Outcome, progress};
 use crate::camera::{Camera, Fitted};
+use crate::envelope::Outline;
 use crate::geometry::rigid;
-use crate::locate::{self, Abstention, IgnoredTag, Located, Sigma, Warning};
+use crate::locate::{Abstention, Examined, IgnoredTag, Located, Sigma, Warning};
 use crate::photo::{PhotoError, PhotoFile};
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
@@ -34,6 +38,9 @@ pub struct Args {
     /// What finds the tags: coarse-to-fine, apriltag, aruco, aruco-subpix, aruco-contour, aruco-apriltag or locus.
     #[arg(long, value_name = "NAME", default_value_t)]
     tag_detector: TagDetectorChoice,
+    /// Write copies of the photos here, with the tags, the model's box and axes, the pose or the reason drawn on them.
+    #[arg(long, value_name = "DIR")]
+    overlay: Option<PathBuf>,
     /// One JSON object a line instead of a table.
     #[arg(long)]
     json: bool,
@@ -69,34 +76,42 @@ struct Line {
     cautions: Vec<String>,
 }
 
-/// A photo with a pose, and the camera it was found with.
-struct Found {
-    located: Located,
-    fitted: Fitted,
-}
-
-/// A photo without a pose: the word for programs and the sentence.
-struct NoPose {
-    code: &'static str,
-    reason: String,
-}
+/// What was found in a photo, or why it cannot be read.
+type Answer = Result<Examined, PhotoError>;
 
 const UNREADABLE: &str = "unreadable";
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let scene = Scene::open(&args.scene)?;
-    let camera = Camera::open(&args.camera)?;
-    let results = locate_all(&args.photos, &scene, &camera, args.tag_detector)?;
+    let files = Files {
+        scene: Scene::open(&args.scene)?,
+        camera: Camera::open(&args.camera)?,
+        scene_file: args.scene,
+        camera_file: args.camera,
+    };
+    let overlays = args
+        .overlay
+        .as_deref()
+        .map(|folder| overlay::places(folder, &args.photos))
+        .transpose()?;
+    let answers = locate_all(&args.photos, &files.scene, &files.camera, args.tag_detector)?;
+    let cause = cause(&args.photos, &answers, &files);
+    let alike = is_alike(&answers, cause.is_some());
     if args.json {
-        for (path, result) in args.photos.iter().zip(&results) {
-            writeln!(out, "{}", serde_json::to_string(&line(path, result))?)?;
+        for (path, answer) in args.photos.iter().zip(&answers) {
+            writeln!(out, "{}", serde_json::to_string(&line(path, answer))?)?;
         }
     } else {
-        write_table(&args.photos, &results, out)?;
+        write_table(&args.photos, &answers, alike, out)?;
     }
-    explain(&args.photos, &results);
-    let unreadable = results.iter().any(|r| r.as_ref().is_err_and(|e| e.code == UNREADABLE));
-    let none_located = results.iter().all(Result::is_err);
+    explain(&args.photos, &answers, alike);
+    cause.iter().for_each(|cause| say!("note: {cause}"));
+    if let (Some(folder), Some(places)) = (&args.overlay, &overlays) {
+        draw(&args.photos, &answers, places, &files)?;
+        let drawn = answers.iter().filter(|answer| answer.is_ok()).count();
+        say!("note: {drawn} pictures with what was found are in {}", folder.display());
+    }
+    let unreadable = answers.iter().any(Result::is_err);
+    let none_located = answers.iter().all(|answer| located(answer).is_none());
     Ok(if unreadable || none_located {
         Outcome::SomeInputBad
     } else {
@@ -107,14 +122,14 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 /// Locates every photo of a session and writes the table.
 pub fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
-    let results = locate_all(
+    let answers = locate_all(
         &photos,
         &session.scene,
         session.known_camera()?,
         TagDetectorChoice::default(),
     )?;
-    write_table(&photos, &results, out)?;
-    explain(&photos, &results);
+    write_table(&photos, &answers, false, out)?;
+    explain(&photos, &answers, false);
     Ok(())
 }
 
@@ -124,36 +139,83 @@ fn locate_all(
     scene: &Scene,
     camera: &Camera,
     tag_detector: TagDetectorChoice,
-) -> Result<Vec<Result<Found, NoPose>>, StartError> {
+) -> Result<Vec<Answer>, StartError> {
     let families = scene.families();
     let bar = progress::photos("locating", photos.len());
-    let results = workers::map(
-        photos,
-        || tag_detector.open(&families),
-        |tags, path| Ok(locate_file(path, tags, scene, camera)),
-        || bar.inc(1),
-    );
+    let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
+        let photo = PhotoFile::open(path);
+        Ok(photo.and_then(|photo| failing_alike::examine(&photo, tags.as_mut(), scene, camera)))
+    };
+    let answers = workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1));
     bar.finish_and_clear();
-    results
+    answers
 }
 
-fn write_table(photos: &[PathBuf], results: &[Result<Found, NoPose>], out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "{}", heading())?;
-    photos
+/// The pose of a photo that has one.
+fn located(answer: &Answer) -> Option<&Located> {
+    answer.as_ref().ok()?.result.as_ref().ok()
+}
+
+/// Why a photo that could be read has no pose.
+fn abstention(answer: &Answer) -> Option<&Abstention> {
+    answer.as_ref().ok()?.result.as_ref().err()
+}
+
+/// The word for programs why there is no pose.
+fn code(answer: &Answer) -> Option<&'static str> {
+    match answer {
+        Ok(examined) => examined.result.as_ref().err().map(Abstention::code),
+        Err(_) => Some(UNREADABLE),
+    }
+}
+
+/// The one cause for nearly all photos, as a sentence, if there is one.
+fn cause(photos: &[PathBuf], answers: &[Answer], files: &Files) -> Option<String> {
+    let read = photos
         .iter()
-        .zip(results)
-        .try_for_each(|(path, result)| writeln!(out, "{}", row(path, result)))
+        .zip(answers)
+        .filter_map(|(path, answer)| Some((path.as_path(), answer.as_ref().ok()?)));
+    files.cause(&read.collect::<Vec<_>>())
+}
+
+/// Whether the photos without a pose are told of together: they have one cause, or no photo has a pose and all lack it for one reason.
+fn is_alike(answers: &[Answer], has_cause: bool) -> bool {
+    let codes: BTreeSet<Option<&str>> = answers.iter().map(code).collect();
+    let without_pose = answers.iter().filter(|answer| abstention(answer).is_some()).count();
+    without_pose > MOST_LISTED && (has_cause || codes.len() == 1)
+}
+
+/// `alike`: one row for all photos that were read and have no pose.
+fn write_table(photos: &[PathBuf], answers: &[Answer], alike: bool, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "{}", heading())?;
+    for (path, answer) in photos.iter().zip(answers) {
+        if !alike || abstention(answer).is_none() {
+            writeln!(out, "{}", row(path, answer))?;
+        }
+    }
+    let codes: BTreeSet<&str> = answers.iter().filter_map(abstention).map(Abstention::code).collect();
+    if alike {
+        let codes: Vec<&str> = codes.into_iter().collect();
+        writeln!(out, "{}: no pose ({})", without_pose(answers), codes.join(", "))?;
+    }
+    Ok(())
+}
+
+/// `all 24 photos`, `23 of 24 photos`.
+fn without_pose(answers: &[Answer]) -> String {
+    let count = answers.iter().filter(|answer| abstention(answer).is_some()).count();
+    match count == answers.len() {
+        true => format!("all {count} photos"),
+        false => format!("{count} of {} photos", answers.len()),
+    }
 }
 
 /// Says on standard error why photos got no pose, which tags the others outvoted, and once each what to know before believing
 /// the answers.
-fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
-    for (path, found) in photos
-        .iter()
-        .zip(results)
-        .filter_map(|(p, r)| Some((p, r.as_ref().ok()?)))
-    {
-        for tag in found.located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()) {
+fn explain(photos: &[PathBuf], answers: &[Answer], alike: bool) {
+    let each = || photos.iter().zip(answers);
+    for (path, found) in each().filter_map(|(path, answer)| Some((path, located(answer)?))) {
+        for tag in found.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()) {
             say!(
                 "note on {}: tag {} {}; it was left out",
                 path.display(),
@@ -162,53 +224,82 @@ fn explain(photos: &[PathBuf], results: &[Result<Found, NoPose>]) {
             );
         }
     }
-    for (path, no_pose) in photos
-        .iter()
-        .zip(results)
-        .filter_map(|(p, r)| Some((p, r.as_ref().err()?)))
-    {
-        // What is wrong with a file names the file already.
-        match no_pose.code {
-            UNREADABLE => say!("error: {}", no_pose.reason),
-            _ => say!("no pose for {}: {}", path.display(), no_pose.reason),
+    unreadable(answers);
+    let mut abstained = each().filter_map(|(path, answer)| Some((path, abstention(answer)?)));
+    match abstained.next() {
+        Some((first, reason)) if alike => {
+            say!(
+                "no pose for {}; {}, for one: {reason}",
+                without_pose(answers),
+                first.display()
+            );
+        }
+        first => {
+            let all = first.into_iter().chain(abstained);
+            all.for_each(|(path, reason)| say!("no pose for {}: {reason}", path.display()));
         }
     }
-    let cautions: BTreeSet<String> = results
+    let cautions: BTreeSet<String> = answers
         .iter()
         .flatten()
-        .flat_map(|found| found.fitted.cautions())
+        .filter(|examined| examined.result.is_ok())
+        .filter_map(|examined| examined.fitted.as_ref())
+        .flat_map(Fitted::cautions)
         .collect();
     cautions.iter().for_each(|caution| say!("note: {caution}"));
 }
 
-fn locate_file(path: &Path, tags: &mut dyn TagDetector, scene: &Scene, camera: &Camera) -> Result<Found, NoPose> {
-    let unreadable = |e: PhotoError| NoPose {
-        code: UNREADABLE,
-        reason: e.to_string(),
-    };
-    let photo = PhotoFile::open(path).map_err(unreadable)?;
-    let grey = photo.grey().map_err(unreadable)?;
-    let fitted = camera.for_photo(photo.width, photo.height, photo.turned_deg);
-    fitted
-        .map_err(Abstention::from)
-        .and_then(|fitted| {
-            let located = locate::locate(&tags.find(&grey), scene, &fitted.camera)?;
-            Ok(Found { located, fitted })
-        })
-        .map_err(|e| NoPose {
-            code: e.code(),
-            reason: e.to_string(),
-        })
+/// What is wrong with files names them already. Of many that are wrong in one way, the first is named.
+fn unreadable(answers: &[Answer]) {
+    let errors: Vec<&PhotoError> = answers.iter().filter_map(|answer| answer.as_ref().err()).collect();
+    let kinds: Vec<_> = errors.iter().map(|e| std::mem::discriminant(*e)).collect();
+    let is_one_kind = kinds.windows(2).all(|pair| pair[0] == pair[1]);
+    match &errors[..] {
+        [first, others @ ..] if is_one_kind && errors.len() > MOST_LISTED => {
+            say!("error: {first}");
+            say!("error: {} more photos cannot be read for the same reason", others.len());
+        }
+        all => all.iter().for_each(|e| say!("error: {e}")),
+    }
 }
 
-fn line(path: &Path, result: &Result<Found, NoPose>) -> Line {
-    let (found, no_pose) = (result.as_ref().ok(), result.as_ref().err());
-    let (found, fitted) = (found.map(|f| &f.located), found.map(|f| &f.fitted));
+/// Writes the picture of every photo that could be read.
+fn draw(
+    photos: &[PathBuf],
+    answers: &[Answer],
+    places: &[PathBuf],
+    files: &Files,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let folder = files.scene_file.parent().unwrap_or(Path::new(""));
+    let outline = Outline::open(&files.scene.model, folder)?;
+    let read = photos.iter().zip(answers).zip(places);
+    let read: Vec<_> = read
+        .filter_map(|((photo, answer), place)| Some((photo, answer.as_ref().ok()?, place)))
+        .collect();
+    let bar = progress::photos("drawing", read.len());
+    let drawn = workers::map(
+        &read,
+        || Ok(()),
+        |(), (photo, examined, place)| overlay::write(place, photo, examined, &files.scene, &outline),
+        || bar.inc(1),
+    );
+    bar.finish_and_clear();
+    drawn?;
+    Ok(())
+}
+
+fn line(path: &Path, answer: &Answer) -> Line {
+    let found = located(answer);
+    let fitted = answer.as_ref().ok().and_then(|examined| examined.fitted.as_ref());
+    let reason = match answer {
+        Ok(examined) => examined.result.as_ref().err().map(Abstention::to_string),
+        Err(e) => Some(e.to_string()),
+    };
     Line {
         file: path.display().to_string(),
         status: if found.is_some() { "located" } else { "abstained" },
-        reason: no_pose.map(|n| n.reason.clone()),
-        code: no_pose.map(|n| n.code),
+        reason,
+        code: code(answer),
         azimuth_deg: found.map(|l| l.viewpoint.azimuth_deg),
         pitch_deg: found.map(|l| l.viewpoint.pitch_deg),
         distance_mm: found.map(|l| l.viewpoint.distance_mm),
@@ -226,6 +317,26 @@ fn line(path: &Path, result: &Result<Found, NoPose>) -> Line {
     }
 }
 
+/// A pose as two lines of words.
+fn words(l: &Located) -> String {
+    let (v, s, b) = (&l.viewpoint, &l.sigma, &l.bin);
+    format!(
+        "azimuth {:.2}° ± {:.2}°, pitch {:.2}° ± {:.2}°, distance {:.1} mm ± {:.1} mm\nbin {}°/{}°/{} mm, {:.0} % sure; {} tags, rms {:.2} px",
+        v.azimuth_deg,
+        s.azimuth_deg,
+        v.pitch_deg,
+        s.pitch_deg,
+        v.distance_mm,
+        s.distance_mm,
+        b.azimuth_deg,
+        b.pitch_deg,
+        b.distance_mm,
+        (100.0 * l.bin_probability).floor(),
+        l.tags.len(),
+        l.rms_px
+    )
+}
+
 fn heading() -> String {
     format!(
         "{:<28} {:>9} {:>7} {:>8} {:>11} {:>16} {:>6} {:>5} {:>7}",
@@ -233,10 +344,10 @@ fn heading() -> String {
     )
 }
 
-fn row(path: &Path, result: &Result<Found, NoPose>) -> String {
+fn row(path: &Path, answer: &Answer) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    match result {
-        Ok(Found { located: l, .. }) => {
+    match located(answer) {
+        Some(l) => {
             let (v, b) = (&l.viewpoint, &l.bin);
             let bin = format!("{}°/{}°/{} mm", b.azimuth_deg, b.pitch_deg, b.distance_mm);
             format!(
@@ -250,6 +361,6 @@ fn row(path: &Path, result: &Result<Found, NoPose>) -> String {
                 l.rms_px
             )
         }
-        Err(no_pose) => format!("{name:<28} no pose ({})", no_pose.code),
+        None => format!("{name:<28} no pose ({})", code(answer).unwrap_or_default()),
     }
 }

@@ -18,6 +18,7 @@ mod compare;
 mod completions;
 mod demo;
 mod detectors;
+mod failing_alike;
 mod locate;
 mod merge;
 mod mistakes;

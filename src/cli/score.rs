@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::sessions::{self, Opened};
-use super::{CommandResult, Outcome, at_hand, detectors, progress};
+use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress};
 use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, SpeedError, Speeds, WeightFolders};
 use crate::files;
 use crate::report;
@@ -222,10 +222,11 @@ pub fn score_with_progress(
     options: &Options,
 ) -> Result<Scores, ScoreError> {
     let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
+    let sets: Vec<_> = sessions.iter().filter_map(failing_alike::Set::of).collect();
     let scores = score::score(sessions, contestants, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
-    scores
+    failing_alike::explained(scores, &sets)
 }
 
 fn complain(options: &Options) {
@@ -303,9 +304,7 @@ pub fn fingerprint(c: &Contestant) -> String {
 
 /// Says on standard error which photos were left out, and what to know before believing the figures.
 pub fn caution(scores: &Scores) {
-    for photo in &scores.not_scored {
-        say!("not scored: {}/{}: {}", photo.session, photo.file, photo.reason);
-    }
+    failing_alike::say_not_scored(scores);
     for caution in &scores.cautions {
         say!("note: {caution}");
     }

@@ -1,7 +1,9 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
 mod consensus;
+pub mod diagnosis;
 mod doubt;
+mod factor;
 mod matches;
 mod plain_view;
 mod planar;
@@ -24,7 +26,9 @@ use matches::{Corners, Match};
 use refine::NO_BEND;
 use solver::Candidate;
 
+pub use diagnosis::{Diagnosis, Examined};
 pub use doubt::Abstention;
+pub use factor::spread;
 pub use matches::{Ignored, IgnoredTag};
 pub use planar::planar_branches;
 pub use solver::Solver;

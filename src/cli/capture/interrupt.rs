@@ -1,0 +1,91 @@
+//! Ctrl-C while a capture waits: the first ends it as when the source ends, the second at once.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use crate::capture::{CameraSettings, Frame, FrameSource, SourceError};
+
+/// What a source gave, and what its camera is set to.
+type Given = Result<Option<(Frame, Option<CameraSettings>)>, SourceError>;
+
+enum Event {
+    Given(Given),
+    Interrupted,
+}
+
+/// Says that there will be no more when the source's thread ends, by a panic too, which was told by then.
+struct Last(Sender<Event>);
+
+impl Drop for Last {
+    fn drop(&mut self) {
+        let _ = self.0.send(Event::Given(Ok(None)));
+    }
+}
+
+/// A source that is asked from a thread of its own, so that Ctrl-C is heard while it waits.
+pub(super) struct Interruptible {
+    ask: Sender<()>,
+    events: Receiver<Event>,
+    was_interrupted: bool,
+}
+
+impl Interruptible {
+    /// A source that waits for ever is left behind in its thread when the program ends.
+    pub(super) fn new(mut source: Box<dyn FrameSource + Send>) -> Interruptible {
+        let (ask, asked) = channel();
+        let (tell, events) = channel();
+        let interrupt = tell.clone();
+        std::thread::spawn(move || {
+            let tell = Last(tell);
+            while asked.recv().is_ok() {
+                let given = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
+                if tell.0.send(Event::Given(given)).is_err() {
+                    break;
+                }
+            }
+        });
+        std::thread::spawn(move || listen(&interrupt));
+        Interruptible {
+            ask,
+            events,
+            was_interrupted: false,
+        }
+    }
+
+    /// The next frame, waited for; `None` when there will be no more, also after Ctrl-C.
+    ///
+    /// # Errors
+    /// The source is gone.
+    pub(super) fn next(&mut self) -> Given {
+        if self.was_interrupted || self.ask.send(()).is_err() {
+            return Ok(None);
+        }
+        match self.events.recv() {
+            Ok(Event::Given(given)) => given,
+            Ok(Event::Interrupted) => {
+                self.was_interrupted = true;
+                Ok(None)
+            }
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Whether Ctrl-C ended it.
+    pub(super) fn was_interrupted(&self) -> bool {
+        self.was_interrupted
+    }
+}
+
+/// Waits for Ctrl-C; without a runtime for that, Ctrl-C ends the program as it always does.
+fn listen(events: &Sender<Event>) {
+    let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else {
+        return;
+    };
+    runtime.block_on(async {
+        if tokio::signal::ctrl_c().await.is_ok() {
+            let _ = events.send(Event::Interrupted);
+            if tokio::signal::ctrl_c().await.is_ok() {
+                std::process::exit(130);
+            }
+        }
+    });
+}

@@ -1,0 +1,166 @@
+//! Photos that fail alike: the cause, said once, instead of a line for each.
+
+use std::path::{Path, PathBuf};
+
+use crate::camera::Camera;
+use crate::locate::{self, Abstention, Diagnosis, Examined, diagnosis, spread};
+use crate::photo::{PhotoError, PhotoFile};
+use crate::scene::{Scene, TagFamily};
+use crate::score::{ScoreError, Scores};
+use crate::session::Session;
+use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
+
+/// Fewer are listed one by one: that is read as fast.
+pub const MOST_LISTED: usize = 3;
+
+/// So many photos, spread evenly, are looked at again to find the cause, where nobody kept what was seen in them.
+const LOOKED_AT: usize = 12;
+
+/// So many photos are searched for tags of all families.
+const SEARCHED_FOR_ALL: usize = 4;
+
+/// What photos were located with, and the files it comes from.
+pub struct Files {
+    pub scene: Scene,
+    pub scene_file: PathBuf,
+    pub camera: Camera,
+    pub camera_file: PathBuf,
+}
+
+/// A photo's tags, its camera and its pose, or why it has none.
+///
+/// # Errors
+/// A photo that cannot be read.
+pub fn examine(
+    photo: &PhotoFile,
+    tags: &mut dyn TagDetector,
+    scene: &Scene,
+    camera: &Camera,
+) -> Result<Examined, PhotoError> {
+    let fitted = camera.for_photo(photo.width, photo.height, photo.turned_deg);
+    let seen = tags.find(&photo.grey()?);
+    let result = match &fitted {
+        Ok(fitted) => locate::locate(&seen, scene, &fitted.camera),
+        Err(e) => Err(Abstention::from(e.clone())),
+    };
+    Ok(Examined {
+        seen,
+        fitted: fitted.ok(),
+        result,
+    })
+}
+
+impl Files {
+    /// The one cause for photos that were examined, as a sentence, if there is one.
+    pub fn cause(&self, photos: &[(&Path, &Examined)]) -> Option<String> {
+        let examined: Vec<&Examined> = photos.iter().map(|(_, examined)| *examined).collect();
+        let others = match diagnosis::is_without_tags(&examined) {
+            true => self.with_every_family(&photos.iter().map(|(path, _)| *path).collect::<Vec<_>>()),
+            false => Vec::new(),
+        };
+        let found = diagnosis::diagnose(&examined, &others, &self.scene)?;
+        Some(self.sentence(&found))
+    }
+
+    fn sentence(&self, found: &Diagnosis) -> String {
+        found.sentence(&self.scene, &self.scene_file, &self.camera, &self.camera_file)
+    }
+
+    /// The same for photos that only have names.
+    pub fn cause_in_files(&self, photos: &[PathBuf]) -> Option<String> {
+        let paths: Vec<&Path> = photos.iter().map(PathBuf::as_path).collect();
+        let mut tags = TagDetectorChoice::default().open(&self.scene.families()).ok()?;
+        let mut examine = |path: &Path| {
+            let photo = PhotoFile::open(path).ok()?;
+            self::examine(&photo, &mut tags, &self.scene, &self.camera).ok()
+        };
+        let paths = spread(&paths, LOOKED_AT);
+        let examined: Vec<(&Path, Examined)> = paths.iter().filter_map(|path| Some((*path, examine(path)?))).collect();
+        let examined: Vec<(&Path, &Examined)> = examined.iter().map(|(path, examined)| (*path, examined)).collect();
+        self.cause(&examined)
+    }
+
+    /// What some photos show of the families that the scene does not have.
+    fn with_every_family(&self, photos: &[&Path]) -> Vec<Vec<SeenTag>> {
+        let own = self.scene.families();
+        let others = TagFamily::ALL
+            .into_iter()
+            .map(|(family, _)| family)
+            .filter(|f| !own.contains(f));
+        let others: Vec<TagFamily> = others.collect();
+        let Ok(mut tags) = TagDetectorChoice::default().open(&others) else {
+            return Vec::new();
+        };
+        let grey = |path: &&Path| PhotoFile::open(path).ok()?.grey().ok();
+        let pictures = spread(photos, SEARCHED_FOR_ALL);
+        pictures.iter().filter_map(grey).map(|grey| tags.find(&grey)).collect()
+    }
+}
+
+/// What a session's photos are located with, and some of them; kept while the session itself is scored.
+pub struct Set {
+    files: Files,
+    photos: Vec<PathBuf>,
+}
+
+impl Set {
+    /// `None` for a session whose photos carry their truth: they are not located.
+    pub fn of(session: &Session) -> Option<Set> {
+        let needs_tags = session
+            .photos
+            .iter()
+            .filter(|p| p.box_xyxy_px.is_none() || p.viewpoint.is_none());
+        let photos: Vec<PathBuf> = needs_tags.map(|p| session.photo_path(p)).collect();
+        // `session.json`, the scene, its mesh and the camera file.
+        let named = |at: Option<&(String, String)>| at.map(|(name, _)| PathBuf::from(name));
+        Some(Set {
+            files: Files {
+                scene: session.scene.clone(),
+                scene_file: named(session.hashes.get(1)).unwrap_or_else(|| "scene.toml".into()),
+                camera: session.camera.clone()?,
+                camera_file: named(session.hashes.last()).unwrap_or_else(|| "camera.yaml".into()),
+            },
+            photos,
+        })
+        .filter(|set| set.photos.len() > MOST_LISTED)
+    }
+
+    fn cause(&self) -> Option<String> {
+        self.files.cause_in_files(&self.photos)
+    }
+}
+
+/// The error of a run that scored nothing, with the cause that all photos share.
+pub fn explained(scores: Result<Scores, ScoreError>, sets: &[Set]) -> Result<Scores, ScoreError> {
+    scores.map_err(|e| match e {
+        ScoreError::NothingScored { photos, file, reason } => {
+            let causes = sets.iter().filter_map(Set::cause);
+            let reason = std::iter::once(reason).chain(causes).collect::<Vec<_>>().join("; ");
+            ScoreError::NothingScored { photos, file, reason }
+        }
+        e => e,
+    })
+}
+
+/// Says on standard error which photos were left out: one by one, or a session's together where they have one cause.
+pub fn say_not_scored(scores: &Scores) {
+    for session in &scores.sessions {
+        let left_out: Vec<_> = scores.not_scored.iter().filter(|p| p.session == session.name).collect();
+        let scored = session.photos.len().saturating_sub(left_out.len());
+        let is_alike = left_out.len() > MOST_LISTED && left_out.len() >= 4 * scored;
+        match is_alike.then(|| Set::of(session)?.cause()).flatten() {
+            Some(cause) => {
+                say!(
+                    "not scored: {} of {} photos of {}",
+                    left_out.len(),
+                    session.photos.len(),
+                    session.name
+                );
+                say!("note: {cause}");
+            }
+            None => left_out
+                .iter()
+                .for_each(|p| say!("not scored: {}/{}: {}", p.session, p.file, p.reason)),
+        }
+    }
+}
