@@ -490,7 +490,7 @@ fn a_new_session_is_whole_or_nothing_and_replaces_nothing() {
     {
         use std::os::unix::fs::PermissionsExt;
         let photo = desk.at(NORMAL).join("normal ü 007.jpg");
-        std::fs::set_permissions(&photo, std::fs::Permissions::from_mode(0)).unwrap();
+        std::fs::set_permissions(&photo, std::fs::Permissions::from_mode(0o000)).unwrap();
         // Who may read everything cannot be refused.
         if std::fs::read(&photo).is_err() {
             let output = desk.run(&[&["session", "new", "new", &normal, "--copy"][..], &about].concat());
