@@ -25,7 +25,7 @@ impl Commands {
         let mut open: Vec<_> = asked(&[]).map(|found| (Vec::new(), found)).into_iter().collect();
         while let Some((path, (mut command, names))) = open.pop() {
             for name in names {
-                let inner = [&path[..], &[name.clone()]].concat();
+                let inner = [&path[..], std::slice::from_ref(&name)].concat();
                 // What the help lists need not be commands.
                 if let Some(found) = asked(&inner) {
                     command.subcommands.push(name);
