@@ -26,7 +26,7 @@ use scratch::Scratch;
 const README_WORDS: usize = 1000;
 
 /// Options of other programs that the documentation shows.
-const FOREIGN_OPTIONS: [&str; 19] = [
+const FOREIGN_OPTIONS: [&str; 18] = [
     "--all-targets",
     "--array",
     "--bin",
@@ -39,7 +39,6 @@ const FOREIGN_OPTIONS: [&str; 19] = [
     "--no-deps",
     "--nocapture",
     "--path",
-    "--quiet",
     "--release",
     "--test",
     "--test-threads",

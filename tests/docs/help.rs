@@ -1,6 +1,7 @@
 //! The commands of the program and their options, as `--help` shows them: hidden spellings are not among them.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 use crate::common;
 
@@ -14,18 +15,26 @@ struct Command {
 }
 
 impl Commands {
-    pub fn of_program() -> Commands {
+    pub fn of_program() -> &'static Commands {
+        static COMMANDS: OnceLock<Commands> = OnceLock::new();
+        COMMANDS.get_or_init(Commands::asked)
+    }
+
+    fn asked() -> Commands {
         let mut all = BTreeMap::new();
-        let mut open = vec![Vec::new()];
-        while let Some(path) = open.pop() {
-            let command = asked(&path);
-            let inner = command
-                .subcommands
-                .iter()
-                .map(|name| [&path[..], &[name.clone()]].concat());
-            open.extend(inner);
+        let mut open: Vec<_> = asked(&[]).map(|found| (Vec::new(), found)).into_iter().collect();
+        while let Some((path, (mut command, names))) = open.pop() {
+            for name in names {
+                let inner = [&path[..], std::slice::from_ref(&name)].concat();
+                // What the help lists need not be commands.
+                if let Some(found) = asked(&inner) {
+                    command.subcommands.push(name);
+                    open.push((inner, found));
+                }
+            }
             all.insert(path, command);
         }
+        assert!(all.len() > 40, "only {} commands were found in the help", all.len());
         Commands(all)
     }
 
@@ -83,27 +92,33 @@ fn is_word(word: &str) -> bool {
     !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c == '-')
 }
 
-fn asked(path: &[String]) -> Command {
+/// The options in the help of a command, and the names that may be its subcommands. `None` for what is no command.
+fn asked(path: &[String]) -> Option<(Command, BTreeSet<String>)> {
     let output = common::program().args(path).arg("--help").output().unwrap();
-    assert!(output.status.success(), "{path:?}: {}", common::stderr(&output));
-    let mut command = Command::default();
-    let mut part = String::new();
-    for line in common::stdout(&output).lines() {
-        if !line.starts_with(' ') && line.ends_with(':') {
-            part = line.to_owned();
-        } else if part == "Commands:" {
-            // The name stands at two blanks; further lines of its text stand deeper.
-            let name = line.strip_prefix("  ").filter(|l| !l.starts_with(' '));
-            let name = name.and_then(|l| l.split_whitespace().next());
-            command
-                .subcommands
-                .extend(name.filter(|name| *name != "help").map(str::to_owned));
-        } else if line.trim_start().starts_with('-') {
-            let words = line.split_whitespace().take_while(|word| word.starts_with('-'));
-            command
-                .options
-                .extend(words.map(|word| word.trim_end_matches([',', '.']).to_owned()));
+    let help = common::stdout(&output);
+    let usage = format!("scaleproof {}", path.join(" "));
+    let is_its_own = help
+        .lines()
+        .any(|line| line.contains("Usage: ") && line.contains(usage.trim_end()));
+    if !output.status.success() || !is_its_own {
+        return None;
+    }
+    let (mut command, mut names) = (Command::default(), BTreeSet::new());
+    for line in help.lines() {
+        let mut words = line.split_whitespace().peekable();
+        match words.peek() {
+            Some(first) if first.starts_with('-') => {
+                let own = words.take_while(|word| word.starts_with('-'));
+                command
+                    .options
+                    .extend(own.map(|word| word.trim_end_matches([',', '.']).to_owned()));
+            }
+            // A name stands at two blanks; further lines of its text stand deeper.
+            Some(first) if line.starts_with("  ") && !line.starts_with("   ") && is_word(first) && *first != "help" => {
+                names.insert((*first).to_owned());
+            }
+            _ => {}
         }
     }
-    command
+    Some((command, names))
 }
