@@ -181,14 +181,14 @@ fn what_was_written_is_told_as_json() {
 fn a_chart_is_told_as_json() {
     let folder = tempfile::tempdir().unwrap();
     let session = home().join("captures/skyline").display().to_string();
-    let arguments = format!("chart capture --session {session} -o charts --json");
+    let arguments = format!("chart envelope --session {session} --truth {session}/truth.json -o charts --json");
     let output = run(folder.path(), &arguments);
     let answer: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(
         answer["files"],
-        serde_json::json!(["charts/capture.json", "charts/capture.svg"])
+        serde_json::json!(["charts/envelope.json", "charts/envelope.svg"])
     );
-    let written = common::read_json(&folder.path().join("charts/capture.json"));
+    let written = common::read_json(&folder.path().join("charts/envelope.json"));
     assert_eq!(answer["rows"], written["rows"]);
 }
 
@@ -295,12 +295,12 @@ fn colours_are_for_terminals_that_may_have_them() {
     }
     // No cursor is moved where that cannot be.
     let demo = format!(
-        "chart capture --session {} -o {}",
+        "chart envelope --session {0} --truth {0}/truth.json -o {1}",
         home().join("captures/skyline").display(),
         tempfile::tempdir().unwrap().path().display()
     );
     let dumb = in_terminal(&demo, &[("TERM", "dumb")]).unwrap();
-    assert!(dumb.contains("capture.svg") && !dumb.contains(ESCAPE), "{dumb:?}");
+    assert!(dumb.contains("envelope.svg") && !dumb.contains(ESCAPE), "{dumb:?}");
 }
 
 #[test]

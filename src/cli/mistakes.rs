@@ -47,7 +47,7 @@ fn named(whole: &Command, arguments: &[OsString]) -> String {
     path
 }
 
-/// The words that clap finds near, as in `'--output'`.
+/// The word that clap finds nearest, as in `'--output'`.
 fn suggestion(e: &clap::Error) -> Option<String> {
     let kinds = [
         ContextKind::SuggestedArg,
@@ -57,10 +57,8 @@ fn suggestion(e: &clap::Error) -> Option<String> {
     let near = kinds.iter().find_map(|kind| e.get(*kind))?;
     match near {
         ContextValue::String(word) => Some(format!("'{word}'")),
-        ContextValue::Strings(words) if !words.is_empty() => {
-            let words: Vec<_> = words.iter().map(|word| format!("'{word}'")).collect();
-            Some(words.join(" or "))
-        }
+        // The nearest is the last.
+        ContextValue::Strings(words) => words.last().map(|word| format!("'{word}'")),
         _ => None,
     }
 }
