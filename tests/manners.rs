@@ -66,10 +66,10 @@ fn a_misspelt_word_is_answered_with_the_word_that_was_meant() {
         &run(folder.path(), family),
         &["tag25h9", "did you mean tag36h11? (see scaleproof scene new --help)"],
     );
-    let tags = "locate P.png --scene scene.toml --camera c.yaml --tag-detector aruco-opencvv";
+    let tags = "locate P.png --scene scene.toml --camera c.yaml --tag-detector aprltag";
     let said = stderr(&run(folder.path(), tags));
     assert!(
-        said.contains("is not known; use one of") && said.contains("; did you mean aruco-opencv?"),
+        said.contains("is not known; use one of") && said.contains("; did you mean apriltag?"),
         "{said}"
     );
     // Nothing is guessed.

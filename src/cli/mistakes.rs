@@ -25,7 +25,7 @@ pub fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Str
         }
         _ => None,
     };
-    let meant = suggestion(e).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
+    let meant = suggestion(e, whole).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
     let mistake = mistake.unwrap_or_else(|| first_paragraph(&e.to_string()));
     format!("{mistake}{meant} (see {command} --help)")
 }
@@ -48,7 +48,7 @@ fn named(whole: &Command, arguments: &[OsString]) -> String {
 }
 
 /// The word that clap finds nearest, as in `'--output'`.
-fn suggestion(e: &clap::Error) -> Option<String> {
+fn suggestion(e: &clap::Error, whole: &Command) -> Option<String> {
     let kinds = [
         ContextKind::SuggestedArg,
         ContextKind::SuggestedSubcommand,
@@ -57,8 +57,11 @@ fn suggestion(e: &clap::Error) -> Option<String> {
     let near = kinds.iter().find_map(|kind| e.get(*kind))?;
     match near {
         ContextValue::String(word) => Some(format!("'{word}'")),
-        // The nearest is the last.
-        ContextValue::Strings(words) => words.last().map(|word| format!("'{word}'")),
+        // The nearest is the last. A hidden command is not what was meant.
+        ContextValue::Strings(words) => {
+            let is_shown = |word: &&String| whole.find_subcommand(word).is_none_or(|command| !command.is_hide_set());
+            words.iter().rev().find(is_shown).map(|word| format!("'{word}'"))
+        }
         _ => None,
     }
 }
