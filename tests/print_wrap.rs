@@ -538,7 +538,7 @@ fn slopes_of_the_bar_are_unrolled() {
     assert_refused(&scaleproof(&format!("{usual} --max-stretch 1.1")), &["--flatten"]);
     let idle = scaleproof(&format!("{usual} --flatten --max-stretch 1.5"));
     assert!(
-        String::from_utf8(idle.stdout)
+        String::from_utf8(idle.stderr)
             .unwrap()
             .contains("stretched by more than 1.5, so nothing was unrolled")
     );
@@ -680,7 +680,7 @@ fn patches_have_their_size_and_place() {
         path("b.pdf")
     );
     let half = scaleproof(&format!("{base} --at-mm -100,25"));
-    let said = String::from_utf8(half.stdout).unwrap();
+    let said = String::from_utf8(half.stderr).unwrap();
     assert!(said.contains("50.0 % of small.png"), "{said}");
     assert_refused(
         &scaleproof(&format!("{base} --at-mm -300,25")),

@@ -25,7 +25,7 @@ pub fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Str
         }
         _ => None,
     };
-    let meant = suggestion(e).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
+    let meant = suggestion(e, whole).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
     let mistake = mistake.unwrap_or_else(|| first_paragraph(&e.to_string()));
     format!("{mistake}{meant} (see {command} --help)")
 }
@@ -47,8 +47,8 @@ fn named(whole: &Command, arguments: &[OsString]) -> String {
     path
 }
 
-/// The words that clap finds near, as in `'--output'`.
-fn suggestion(e: &clap::Error) -> Option<String> {
+/// The word that clap finds nearest, as in `'--output'`.
+fn suggestion(e: &clap::Error, whole: &Command) -> Option<String> {
     let kinds = [
         ContextKind::SuggestedArg,
         ContextKind::SuggestedSubcommand,
@@ -57,9 +57,10 @@ fn suggestion(e: &clap::Error) -> Option<String> {
     let near = kinds.iter().find_map(|kind| e.get(*kind))?;
     match near {
         ContextValue::String(word) => Some(format!("'{word}'")),
-        ContextValue::Strings(words) if !words.is_empty() => {
-            let words: Vec<_> = words.iter().map(|word| format!("'{word}'")).collect();
-            Some(words.join(" or "))
+        // The nearest is the last. A hidden command is not what was meant.
+        ContextValue::Strings(words) => {
+            let is_shown = |word: &&String| whole.find_subcommand(word).is_none_or(|command| !command.is_hide_set());
+            words.iter().rev().find(is_shown).map(|word| format!("'{word}'"))
         }
         _ => None,
     }

@@ -57,7 +57,7 @@ mod tests {
         "plan",
         "camera show",
         "session import",
-        "capture",
+        "capture list-cameras",
         "detectors list",
         "detectors fetch",
         "detectors check",

@@ -87,8 +87,8 @@ const REFUSED: [(&str, &[&str]); 9] = [
     ("print check -o socket", &["socket", "is no file"]),
     ("print check -o dangling", &["dangling", "symbolic link to nothing"]),
     ("print check -o folder", &["folder", "in its place"]),
-    ("score SESSION --recorded --out -", &["--out must be a folder"]),
-    ("chart capture --session SESSION -o -", &["--out must be a folder"]),
+    ("score SESSION --recorded -o -", &["--output must be a folder"]),
+    ("chart capture --session SESSION -o -", &["--output must be a folder"]),
     ("print check --format svg -o -", &["one file per page"]),
     (
         "print board --type chessboard --squares 7x5 --square-mm 20 -o -",
