@@ -13,6 +13,7 @@ pub mod chart;
 pub mod cli;
 pub mod colour_chart;
 pub mod detect;
+pub mod draw;
 pub mod envelope;
 pub mod files;
 pub mod geometry;
