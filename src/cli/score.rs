@@ -169,14 +169,13 @@ pub fn contestants(
     manifests: Vec<Manifest>,
     folders: Option<&WeightFolders>,
 ) -> Result<Vec<Contestant>, ContestantError> {
-    let class = sessions
-        .first()
-        .map(|s| s.scene.model.class.clone())
-        .unwrap_or_default();
+    let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+        return Ok(Vec::new());
+    };
     let places: Vec<&Path> = sessions.iter().map(|s| s.folder.as_path()).collect();
     let contestant = |m| match folders {
-        Some(folders) => Contestant::live(m, folders, &class),
-        None => Contestant::recorded(m, &places, &class),
+        Some(folders) => Contestant::live(m, folders, class),
+        None => Contestant::recorded(m, &places, class),
     };
     manifests.into_iter().map(contestant).collect()
 }

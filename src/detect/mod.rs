@@ -1,6 +1,7 @@
 //! Object detectors: a manifest says how to feed and read an ONNX file; ONNX Runtime runs it.
 
 mod coco_results;
+mod counting;
 mod fetch;
 mod heads;
 mod input;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::BoxPx;
 
 pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
+pub use counting::NoSuchClass;
 pub use fetch::{FetchError, fetch};
 #[cfg(feature = "attack")]
 pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};

@@ -35,7 +35,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         frames: home().join(FRAMES),
         detector: vec![DETECTOR.to_owned()],
         folder: args.folder.clone(),
-        class: "car".to_owned(),
+        class: "car".parse()?,
         cells: CELLS,
         tile_mm: TILE_MM,
         laying: Laying::World,

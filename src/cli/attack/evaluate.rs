@@ -15,6 +15,7 @@ use crate::detect::Manifest;
 use crate::files;
 use crate::pattern::Pattern;
 use crate::report;
+use crate::scene::Classes;
 use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with};
 use crate::session::{self, PhotoEntry, Session};
 
@@ -64,9 +65,9 @@ pub struct EvaluateArgs {
     samples: u32,
     #[arg(long, default_value_t = 1)]
     seed: u32,
-    /// The label that a detector should give the model
-    #[arg(long, value_name = "LABEL", default_value = "car")]
-    class: String,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    class: Classes,
     #[command(flatten)]
     effort: Effort,
     /// Folder for the photos (a session, in `session`), evaluation.html, .csv and .tex, differences.csv, and the report of `score` in `score`
@@ -165,12 +166,8 @@ impl EvaluateArgs {
     /// The detectors to score, whose weights are here; the targets are among them.
     fn manifests(&self) -> Result<Vec<Manifest>, Box<dyn Error>> {
         let manifests = detectors::present(&self.detectors, &self.folder.folders()?)?;
-        if let Some(without) = manifests.iter().find(|m| m.labels.find(&self.class).is_none()) {
-            return Err(format!(
-                "{} has no label `{}`: choose other detectors, or another --class",
-                without.name, self.class
-            )
-            .into());
+        for manifest in &manifests {
+            manifest.counted(self.class.labels())?;
         }
         let names = || manifests.iter().map(|m| m.name.as_str());
         match self.target.iter().find(|target| names().all(|name| name != *target)) {

@@ -26,6 +26,7 @@ use crate::files;
 use crate::pattern::card::Card;
 use crate::pattern::{MAX_CELLS, Pattern};
 use crate::print::lettering::counted;
+use crate::scene::Classes;
 
 /// The name of the pattern in the folder of a result.
 pub const PATTERN: &str = "pattern.png";
@@ -45,9 +46,9 @@ pub struct OnFrames {
     pub detector: Vec<String>,
     #[command(flatten)]
     pub folder: Folder,
-    /// What they are to call the model
-    #[arg(long, default_value = "car")]
-    pub class: String,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    pub class: Classes,
     /// Cells along each side
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
     pub cells: u32,
@@ -256,28 +257,23 @@ type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 pub fn white_boxes(
     names: &[String],
     folder: &Folder,
-    class: &str,
+    class: &Classes,
     device: DeviceKind,
 ) -> Result<WhiteBoxes, Box<dyn Error>> {
     let device = device.open()?;
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
     for manifest in detectors::chosen(names)? {
-        let label = manifest.labels.find(class).ok_or_else(|| {
-            format!(
-                "{} has no label `{class}`: choose another detector, or another --class",
-                manifest.name
-            )
-        })?;
+        let labels = manifest.counted(class.labels())?;
         let path = folders.checked(&manifest)?;
         let sha256 = manifest.weights.sha256.chars().take(12).collect::<String>();
         named.push(format!("{} {sha256}", manifest.name));
-        all.push(Box::new(OnnxDetector::open(&manifest, &path, &[label], &device)?));
+        all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels, &device)?));
     }
     Ok((all, named))
 }
 
 #[cfg(not(feature = "attack"))]
-pub fn white_boxes(_: &[String], _: &Folder, _: &str, _: DeviceKind) -> Result<WhiteBoxes, Box<dyn Error>> {
+pub fn white_boxes(_: &[String], _: &Folder, _: &Classes, _: DeviceKind) -> Result<WhiteBoxes, Box<dyn Error>> {
     Err("this program was built without the attack's networks: use ./run attack …, or build with `cargo build --release --features attack`".into())
 }
