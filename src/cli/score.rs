@@ -241,16 +241,8 @@ pub fn session_seen(session: &Session) -> std::io::Result<SessionSeen> {
 
 /// The contestants by what chooses them again: a built-in one's name, a manifest's path.
 fn detectors_used(chosen: &[String], contestants: &[Contestant]) -> std::io::Result<Vec<DetectorUsed>> {
-    let manifest_of = |c: &Contestant| {
-        let files = chosen.iter().filter(|name| name.ends_with(".toml"));
-        let mut paths = files.map(Path::new);
-        paths.find(|path| Manifest::open(path).is_ok_and(|m| m == c.manifest))
-    };
     let used = contestants.iter().map(|c| {
-        let chosen_as = match manifest_of(c) {
-            Some(path) => path.canonicalize()?.display().to_string(),
-            None => c.manifest.name.clone(),
-        };
+        let chosen_as = detectors::chosen_as(&c.manifest, chosen)?;
         Ok(DetectorUsed {
             chosen_as,
             fingerprint: fingerprint(c),

@@ -36,10 +36,10 @@ pub struct EvaluateArgs {
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: f64,
     /// The detectors that the patterns were made against: table 1 has them, table 2 the others; all are in table 1 without it
-    #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     target: Vec<String>,
     /// Detector to score; several may be named; all whose weights are here when none is
-    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: Folder,
@@ -70,6 +70,9 @@ pub struct EvaluateArgs {
     class: Classes,
     #[command(flatten)]
     effort: Effort,
+    /// The tables as one JSON object instead of the text
+    #[arg(long)]
+    json: bool,
     /// Folder for the photos (a session, in `session`), evaluation.html, .csv and .tex, differences.csv, and the report of `score` in `score`
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -96,6 +99,14 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     report::write(&args.output.join("score"), &scores, None)?;
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
+    if args.json {
+        let line = serde_json::json!({
+            "classes": args.class, "patterns": tables.patterns, "targets": tables.targets, "results": scores.summaries,
+            "comparisons": tables.comparisons, "page": page,
+        });
+        writeln!(out, "{line}")?;
+        return Ok(Outcome::Done);
+    }
     writeln!(out, "{}", report::evaluation_tables(&tables))?;
     writeln!(out, "page: {}", page.display())?;
     Ok(Outcome::Done)

@@ -61,6 +61,9 @@ pub struct OnFrames {
     pub laying: Laying,
     #[command(flatten)]
     pub device: OnDevice,
+    /// One JSON object instead of the text
+    #[arg(long)]
+    pub json: bool,
     /// The same seed gives the same pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -142,6 +145,9 @@ impl OnFrames {
         let path = self.output.join(PATTERN);
         let card = self.card(opened, &history, &png)?.to_file(&path)?;
         files::replace_all_atomically(&[(path.clone(), png), card, self.history_file(&history)?])?;
+        if self.json {
+            return self.write_json(&history, Some(&path), out);
+        }
         writeln!(
             out,
             "{}: {} × {} cells, tile {} mm",
@@ -150,7 +156,23 @@ impl OnFrames {
             self.cells,
             self.tile_mm
         )?;
-        say_judgement(opened, &history, out)
+        say_judgement(opened, &history, &self.class, out)
+    }
+
+    /// The result for programs: what `history.json` ends with, and where the pattern is.
+    pub fn write_json(
+        &self,
+        history: &History,
+        pattern: Option<&Path>,
+        out: &mut dyn Write,
+    ) -> Result<(), Box<dyn Error>> {
+        let predicted = history.last_judged().map(|(_, judgement)| judgement);
+        let queries = history.entries.last().map_or(0, |e| e.queries);
+        let line = json!({
+            "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells, "classes": self.class,
+            "detectors": history.detectors, "pattern": pattern, "queries": queries, "predicted": predicted,
+        });
+        Ok(writeln!(out, "{line}")?)
     }
 
     pub fn history(&self, opened: &Opened, method: &str, entries: Vec<Entry>) -> History {
@@ -194,7 +216,12 @@ impl OnFrames {
 }
 
 /// What the held-out views say, and that they are predictions.
-pub fn say_judgement(opened: &Opened, history: &History, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+pub fn say_judgement(
+    opened: &Opened,
+    history: &History,
+    class: &Classes,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
     if let Some((entry, judgement)) = history.last_judged() {
         let which = if opened.stage.holds_out() {
             "it was not made with"
@@ -203,7 +230,8 @@ pub fn say_judgement(opened: &Opened, history: &History, out: &mut dyn Write) ->
         };
         writeln!(
             out,
-            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s",
+            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
+             counts as the model: {class}",
             judgement.ap50,
             judgement.hit_rate,
             judgement.mean_confidence,
