@@ -64,7 +64,7 @@ pub fn table(bytes: &[u8]) {
 }
 
 fn annotations(bytes: &[u8], format: import::Format) {
-    let Some(Ok((rows, _))) = text(bytes).map(|t| import::parse(t, format, "car")) else {
+    let Some(Ok((rows, _))) = text(bytes).map(|t| import::parse(t, format, &"car".parse().expect("a label"))) else {
         return;
     };
     for row in rows {

@@ -88,7 +88,13 @@ impl Bench {
                      --pitch-deg 15 --distance-mm 400 900";
         command.args(fixed.split_whitespace());
         command.args(["--mesh", &at("box.stl"), "-o", &at("out"), "--cache", &at("cache")]);
-        command.args(["--detector", &at("made.toml"), &at("other.toml"), "--pattern"]);
+        command.args([
+            "--detector",
+            &at("made.toml"),
+            "--detector",
+            &at("other.toml"),
+            "--pattern",
+        ]);
         command.args([format!("one={}", at("p1.png")), format!("two={}", at("p2.png"))]);
         command.args(more).output().unwrap()
     }

@@ -5,7 +5,7 @@ mod common;
 #[path = "common/onnx.rs"]
 mod onnx;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use common::{assert_refused, program, shared, stdout};
 use onnx::{Input, Output};
@@ -376,7 +376,9 @@ fn the_manifest_that_add_writes_runs() {
     std::fs::write(&names, "bus\ncar\n\n").unwrap();
     let output = add(&model, &["--labels", names.to_str().unwrap()]);
     assert!(output.status.success(), "{}", common::stderr(&output));
-    assert!(stdout(&output).contains("YOLOv10 or YOLO26") && stdout(&output).contains("no file says"));
+    assert!(
+        common::stderr(&output).contains("note: YOLOv10 or YOLO26") && common::stderr(&output).contains("no file says")
+    );
     let manifest = folder.path().join("my car detector.toml");
     let photo = common::skyline().join("normal_000.jpg");
     let check = program()
@@ -411,6 +413,144 @@ fn the_manifest_that_add_writes_runs() {
         .output()
         .unwrap();
     assert!(check.status.success(), "{}", common::stderr(&check));
+}
+
+/// A network that finds its second label, of "bus" and "PKW", on the whole picture, and the file with the labels.
+fn german(folder: &Path) -> (PathBuf, String) {
+    let (model, names) = (folder.join("mine.onnx"), folder.join("names.txt"));
+    let answer = Output::floats("output0", &[1, 300, 6], [10.0, 10.0, 50.0, 40.0, 0.5, 1.0].repeat(300));
+    std::fs::write(&model, onnx::network(&[picture()], &[answer])).unwrap();
+    std::fs::write(&names, "bus\nPKW\n").unwrap();
+    (model, names.display().to_string())
+}
+
+#[test]
+fn a_label_of_the_users_own_is_mapped_and_the_onnx_file_names_its_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    let (model, names) = german(folder.path());
+    let check = |detector: &Path, more: &[&str]| {
+        let mut command = program();
+        command.args(["detectors", "check", "--detector"]).arg(detector);
+        command
+            .arg(common::skyline().join("normal_000.jpg"))
+            .args(more)
+            .output()
+            .unwrap()
+    };
+    assert_refused(
+        &check(&model, &[]),
+        &[
+            "mine.onnx has no manifest",
+            "mine.toml beside it",
+            "run `scaleproof detectors add",
+        ],
+    );
+    for (map, words) in [
+        (
+            "PWK=car",
+            &["class_map has `PWK`, which is no label of this detector; its labels are `PKW`, `bus`"][..],
+        ),
+        ("PKW", &["as in PKW=car"]),
+        ("PKW=car,PKW=bus", &["--map names `PKW` twice"]),
+    ] {
+        assert_refused(&add(&model, &["--labels", &names, "--map", map]), words);
+        assert!(!folder.path().join("mine.toml").exists());
+    }
+    let output = add(&model, &["--labels", &names, "--map", "PKW=car", "--json"]);
+    let line: serde_json::Value = serde_json::from_str(stdout(&output).trim()).unwrap();
+    assert_eq!((&line["name"], &line["family"]), (&"mine".into(), &"yolov10".into()));
+    let manifest = std::fs::read_to_string(folder.path().join("mine.toml")).unwrap();
+    assert!(manifest.contains("[class_map]\nPKW = \"car\""), "{manifest}");
+    let found = check(&model, &[]);
+    assert!(
+        stdout(&found).contains("PKW") && stdout(&found).contains("counts as car"),
+        "{}",
+        stdout(&found)
+    );
+
+    // The boxes are drawn into copies; the photo stays as it is.
+    let saved = folder.path().join("saved");
+    let found = check(&model, &["--save", saved.to_str().unwrap()]);
+    let copy = saved.join("normal_000_detections.jpg");
+    assert!(
+        stdout(&found).contains("normal_000_detections.jpg"),
+        "{}",
+        common::stderr(&found)
+    );
+    let (before, after) = (common::skyline().join("normal_000.jpg"), copy);
+    let [before, after] = [before, after].map(|path| image::open(path).unwrap().to_rgb8());
+    assert_eq!(before.dimensions(), after.dimensions());
+    // Orange, on the left edge of the box: 10 of 96 × 64 from the letterboxed left, somewhere in the photo.
+    let is_drawn = |p: &image::Rgb<u8>| p.0[0] > 200 && (130..190).contains(&p.0[1]) && p.0[2] < 60;
+    let count = |picture: &image::RgbImage| picture.pixels().filter(|p| is_drawn(p)).count();
+    assert!(
+        count(&after) > count(&before) + 500,
+        "{} {}",
+        count(&before),
+        count(&after)
+    );
+
+    std::fs::rename(folder.path().join("mine.onnx"), folder.path().join("other.onnx")).unwrap();
+    std::fs::copy(folder.path().join("mine.toml"), folder.path().join("other.toml")).unwrap();
+    assert_refused(
+        &check(&folder.path().join("other.onnx"), &[]),
+        &[
+            "other.toml describes mine.onnx and not",
+            "name the manifest of this network",
+        ],
+    );
+    assert_refused(
+        &check(&folder.path().join("none.onnx"), &[]),
+        &["there is no file", "none.onnx"],
+    );
+}
+
+#[test]
+fn a_registered_detector_is_found_by_its_name_until_it_is_removed() {
+    let (folder, data) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (model, names) = german(folder.path());
+    let with = |arguments: &[&str]| {
+        let mut command = program();
+        command
+            .arg("detectors")
+            .args(arguments)
+            .env("XDG_DATA_HOME", data.path());
+        command.output().unwrap()
+    };
+    let photo = common::skyline().join("normal_000.jpg").display().to_string();
+    let output = with(&["add", model.to_str().unwrap(), "--labels", &names, "--register"]);
+    assert!(stdout(&output).contains("registered: "), "{}", common::stderr(&output));
+    assert!(stdout(&output).contains("--detector mine PHOTO"));
+    let found = with(&["check", "--detector", "mine", &photo]);
+    assert!(stdout(&found).contains("PKW"), "{}", common::stderr(&found));
+    assert!(stdout(&with(&["list"])).contains("mine.onnx"));
+    assert_refused(
+        &with(&["check", "--detector", "mime", &photo]),
+        &["no detector is called mime", "deimv2_atto, mine"],
+    );
+    // The same again changes nothing; another by that name is refused.
+    let manifest = folder.path().join("mine.toml");
+    assert!(with(&["register", manifest.to_str().unwrap()]).status.success());
+    let text = std::fs::read_to_string(&manifest).unwrap();
+    std::fs::write(&manifest, text.replace("title = \"mine\"", "title = \"mine too\"")).unwrap();
+    assert_refused(
+        &with(&["register", manifest.to_str().unwrap()]),
+        &["a detector called mine is registered already", "detectors remove mine"],
+    );
+    assert_refused(
+        &with(&["register", "yolox_nano"]),
+        &["yolox_nano ships with scaleproof"],
+    );
+    assert!(stdout(&with(&["remove", "mine"])).contains("mine: taken off the list"));
+    assert_refused(
+        &with(&["check", "--detector", "mine", &photo]),
+        &["no detector is called mine"],
+    );
+    assert_refused(
+        &with(&["remove", "mine"]),
+        &["no registered detector is called mine: none is registered"],
+    );
+    assert!(manifest.exists() && model.exists());
 }
 
 #[test]

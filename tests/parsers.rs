@@ -175,7 +175,7 @@ fn the_corpus_has_files_that_are_accepted() {
     assert!(corpus("camera").iter().filter(|bytes| read(bytes)).count() >= 7);
     let rows = |name: &str, format| {
         let texts = corpus(name).into_iter().map(|bytes| String::from_utf8(bytes).unwrap());
-        let read = texts.map(|text| import::parse(&text, format, "car"));
+        let read = texts.map(|text| import::parse(&text, format, &"car".parse().unwrap()));
         read.flatten().map(|(rows, _)| rows.len()).sum::<usize>()
     };
     assert!(rows("coco", import::Format::Coco) >= 4 && rows("table", import::Format::Csv) >= 4);

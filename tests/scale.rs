@@ -142,8 +142,8 @@ fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) {
 fn a_kept_result_needs_no_detector() {
     let set = Set::new();
     let manifest = Manifest::open(&set.path("mine.toml")).unwrap();
-    let live = Contestant::live(manifest.clone(), &WeightFolders::new(None), "car").unwrap();
-    let without_weights = || Contestant::ran_elsewhere(manifest.clone(), "car").unwrap();
+    let live = Contestant::live(manifest.clone(), &WeightFolders::new(None), &"car".parse().unwrap()).unwrap();
+    let without_weights = || Contestant::ran_elsewhere(manifest.clone(), &"car".parse().unwrap()).unwrap();
     let run = |contestant: Contestant, cache: &str| -> Result<Scores, score::ScoreError> {
         let options = Options {
             cache: Some(Cache::open(&set.path(cache), "").unwrap()),

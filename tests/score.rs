@@ -7,6 +7,7 @@ use std::process::Output;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
 use scaleproof::geometry::BoxPx;
+use scaleproof::score::{ImageBoxes, average_precision};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {
@@ -100,10 +101,6 @@ impl Counted {
         let truth = read_json(&out.join("coco_truth.json"));
         let results = read_json(&out.join(format!("coco_results_{detector}.json")));
         let list = |v: &Value| v.as_array().unwrap().clone();
-        let xywh = |v: &Value| -> BoxPx {
-            let [x, y, w, h]: [f64; 4] = serde_json::from_value(v.clone()).unwrap();
-            BoxPx::new(x, y, x + w, y + h)
-        };
         let mut counted = Counted {
             hits: 0,
             misclassified: 0,
@@ -149,6 +146,104 @@ impl Counted {
         near("mean_confidence", c.iter().sum::<f64>() / 8.0);
         near("median_confidence", (c[3] + c[4]) / 2.0);
     }
+}
+
+/// The stored session with another class, played back.
+fn scored_as(class: &str) -> (Output, tempfile::TempDir) {
+    let (session, out) = (copy_of_skyline(), tempfile::tempdir().unwrap());
+    let scene = session.path().join("scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    std::fs::write(&scene, text.replace("class = \"car\"", &format!("class = {class}"))).unwrap();
+    (recorded(session.path(), out.path()), out)
+}
+
+/// Car or truck: the boxes are taken from the recordings, where each label is a category of its own, and AP is computed of them by the function
+/// that is held against pycocotools elsewhere; the rates are counted from the report's COCO files, where both are one category.
+#[test]
+fn several_labels_count_as_the_model_everywhere() {
+    let (output, out) = scored_as("[\"truck\", \"car\"]");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let summary = read_json(&out.path().join("summary.json"));
+    assert_eq!(summary["classes"], serde_json::json!(["car", "truck"]));
+    hits_counted_from_the_coco_files(out.path(), &summary);
+    let truth = read_json(&out.path().join("coco_truth.json"));
+    let named = |id: u64| {
+        truth["categories"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|c| c["id"] == id)
+            .cloned()
+    };
+    assert_eq!(named(3).unwrap()["name"], "car+truck");
+    assert_eq!((named(8), named(6).unwrap()["name"].as_str()), (None, Some("bus")));
+    let plain = tempfile::tempdir().unwrap();
+    assert!(recorded(&skyline(), plain.path()).status.success());
+    let before = read_json(&plain.path().join("summary.json"));
+    let mut differ = 0;
+    for (detector, ..) in BY_PYCOCOTOOLS {
+        let results = read_json(&skyline().join(format!("recorded/{detector}.json")));
+        for variant in ["normal", "random"] {
+            let images: Vec<_> = truth["images"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .filter(|i| i["variant"] == variant)
+                .collect();
+            let boxes = images.iter().map(|image| {
+                let own = |v: &&Value| v["image_id"] == image["id"];
+                let found = results.as_array().unwrap().iter().filter(own);
+                let counted = found.filter(|d| d["category_id"] == 3 || d["category_id"] == 8);
+                ImageBoxes {
+                    truths: vec![xywh(
+                        &truth["annotations"].as_array().unwrap().iter().find(own).unwrap()["bbox"],
+                    )],
+                    detections: counted
+                        .map(|d| (d["score"].as_f64().unwrap(), xywh(&d["bbox"])))
+                        .collect(),
+                }
+            });
+            let wanted = average_precision(&boxes.collect::<Vec<_>>(), 0.5).unwrap().ap;
+            let overall = &result(&summary, detector, variant)["overall"];
+            assert!(
+                (overall["ap50"].as_f64().unwrap() - wanted).abs() < 1e-9,
+                "{detector} {variant}"
+            );
+            differ += usize::from(*overall != result(&before, detector, variant)["overall"]);
+        }
+    }
+    assert!(differ > 2, "trucks change the figures of {differ} only");
+    let said = "counts as the model: car or truck";
+    assert!(stdout(&output).contains(said), "{}", stdout(&output));
+    for file in ["report.html", "coco_truth.json"] {
+        let text = std::fs::read_to_string(out.path().join(file)).unwrap();
+        assert!(text.contains(said), "{file}");
+    }
+    let tex = std::fs::read_to_string(out.path().join("table.tex")).unwrap();
+    assert!(tex.contains("% Counts as the model: car or truck."), "{tex}");
+}
+
+#[test]
+fn labels_that_a_detector_lacks_are_said_and_one_it_knows_is_enough() {
+    let (output, _out) = scored_as("[\"car\", \"van\"]");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let note = "note: yolox_nano has no label `van`, so that it finds the model by the others only";
+    assert!(stderr(&output).contains(note), "{}", stderr(&output));
+    let (output, _out) = scored_as("[\"trucks\", \"van\"]");
+    assert_refused(
+        &output,
+        &[
+            "yolox_nano has no label `trucks` or `van`; the nearest of its 80 labels are `truck`",
+            "[class_map] \"truck\" = \"trucks\"",
+        ],
+    );
+    let (output, _out) = scored_as("[]");
+    assert_refused(&output, &["scene.toml, line 4", "the class is an empty list"]);
+}
+
+fn xywh(v: &Value) -> BoxPx {
+    let [x, y, w, h]: [f64; 4] = serde_json::from_value(v.clone()).unwrap();
+    BoxPx::new(x, y, x + w, y + h)
 }
 
 /// One variant counted by a person from the recorded boxes, drawn on the photos: FastestDet on `normal`.

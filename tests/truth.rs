@@ -58,7 +58,7 @@ fn model() -> Model {
     Model {
         name: "car".into(),
         scale: 10.0,
-        class: "car".into(),
+        class: "car".parse().unwrap(),
         size_mm: SIZE_MM,
         envelope: Envelope::Box,
     }

@@ -66,8 +66,9 @@ fn contestants(run: &Run, sessions: &[Session]) -> Result<Vec<Contestant>, Box<d
     let contestants = match run.is_recorded {
         true => score_command::contestants(sessions, manifests, None)?,
         false => {
-            let class = sessions.first().map_or("", |s| s.scene.model.class.as_str());
-            let elsewhere = manifests.into_iter().map(|m| Contestant::ran_elsewhere(m, class));
+            let class = sessions.first().map(|s| &s.scene.model.class);
+            let elsewhere = manifests.into_iter().zip(class.into_iter().cycle());
+            let elsewhere = elsewhere.map(|(m, class)| Contestant::ran_elsewhere(m, class));
             elsewhere.collect::<Result<_, _>>()?
         }
     };

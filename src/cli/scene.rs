@@ -9,7 +9,7 @@ use serde_json::json;
 use super::print::write_json;
 use super::{CommandResult, Outcome, units};
 use crate::files;
-use crate::scene::{Bins, Envelope, Model, Ring, Scene, TagFamily};
+use crate::scene::{Bins, Classes, Envelope, Model, Ring, Scene, TagFamily};
 use crate::spelling;
 
 /// Make scene files
@@ -51,9 +51,9 @@ struct NewArgs {
     /// What the model is called
     #[arg(long, default_value = "model")]
     name: String,
-    /// The label a detector should give
-    #[arg(long, default_value = "car")]
-    class: String,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    class: Classes,
     /// The model is 1:SCALE
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,

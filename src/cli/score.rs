@@ -197,14 +197,13 @@ pub fn contestants(
     manifests: Vec<Manifest>,
     folders: Option<&WeightFolders>,
 ) -> Result<Vec<Contestant>, ContestantError> {
-    let class = sessions
-        .first()
-        .map(|s| s.scene.model.class.clone())
-        .unwrap_or_default();
+    let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+        return Ok(Vec::new());
+    };
     let places: Vec<&Path> = sessions.iter().map(|s| s.folder.as_path()).collect();
     let contestant = |m| match folders {
-        Some(folders) => Contestant::live(m, folders, &class),
-        None => Contestant::recorded(m, &places, &class),
+        Some(folders) => Contestant::live(m, folders, class),
+        None => Contestant::recorded(m, &places, class),
     };
     manifests.into_iter().map(contestant).collect()
 }
@@ -271,16 +270,8 @@ pub fn session_seen(session: &Session) -> std::io::Result<SessionSeen> {
 
 /// The contestants by what chooses them again: a built-in one's name, a manifest's path.
 fn detectors_used(chosen: &[String], contestants: &[Contestant]) -> std::io::Result<Vec<DetectorUsed>> {
-    let manifest_of = |c: &Contestant| {
-        let files = chosen.iter().filter(|name| name.ends_with(".toml"));
-        let mut paths = files.map(Path::new);
-        paths.find(|path| Manifest::open(path).is_ok_and(|m| m == c.manifest))
-    };
     let used = contestants.iter().map(|c| {
-        let chosen_as = match manifest_of(c) {
-            Some(path) => path.canonicalize()?.display().to_string(),
-            None => c.manifest.name.clone(),
-        };
+        let chosen_as = detectors::chosen_as(&c.manifest, chosen)?;
         Ok(DetectorUsed {
             chosen_as,
             fingerprint: fingerprint(c),

@@ -21,16 +21,17 @@ struct CocoResult {
     score: f64,
 }
 
-/// COCO results JSON of some photos, given as (image id, detections); one result a line.
+/// COCO results JSON of some photos, given as (image id, detections); one result a line. `category_id` says which category a label is
+/// written as; labels without one are left out.
 pub fn coco_results<'a>(
     photos: impl IntoIterator<Item = (u64, &'a [Detection])>,
-    labels: Labels,
+    category_id: impl Fn(usize) -> Option<u32>,
 ) -> serde_json::Result<String> {
     let mut text = String::from("[");
     for (image_id, detections) in photos {
         for d in detections {
             // A label outside the map cannot come from `Detector`, and a file cannot name it.
-            let Some(category_id) = labels.category_id(d.label) else {
+            let Some(category_id) = category_id(d.label) else {
                 continue;
             };
             let line = CocoResult {
@@ -199,7 +200,7 @@ impl Recorded {
             message: e.to_string(),
         };
         let photos = recording.photos.iter().map(|p| p.id).zip(detections.iter().copied());
-        let results = coco_results(photos, manifest.labels).map_err(syntax)?;
+        let results = coco_results(photos, |label| manifest.labels.category_id(label)).map_err(syntax)?;
         let recording = Recording {
             results_sha256: files::sha256_hex(results.as_bytes()),
             ..recording

@@ -1,5 +1,6 @@
 //! Detector manifests: one TOML file per detector says where its weights come from, how to feed it and how to read it.
 
+use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,9 @@ pub struct Manifest {
     pub weights: Weights,
     pub input: Input,
     pub head: Head,
+    /// What labels count as, where not as themselves: label of the detector → label of the scene.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub class_map: BTreeMap<String, String>,
     /// Where the manifest lies, if it is a user's; its weights lie there too.
     #[serde(skip)]
     pub folder: Option<PathBuf>,
@@ -252,6 +256,7 @@ impl Manifest {
             ));
         }
         self.weights.check()?;
+        self.check_class_map()?;
         let Input {
             size_px,
             mean,
@@ -365,6 +370,9 @@ mod tests {
         for m in &shipped {
             assert_eq!(m.weights.sha256.len(), 64, "{}", m.name);
             assert!(m.weights.url.starts_with("https://"), "{}", m.name);
+            // A download by a shortened commit may fail, or find another file one day.
+            let is_commit = |part: &str| part.len() == 40 && part.bytes().all(|b| b.is_ascii_hexdigit());
+            assert!(m.weights.url.split('/').any(is_commit), "{}", m.weights.url);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Object detectors: a manifest says how to feed and read an ONNX file; ONNX Runtime runs it.
 
 mod coco_results;
+mod counting;
 #[cfg(feature = "full")]
 mod fetch;
 mod heads;
@@ -10,6 +11,7 @@ mod linear;
 mod manifest;
 mod nms;
 mod propose;
+mod registered;
 mod runtime;
 mod speed;
 mod weights;
@@ -19,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::BoxPx;
 
 pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
+pub use counting::NoSuchClass;
 #[cfg(feature = "full")]
 pub use fetch::{FetchError, fetch};
 #[cfg(feature = "attack")]
@@ -33,6 +36,7 @@ pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{Candidate, suppress};
 pub use propose::{Family, Hints, Proposal, ProposeError, propose, propose_within};
+pub use registered::{RegisterError, register, registered, registered_names, unregister};
 pub use runtime::{DetectError, Detector, Runtime};
 pub use speed::{ROUNDS, Speed, SpeedError, Speeds, measure};
 pub use weights::{WeightFolders, WeightsError};

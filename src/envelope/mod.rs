@@ -198,7 +198,7 @@ mod tests {
         Model {
             name: "m".into(),
             scale: 10.0,
-            class: "car".into(),
+            class: "car".parse().unwrap(),
             size_mm: [400.0, 200.0, 100.0],
             envelope: Envelope::Box,
         }

@@ -1,9 +1,12 @@
 //! `coco_truth.json`: the truth boxes as a COCO annotation file, to be scored again by pycocotools or others.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
+use super::counted;
 use crate::scene::Viewpoint;
-use crate::score::{ScoredPhoto, Scores};
+use crate::score::{Contestant, ScoredPhoto, Scores};
 
 #[derive(Serialize)]
 struct Truth<'a> {
@@ -48,31 +51,85 @@ struct Annotation {
 #[derive(Serialize)]
 struct Category {
     id: u32,
-    name: &'static str,
+    name: String,
+}
+
+/// The categories that the report's COCO files share, whichever numbers each detector has. Whatever counts as the model is one category,
+/// called as in `car+truck`, so that tools that compare category with category give the figures of the report.
+pub(super) struct Categories {
+    /// Names by id, from the first detector's labels on.
+    names: BTreeMap<u32, String>,
+    /// What counts as the model.
+    model: u32,
+}
+
+impl Categories {
+    pub(super) fn of(scores: &Scores) -> Categories {
+        let mut categories = Categories {
+            names: BTreeMap::new(),
+            model: 1,
+        };
+        let first = scores.contestants.first();
+        let model = first.and_then(|c| c.labels().category_id(*c.counted.first()?));
+        categories.model = model.unwrap_or(1);
+        categories
+            .names
+            .insert(categories.model, counted::classes(scores).joined());
+        for contestant in &scores.contestants {
+            for label in others(contestant) {
+                categories.add(contestant, label);
+            }
+        }
+        categories
+    }
+
+    /// Under its own id where that is free, else behind all others.
+    fn add(&mut self, contestant: &Contestant, label: usize) {
+        let labels = contestant.labels();
+        let (Some(name), Some(own)) = (labels.name(label), labels.category_id(label)) else {
+            return;
+        };
+        if self.other(name).is_none() {
+            let last = self.names.keys().next_back().copied().unwrap_or_default();
+            let id = if self.names.contains_key(&own) { last + 1 } else { own };
+            self.names.insert(id, name.to_owned());
+        }
+    }
+
+    fn other(&self, name: &str) -> Option<u32> {
+        let mut others = self.names.iter().filter(|(id, _)| **id != self.model);
+        others.find(|(_, known)| *known == name).map(|(id, _)| *id)
+    }
+
+    /// The category of a detector's label.
+    pub(super) fn id(&self, contestant: &Contestant, label: usize) -> Option<u32> {
+        match contestant.counted.contains(&label) {
+            true => Some(self.model),
+            false => self.other(contestant.labels().name(label)?),
+        }
+    }
+}
+
+/// A detector's labels that do not count as the model.
+fn others(contestant: &Contestant) -> impl Iterator<Item = usize> {
+    (0..contestant.labels().count()).filter(|label| !contestant.counted.contains(label))
 }
 
 pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
-    let Some(contestant) = scores.contestants.first() else {
-        return Ok("{}\n".into());
-    };
-    let labels = contestant.labels();
-    let categories: Vec<Category> = (0..labels.count())
-        .filter_map(|label| {
-            Some(Category {
-                id: labels.category_id(label)?,
-                name: labels.name(label)?,
-            })
-        })
-        .collect();
-    let class = labels.category_id(contestant.class).unwrap_or_default();
+    let Categories { names, model } = Categories::of(scores);
+    let categories = names.into_iter().map(|(id, name)| Category { id, name });
     let page = Truth {
         info: Info {
-            description: format!("truth boxes of scale-model photos: {}", super::truth_boxes(scores)),
+            description: format!(
+                "truth boxes of scale-model photos: {}; counts as the model: {}",
+                super::truth_boxes(scores),
+                counted::counted(scores)
+            ),
             version: env!("CARGO_PKG_VERSION"),
         },
         images: scores.photos.iter().map(|p| image(scores, p)).collect(),
-        annotations: scores.photos.iter().map(|p| annotation(p, class)).collect(),
-        categories,
+        annotations: scores.photos.iter().map(|p| annotation(p, model)).collect(),
+        categories: categories.collect(),
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, latex};
+use super::{ReportError, counted, latex};
 use crate::files;
 use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, NotScored, Scores};
 
@@ -15,6 +15,8 @@ use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, NotScored, Sc
 struct Page<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
+    /// The labels that count as the model.
+    classes: &'a [String],
     cautions: &'a [String],
     not_scored: &'a [NotScored],
     definitions: BTreeMap<&'static str, &'static str>,
@@ -42,6 +44,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = Page {
         comparison,
+        classes: counted::classes(scores).labels(),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
         definitions: COMPARISON_DEFINITIONS.into_iter().collect(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::html::evaluation as page;
-use super::{ReportError, latex};
+use super::{ReportError, counted, latex};
 use crate::files;
 use crate::score::{BASE_VARIANT, Comparison, Contestant, Difference, Figures, Finding, Scores};
 
@@ -118,6 +118,7 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
         }
     }
     lines.push(format!("({SCOPE})"));
+    lines.push(format!("counts as the model: {}", counted(evaluation.scores)));
     lines.join("\n")
 }
 

@@ -40,11 +40,18 @@ fn comment(scores: &Scores) -> String {
     let criteria = &scores.criteria;
     format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.\n\
-         % Hit: confidence >= {} and IoU >= {MATCH_IOU}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {BASE_VARIANT} minus texture.",
+         % Hit: confidence >= {} and IoU >= {MATCH_IOU}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {BASE_VARIANT} minus texture.\n\
+         % Counts as the model: {}.",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
         criteria.hit_confidence,
+        commented(scores),
     )
+}
+
+/// What counts as the model, as one line of a comment.
+fn commented(scores: &Scores) -> String {
+    super::counted(scores).replace(char::is_control, " ")
 }
 
 fn title<'a>(scores: &'a Scores, detector: &'a str) -> &'a str {
@@ -87,12 +94,13 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         format!(
             "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
              % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
-             % dagger: too few photos to tell.",
+             % dagger: too few photos to tell. Counts as the model: {}.",
             env!("CARGO_PKG_VERSION"),
             comparison.ap_definition,
             comparison.base,
             comparison.bootstrap_draws,
-            comparison.bootstrap_seed
+            comparison.bootstrap_seed,
+            commented(scores)
         ),
         "\\begin{tabular}{llrrlrlrrl}".into(),
         "\\toprule".into(),
@@ -137,9 +145,11 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let (targets, others) = (evaluation.targets(), evaluation.others());
     let mut lines = vec![format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Confidence: mean, misses count 0.\n\
+         % Counts as the model: {}.\n\
          % Table 1: the detectors that the patterns were made against.",
         env!("CARGO_PKG_VERSION"),
-        evaluation.scores.criteria.ap.name()
+        evaluation.scores.criteria.ap.name(),
+        commented(evaluation.scores)
     )];
     let cell = |value: Option<f64>| value.map_or("--".to_owned(), |v| number(v, 2));
     let heads = |of: &dyn Fn(&str) -> String, detectors: &[&Contestant]| -> Vec<String> {

@@ -2,6 +2,7 @@
 
 mod coco;
 mod comparison;
+mod counted;
 mod csv;
 mod evaluation;
 mod figures_csv;
@@ -21,6 +22,7 @@ use crate::files;
 use crate::score::{Contestant, ScoredPhoto, Scores};
 
 pub use comparison::{comparison_json, comparison_table, write_comparison};
+pub use counted::counted;
 pub use evaluation::{Evaluation, evaluation_tables, write_evaluation};
 pub use table::summary_table;
 pub use truth::truth_boxes;
@@ -56,9 +58,10 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         ("table.tex".to_owned(), latex::table(scores)),
         ("report.html".to_owned(), html::render(scores, speeds)),
     ];
+    let categories = coco::Categories::of(scores);
     for (index, contestant) in scores.contestants.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
-        let results = coco_results(photos, contestant.labels()).map_err(format)?;
+        let results = coco_results(photos, |label| categories.id(contestant, label)).map_err(format)?;
         contents.push((results_name(&contestant.manifest.name), results));
     }
     let files: Vec<_> = contents

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::counted;
 use crate::detect::SCORE_FLOOR;
 use crate::score::{Contestant, MATCH_IOU, Scores, Source};
 use crate::tags::TagDetectorChoice;
@@ -27,6 +28,8 @@ pub(super) struct DetectorProvenance {
     pub name: String,
     pub title: String,
     pub weights_sha256: String,
+    /// Its labels that count as the model.
+    pub counted_labels: Vec<&'static str>,
     pub origin: String,
     pub licence: String,
     /// `live` or `recorded`.
@@ -73,6 +76,7 @@ fn detector(c: &Contestant) -> DetectorProvenance {
         name: c.manifest.name.clone(),
         title: c.manifest.title.clone(),
         weights_sha256: c.manifest.weights.sha256.clone(),
+        counted_labels: counted::labels_of(c),
         origin: c.manifest.origin.clone(),
         licence: c.manifest.licence.clone(),
         source: if c.is_recorded() { "recorded" } else { "live" },

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::counted;
 use super::provenance::{self, Provenance};
 use crate::detect::Speeds;
 use crate::score::{NotScored, Reliability, Scores, Summary, TransferRow, reliability, transfer};
@@ -11,6 +12,8 @@ use crate::score::{NotScored, Reliability, Scores, Summary, TransferRow, reliabi
 #[derive(Serialize)]
 struct Page<'a> {
     photos_scored: usize,
+    /// The labels that count as the model.
+    classes: &'a [String],
     /// How the figures called `ap50` are computed.
     ap_definition: &'static str,
     hit_confidence: f64,
@@ -28,6 +31,7 @@ struct Page<'a> {
 pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
     let page = Page {
         photos_scored: scores.photos.len(),
+        classes: counted::classes(scores).labels(),
         ap_definition: scores.criteria.ap.name(),
         hit_confidence: scores.criteria.hit_confidence,
         results: &scores.summaries,

@@ -1,9 +1,10 @@
 //! The headline figures as plain text for the terminal.
 
+use super::counted;
 use crate::score::{BASE_VARIANT, Scores, Summary, TransferDrop, transfer};
 
 /// A line per detector: AP@0.5, hit rate and mean confidence of every variant. Below it what became of the misses, and
-/// the drops from the base as a matrix pattern × detector.
+/// the drops from the base as a matrix pattern × detector, and which labels count as the model.
 pub fn summary_table(scores: &Scores) -> String {
     let headline = format!("AP@0.5 ({}) / hits / mean confidence", scores.criteria.ap.name());
     let mut lines = by_detector(scores, &headline, headline_cell);
@@ -23,6 +24,8 @@ pub fn summary_table(scores: &Scores) -> String {
     for row in rows {
         lines.push(line(&row.variant, row.detectors.iter().map(drop_cell), TRANSFER_WIDTHS));
     }
+    lines.push(String::new());
+    lines.push(format!("counts as the model: {}", counted(scores)));
     lines.join("\n")
 }
 

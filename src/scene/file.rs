@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
-use super::{Bins, Envelope, Model, Scene, Tag, TagFamily, TagSigma};
+use super::{Bins, Classes, Envelope, Model, Scene, Tag, TagFamily, TagSigma};
 use crate::files;
 use crate::geometry::length::{self, BadLength, FARTHEST_MM, LONGEST_MM, SCALES, shown};
 
@@ -44,7 +44,7 @@ struct SceneFile {
 struct ModelTable {
     name: String,
     scale: f64,
-    class: String,
+    class: Classes,
     size_mm: [f64; 3],
     #[serde(default)]
     envelope: EnvelopeWord,
@@ -336,6 +336,10 @@ up = [-0.5, 0.0, 0.866]
             ("scale = 10", "scale = 0", "model.scale is 0"),
             ("azimuth_deg = 45", "azimuth_deg = 50", "does not divide 360"),
             ("pitch_deg = [15]", "pitch_deg = []", "at least one centre"),
+            ("class = \"car\"", "class = []", "line 5: the class is an empty list"),
+            ("class = \"car\"", "class = \"\"", "\"\" is no label"),
+            ("class = \"car\"", "class = [\"car\", \"car\"]", "lists `car` twice"),
+            ("class = \"car\"", "class = 3", "or a list of labels"),
             (
                 "up = [-0.5, 0.0, 0.866]",
                 "up = [0.0, 0.5, 0.866]",

@@ -2,6 +2,7 @@
 //! out by a preset ([`Ring`]).
 
 mod bins;
+mod classes;
 mod envelope;
 mod file;
 mod ring;
@@ -10,6 +11,7 @@ mod viewpoint;
 mod write;
 
 pub use bins::{Bin, Bins};
+pub use classes::Classes;
 pub use envelope::Envelope;
 pub use file::SceneError;
 pub use ring::{Ring, RingError};
@@ -47,8 +49,8 @@ pub struct Model {
     pub name: String,
     /// 10 for a 1:10 model.
     pub scale: f64,
-    /// The label a detector should give, e.g. `car`.
-    pub class: String,
+    /// The labels that count as the model when a detector gives one of them, e.g. `car`.
+    pub class: Classes,
     /// Length (x), width (y), height (z) of the printed model in mm.
     pub size_mm: [f64; 3],
     /// What truth boxes are drawn around.
@@ -110,7 +112,7 @@ mod tests {
         let model = Model {
             name: "m".to_owned(),
             scale: 10.0,
-            class: "car".to_owned(),
+            class: "car".parse().unwrap(),
             size_mm: [455.0, 186.0, 128.0],
             envelope: Envelope::Box,
         };

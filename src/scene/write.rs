@@ -6,7 +6,7 @@ impl Scene {
     /// The file that [`Scene::parse`] reads back, places to a thousandth of a millimetre.
     pub fn to_toml(&self) -> String {
         let model = &self.model;
-        let [name, class] = [&model.name, &model.class].map(|text| toml::Value::from(text.as_str()).to_string());
+        let (name, class) = (toml::Value::from(model.name.as_str()), model.class.to_toml());
         let mesh = model.envelope.mesh().map(|path| {
             let path = toml::Value::from(path.to_string_lossy().into_owned());
             format!("mesh = {path}\n")
@@ -71,9 +71,10 @@ mod tests {
             tilt_deg in 30.0..75.0_f64,
             family in prop::sample::select(TagFamily::ALL.to_vec()),
             name in "\\PC{0,12}",
+            class in prop::sample::select(vec!["car", "car,truck", "a \"b\",c"]),
             envelope in prop::sample::select(vec![Envelope::Box, Envelope::Hull("a \"b\".stl".into()), Envelope::Mesh("m/c.glb".into())]),
         ) {
-            let model = Model { name, scale: 10.0, class: "car".into(), size_mm: [455.0, 186.5, 128.0], envelope };
+            let model = Model { name, scale: 10.0, class: class.parse().unwrap(), size_mm: [455.0, 186.5, 128.0], envelope };
             let bins = Bins { azimuth_deg: 45.0, pitch_deg: vec![0.0, 15.0], distance_mm: vec![850.0] };
             let mut scene = Ring { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
             scene.tags[0].sigma = Some(super::super::TagSigma { mm: tilt_deg / 64.0, deg: radius_mm / 8192.0 });

@@ -2,16 +2,22 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BASE_VARIANT, NotScored, ScoredPhoto};
+use super::{BASE_VARIANT, Contestant, NotScored, ScoredPhoto};
 use crate::session::Session;
 
 /// Every caution of a run, as sentences.
-pub(super) fn cautions(photos: &[ScoredPhoto], not_scored: &[NotScored], sessions: &[Session]) -> Vec<String> {
+pub(super) fn cautions(
+    photos: &[ScoredPhoto],
+    not_scored: &[NotScored],
+    sessions: &[Session],
+    contestants: &[Contestant],
+) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(no_base(photos));
     cautions.extend(copies(photos));
     cautions.extend(uneven_directions(photos));
     cautions.extend(left_out(not_scored));
+    cautions.extend(unknown_classes(sessions, contestants));
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
     cautions.extend(guessed_cameras(photos, sessions));
@@ -69,6 +75,25 @@ fn left_out(not_scored: &[NotScored]) -> Option<String> {
     let count = not_scored.len();
     (count > 0)
         .then(|| format!("{count} photos could not be scored and are in no figure; they are listed with their reasons"))
+}
+
+/// A detector that knows some of the labels that count has fewer ways to find the model.
+fn unknown_classes(sessions: &[Session], contestants: &[Contestant]) -> Vec<String> {
+    let Some(classes) = sessions.first().map(|s| &s.scene.model.class) else {
+        return Vec::new();
+    };
+    let unknown = contestants.iter().filter_map(|c| {
+        let unknown = c.manifest.unknown_classes(classes.labels());
+        let quoted: Vec<String> = unknown.iter().map(|label| format!("`{label}`")).collect();
+        let name = &c.manifest.name;
+        (!quoted.is_empty()).then(|| {
+            format!(
+                "{name} has no label {}, so that it finds the model by the others only",
+                quoted.join(" or ")
+            )
+        })
+    });
+    unknown.collect()
 }
 
 fn several_models(sessions: &[Session]) -> Option<String> {

@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::detect::{Labels, Manifest, Recorded, RecordedError, WeightFolders, WeightsError};
+use crate::detect::{Detection, Labels, Manifest, NoSuchClass, Recorded, RecordedError, WeightFolders, WeightsError};
+use crate::scene::Classes;
 
 /// A detector of a run.
 #[derive(Debug, Clone)]
 pub struct Contestant {
     pub manifest: Manifest,
     pub source: Source,
-    /// Number of the model's class in the detector's labels.
-    pub class: usize,
+    /// The detector's labels that count as the model, by their numbers, at least one.
+    pub counted: Vec<usize>,
 }
 
 /// Where a contestant's detections come from.
@@ -29,8 +30,8 @@ pub enum ContestantError {
     Weights(#[from] WeightsError),
     #[error(transparent)]
     Recorded(#[from] RecordedError),
-    #[error("{detector} has no label `{class}`, the class of the model: choose another detector or class")]
-    NoSuchClass { detector: String, class: String },
+    #[error(transparent)]
+    NoSuchClass(#[from] NoSuchClass),
 }
 
 /// The folder of a session that holds recordings.
@@ -38,13 +39,13 @@ const RECORDED: &str = "recorded";
 
 impl Contestant {
     /// A detector that will run.
-    pub fn live(manifest: Manifest, folders: &WeightFolders, class: &str) -> Result<Contestant, ContestantError> {
+    pub fn live(manifest: Manifest, folders: &WeightFolders, class: &Classes) -> Result<Contestant, ContestantError> {
         let source = Source::Live(folders.checked(&manifest)?);
         Contestant::new(manifest, source, class)
     }
 
     /// A detector played back from the recordings of some session folders.
-    pub fn recorded(manifest: Manifest, sessions: &[&Path], class: &str) -> Result<Contestant, ContestantError> {
+    pub fn recorded(manifest: Manifest, sessions: &[&Path], class: &Classes) -> Result<Contestant, ContestantError> {
         let recordings = sessions
             .iter()
             .map(|folder| Recorded::open(&folder.join(RECORDED), &manifest));
@@ -53,7 +54,7 @@ impl Contestant {
     }
 
     /// A detector that ran elsewhere, for shards: it needs no weights here.
-    pub fn ran_elsewhere(manifest: Manifest, class: &str) -> Result<Contestant, ContestantError> {
+    pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<Contestant, ContestantError> {
         let source = Source::Live(PathBuf::from(&manifest.weights.file));
         Contestant::new(manifest, source, class)
     }
@@ -63,22 +64,22 @@ impl Contestant {
         session.join(RECORDED)
     }
 
-    fn new(manifest: Manifest, source: Source, class: &str) -> Result<Contestant, ContestantError> {
-        let no_such_class = || ContestantError::NoSuchClass {
-            detector: manifest.name.clone(),
-            class: class.to_owned(),
-        };
-        let class = manifest.labels.find(class).ok_or_else(no_such_class)?;
+    fn new(manifest: Manifest, source: Source, class: &Classes) -> Result<Contestant, ContestantError> {
         Ok(Contestant {
+            counted: manifest.counted(class.labels())?,
             manifest,
             source,
-            class,
         })
     }
 
     /// True when the detections are played back.
     pub fn is_recorded(&self) -> bool {
         matches!(self.source, Source::Recorded(_))
+    }
+
+    /// Whether a detection counts as the model, wherever it is.
+    pub fn counts(&self, detection: &Detection) -> bool {
+        self.counted.contains(&detection.label)
     }
 
     pub fn labels(&self) -> Labels {

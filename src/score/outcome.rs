@@ -31,16 +31,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Judges the detections of a photo against the model's truth box and class; those below `hit_confidence` only lend
+    /// Judges the detections of a photo against the model's truth box and the labels that count as it; those below `hit_confidence` only lend
     /// the photo its confidence.
-    pub fn of(detections: &[Detection], truth: &BoxPx, class: usize, hit_confidence: f64) -> Outcome {
+    pub fn of(detections: &[Detection], truth: &BoxPx, counted: &[usize], hit_confidence: f64) -> Outcome {
         let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= MATCH_IOU);
         let confidence = on_model()
-            .filter(|d| d.label == class)
+            .filter(|d| counted.contains(&d.label))
             .map(|d| d.score)
             .fold(0.0, f64::max);
         let other = on_model()
-            .filter(|d| d.label != class && d.score >= hit_confidence)
+            .filter(|d| !counted.contains(&d.label) && d.score >= hit_confidence)
             .max_by(|a, b| a.score.total_cmp(&b.score))
             .map(|d| (d.label, d.score));
         let verdict = match (confidence >= hit_confidence, other.is_some()) {
@@ -50,7 +50,7 @@ impl Outcome {
         };
         let elsewhere = detections
             .iter()
-            .filter(|d| d.label == class && d.score >= hit_confidence && d.box_px.iou(truth) < MATCH_IOU);
+            .filter(|d| counted.contains(&d.label) && d.score >= hit_confidence && d.box_px.iou(truth) < MATCH_IOU);
         Outcome {
             confidence,
             other,
@@ -87,7 +87,7 @@ mod tests {
             .iter()
             .map(|(label, score, x)| Detection::new(*label, *score, BoxPx::new(*x, 0.0, x + 100.0, 50.0)).unwrap())
             .collect();
-        Outcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), CAR, 0.5)
+        Outcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], 0.5)
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub struct ConfidenceBin {
 /// The reliability of every contestant, in their order.
 pub fn reliability(photos: &[ScoredPhoto], contestants: &[Contestant]) -> Vec<Reliability> {
     let of = |(index, contestant): (usize, &Contestant)| {
-        let detections = photos.iter().flat_map(|p| judged(p, index, contestant.class));
+        let detections = photos.iter().flat_map(|p| judged(p, index, &contestant.counted));
         Reliability::of(contestant.manifest.name.clone(), &detections.collect::<Vec<_>>())
     };
     contestants.iter().enumerate().map(of).collect()
@@ -48,8 +48,8 @@ pub fn reliability(photos: &[ScoredPhoto], contestants: &[Contestant]) -> Vec<Re
 
 /// (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that
 /// overlaps the truth enough; every further one is a double, and wrong, as for AP.
-fn judged(photo: &ScoredPhoto, contestant: usize, class: usize) -> Vec<(f64, bool)> {
-    let mut detections = boxes(photo, contestant, class).detections;
+fn judged(photo: &ScoredPhoto, contestant: usize, counted: &[usize]) -> Vec<(f64, bool)> {
+    let mut detections = boxes(photo, contestant, counted).detections;
     detections.sort_by(|a, b| b.0.total_cmp(&a.0));
     let first = detections.iter().position(|(_, b)| b.iou(&photo.truth) >= MATCH_IOU);
     let numbered = detections.iter().enumerate();

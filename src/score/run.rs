@@ -175,7 +175,7 @@ impl Scores {
         }
         let criteria = Criteria::default();
         Ok(Scores {
-            cautions: caution::cautions(&photos, &not_scored, &sessions),
+            cautions: caution::cautions(&photos, &not_scored, &sessions, &contestants),
             summaries: summary::summaries(&photos, &contestants, &sessions[0].scene.bins, criteria.ap),
             criteria,
             runtime,
@@ -216,7 +216,7 @@ fn scored(job: &Job, contestants: &[Contestant], observation: Observation, place
     let outcomes = contestants
         .iter()
         .zip(&observation.detections)
-        .map(|(c, found)| Outcome::of(found, &place.truth, c.class, HIT_CONFIDENCE))
+        .map(|(c, found)| Outcome::of(found, &place.truth, &c.counted, HIT_CONFIDENCE))
         .collect();
     let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
     ScoredPhoto {

@@ -104,7 +104,7 @@ impl Scores {
             let judged = self.contestants.iter().zip(&photo.detections);
             let confidence = criteria.hit_confidence;
             photo.outcomes = judged
-                .map(|(c, found)| Outcome::of(found, &photo.truth, c.class, confidence))
+                .map(|(c, found)| Outcome::of(found, &photo.truth, &c.counted, confidence))
                 .collect();
         }
         let bins = &self.sessions[0].scene.bins;
@@ -125,7 +125,7 @@ pub(super) fn summaries(
     for (index, contestant) in contestants.iter().enumerate() {
         let side = Side {
             contestant: index,
-            class: contestant.class,
+            counted: &contestant.counted,
             ap,
         };
         let groups: Vec<Group> = variants(photos)
@@ -143,9 +143,9 @@ pub(super) fn summaries(
 
 /// Whose figures, and by which AP.
 #[derive(Clone, Copy)]
-struct Side {
+struct Side<'a> {
     contestant: usize,
-    class: usize,
+    counted: &'a [usize],
     ap: ApDefinition,
 }
 
@@ -240,7 +240,7 @@ pub(super) fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
 
 /// Figures of one contestant on a group of photos; `None` for an empty group.
 fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
-    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.contestant, side.class)).collect();
+    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.contestant, side.counted)).collect();
     let outcomes = || photos.iter().map(|p| &p.outcomes[side.contestant]);
     let mean = |of: fn(&Outcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
     let rate = |counts: fn(&Outcome) -> bool| {
@@ -262,8 +262,10 @@ fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
 }
 
 /// The boxes of the model's class in one photo, as AP takes them.
-pub(super) fn boxes(photo: &ScoredPhoto, contestant: usize, class: usize) -> ImageBoxes {
-    let detections = photo.detections[contestant].iter().filter(|d| d.label == class);
+pub(super) fn boxes(photo: &ScoredPhoto, contestant: usize, counted: &[usize]) -> ImageBoxes {
+    let detections = photo.detections[contestant]
+        .iter()
+        .filter(|d| counted.contains(&d.label));
     ImageBoxes {
         truths: vec![photo.truth],
         detections: detections.map(|d| (d.score, d.box_px)).collect(),

@@ -146,7 +146,7 @@ fn pair(tilt_deg: f64, ridge_deg: f64, turns: [f64; 2], sizes: [f64; 2], rooms: 
         model: Model {
             name: "m".into(),
             scale: 10.0,
-            class: "car".into(),
+            class: "car".parse().unwrap(),
             size_mm: [100.0, 50.0, 40.0],
             envelope: Envelope::Box,
         },

@@ -16,7 +16,7 @@ use super::frames::FramesError;
 use super::render::{Plan, PlannedFrame, RenderError, RenderRequest, blender};
 use crate::files::{self, FileError};
 use crate::geometry::BoxPx;
-use crate::scene::{Scene, Viewpoint};
+use crate::scene::{Classes, Scene, Viewpoint};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
@@ -106,7 +106,7 @@ impl Evaluation {
     }
 
     /// The scene of the photos: the model, without tags, and a bin for each viewpoint.
-    pub fn scene(&self, name: &str, class: &str, scale: f64) -> Scene {
+    pub fn scene(&self, name: &str, class: &Classes, scale: f64) -> Scene {
         let request = self.plan.request();
         scene::of(&request.mesh, &request.viewpoints, (name, class, scale))
     }

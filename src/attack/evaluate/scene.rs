@@ -1,10 +1,10 @@
 //! The scene of rendered photos.
 
 use crate::mesh::Mesh;
-use crate::scene::{Bins, Envelope, Model, Scene, Viewpoint};
+use crate::scene::{Bins, Classes, Envelope, Model, Scene, Viewpoint};
 
 /// A model without tags, and bins whose centres are the viewpoints. The model is called (name, class, scale).
-pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&str, &str, f64)) -> Scene {
+pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&str, &Classes, f64)) -> Scene {
     let each = |of: fn(&Viewpoint) -> f64| {
         let mut values: Vec<f64> = viewpoints.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
@@ -15,7 +15,7 @@ pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&
         model: Model {
             name: name.to_owned(),
             scale,
-            class: class.to_owned(),
+            class: class.clone(),
             size_mm: mesh.size_mm(),
             // Every photo says its box.
             envelope: Envelope::Box,

@@ -191,8 +191,12 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let history = args.on.history(&opened, "patches", vec![judged(judgement)]);
     let (path, content) = args.on.history_file(&history)?;
     files::write_atomically(&path, &content)?;
+    if args.on.json {
+        args.on.write_json(&history, None, out)?;
+        return Ok(Outcome::Done);
+    }
     writeln!(out, "{}", path.display())?;
-    super::on_frames::say_judgement(&opened, &history, out)?;
+    super::on_frames::say_judgement(&opened, &history, &args.on.class, out)?;
     Ok(Outcome::Done)
 }
 

@@ -30,8 +30,8 @@ pub struct ChartArgs {
     #[command(flatten)]
     on: super::device::OnDevice,
     /// Folder for the charts (SVG) and its numbers (JSON)
-    #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
 }
 
 /// The numbers, with what they were measured on.
@@ -66,12 +66,12 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     };
     let mut new = vec![
         (
-            args.out.join("renderers.json"),
+            args.output.join("renderers.json"),
             serde_json::to_string_pretty(&numbers)?.into_bytes(),
         ),
-        (args.out.join("renderers.svg"), draw(&rows).into_bytes()),
+        (args.output.join("renderers.svg"), draw(&rows).into_bytes()),
     ];
-    new.extend(draw_training(&rows).map(|svg| (args.out.join("training.svg"), svg.into_bytes())));
+    new.extend(draw_training(&rows).map(|svg| (args.output.join("training.svg"), svg.into_bytes())));
     files::replace_all_atomically(&new)?;
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;

@@ -24,8 +24,8 @@ const TILE_MM: f64 = 240.0;
 #[derive(clap::Args)]
 pub struct DemoArgs {
     /// Folder for the pattern, its card, its history and its template
-    #[arg(long, value_name = "DIR", default_value = "out/attack_demo")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/attack_demo")]
+    output: PathBuf,
     #[command(flatten)]
     folder: Folder,
 }
@@ -35,13 +35,14 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         frames: home().join(FRAMES),
         detector: vec![DETECTOR.to_owned()],
         folder: args.folder.clone(),
-        class: "car".to_owned(),
+        class: "car".parse()?,
         cells: CELLS,
         tile_mm: TILE_MM,
         laying: Laying::World,
         device: OnDevice::default(),
+        json: false,
         seed: 1,
-        output: args.out.clone(),
+        output: args.output.clone(),
     };
     let opened = on.open()?;
     let (views, held_out) = (opened.stage.views.len(), opened.stage.judged().len());
@@ -64,12 +65,12 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let (cells, entries) = optimise(&on, &opened, &config)?;
     on.write(&opened, ("dta", &cells, entries), out)?;
     writeln!(out, "\n2. The pattern becomes a printable sheet")?;
-    let png = args.out.join(PATTERN);
+    let png = args.output.join(PATTERN);
     print_template(
         &Pattern::load(&png)?,
         PATTERN,
         TILE_MM,
-        &args.out.join("template.pdf"),
+        &args.output.join("template.pdf"),
         out,
     )?;
     writeln!(out, "\n3. {DETECTOR} looks at the held-out views")?;

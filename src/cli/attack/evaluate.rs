@@ -15,6 +15,7 @@ use crate::detect::Manifest;
 use crate::files;
 use crate::pattern::Pattern;
 use crate::report;
+use crate::scene::Classes;
 use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with};
 use crate::session::{self, PhotoEntry, Session};
 
@@ -35,10 +36,10 @@ pub struct EvaluateArgs {
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: f64,
     /// The detectors that the patterns were made against: table 1 has them, table 2 the others; all are in table 1 without it
-    #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     target: Vec<String>,
     /// Detector to score; several may be named; all whose weights are here when none is
-    #[arg(long = "detector", value_name = "NAME", num_args = 1.., value_delimiter = ',')]
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: Folder,
@@ -64,11 +65,14 @@ pub struct EvaluateArgs {
     samples: u32,
     #[arg(long, default_value_t = 1)]
     seed: u32,
-    /// The label that a detector should give the model
-    #[arg(long, value_name = "LABEL", default_value = "car")]
-    class: String,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    class: Classes,
     #[command(flatten)]
     effort: Effort,
+    /// The tables as one JSON object instead of the text
+    #[arg(long)]
+    json: bool,
     /// Folder for the photos (a session, in `session`), evaluation.html, .csv and .tex, differences.csv, and the report of `score` in `score`
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -95,6 +99,14 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     report::write(&args.output.join("score"), &scores, None)?;
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
+    if args.json {
+        let line = serde_json::json!({
+            "classes": args.class, "patterns": tables.patterns, "targets": tables.targets, "results": scores.summaries,
+            "comparisons": tables.comparisons, "page": page,
+        });
+        writeln!(out, "{line}")?;
+        return Ok(Outcome::Done);
+    }
     writeln!(out, "{}", report::evaluation_tables(&tables))?;
     writeln!(out, "page: {}", page.display())?;
     Ok(Outcome::Done)
@@ -165,12 +177,8 @@ impl EvaluateArgs {
     /// The detectors to score, whose weights are here; the targets are among them.
     fn manifests(&self) -> Result<Vec<Manifest>, Box<dyn Error>> {
         let manifests = detectors::present(&self.detectors, &self.folder.folders()?)?;
-        if let Some(without) = manifests.iter().find(|m| m.labels.find(&self.class).is_none()) {
-            return Err(format!(
-                "{} has no label `{}`: choose other detectors, or another --class",
-                without.name, self.class
-            )
-            .into());
+        for manifest in &manifests {
+            manifest.counted(self.class.labels())?;
         }
         let names = || manifests.iter().map(|m| m.name.as_str());
         match self.target.iter().find(|target| names().all(|name| name != *target)) {

@@ -17,6 +17,9 @@ pub struct HistoryArgs {
     /// Folder for the chart (SVG) and its numbers (JSON)
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// The histories as one JSON object instead of the table
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
@@ -37,12 +40,36 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         .into());
     }
     files::check_writable(&args.output)?;
+    if !args.json {
+        table(&histories, out)?;
+    }
+    let new = [
+        (
+            args.output.join("attack.json"),
+            serde_json::to_string_pretty(&histories)?.into_bytes(),
+        ),
+        (args.output.join("attack.svg"), draw(&histories).into_bytes()),
+    ];
+    files::replace_all_atomically(&new)?;
+    if args.json {
+        let [numbers, chart] = new.map(|(path, _)| path);
+        let line = serde_json::json!({ "histories": histories, "numbers": numbers, "chart": chart });
+        writeln!(out, "{line}")?;
+        return Ok(Outcome::Done);
+    }
+    for (path, _) in &new {
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
         "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}",
         "method", "seed", "tile mm", "pictures", "seconds", "AP@0.5", "hit rate", "confidence"
     )?;
-    for history in &histories {
+    for history in histories {
         if let Some((entry, judged)) = history.last_judged() {
             writeln!(
                 out,
@@ -58,18 +85,7 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
             )?;
         }
     }
-    let new = [
-        (
-            args.output.join("attack.json"),
-            serde_json::to_string_pretty(&histories)?.into_bytes(),
-        ),
-        (args.output.join("attack.svg"), draw(&histories).into_bytes()),
-    ];
-    files::replace_all_atomically(&new)?;
-    for (path, _) in &new {
-        writeln!(out, "{}", path.display())?;
-    }
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 fn open(folder: &Path) -> Result<History, Box<dyn Error>> {

@@ -26,6 +26,7 @@ use crate::files;
 use crate::pattern::card::Card;
 use crate::pattern::{MAX_CELLS, Pattern};
 use crate::print::lettering::counted;
+use crate::scene::Classes;
 
 /// The name of the pattern in the folder of a result.
 pub const PATTERN: &str = "pattern.png";
@@ -45,9 +46,9 @@ pub struct OnFrames {
     pub detector: Vec<String>,
     #[command(flatten)]
     pub folder: Folder,
-    /// What they are to call the model
-    #[arg(long, default_value = "car")]
-    pub class: String,
+    /// The label that counts as the model, or several, as in car,truck
+    #[arg(long, value_name = "LABEL,…", default_value = "car")]
+    pub class: Classes,
     /// Cells along each side
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
     pub cells: u32,
@@ -60,6 +61,9 @@ pub struct OnFrames {
     pub laying: Laying,
     #[command(flatten)]
     pub device: OnDevice,
+    /// One JSON object instead of the text
+    #[arg(long)]
+    pub json: bool,
     /// The same seed gives the same pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -141,6 +145,9 @@ impl OnFrames {
         let path = self.output.join(PATTERN);
         let card = self.card(opened, &history, &png)?.to_file(&path)?;
         files::replace_all_atomically(&[(path.clone(), png), card, self.history_file(&history)?])?;
+        if self.json {
+            return self.write_json(&history, Some(&path), out);
+        }
         writeln!(
             out,
             "{}: {} × {} cells, tile {} mm",
@@ -149,7 +156,23 @@ impl OnFrames {
             self.cells,
             self.tile_mm
         )?;
-        say_judgement(opened, &history, out)
+        say_judgement(opened, &history, &self.class, out)
+    }
+
+    /// The result for programs: what `history.json` ends with, and where the pattern is.
+    pub fn write_json(
+        &self,
+        history: &History,
+        pattern: Option<&Path>,
+        out: &mut dyn Write,
+    ) -> Result<(), Box<dyn Error>> {
+        let predicted = history.last_judged().map(|(_, judgement)| judgement);
+        let queries = history.entries.last().map_or(0, |e| e.queries);
+        let line = json!({
+            "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells, "classes": self.class,
+            "detectors": history.detectors, "pattern": pattern, "queries": queries, "predicted": predicted,
+        });
+        Ok(writeln!(out, "{line}")?)
     }
 
     pub fn history(&self, opened: &Opened, method: &str, entries: Vec<Entry>) -> History {
@@ -193,7 +216,12 @@ impl OnFrames {
 }
 
 /// What the held-out views say, and that they are predictions.
-pub fn say_judgement(opened: &Opened, history: &History, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+pub fn say_judgement(
+    opened: &Opened,
+    history: &History,
+    class: &Classes,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
     if let Some((entry, judgement)) = history.last_judged() {
         let which = if opened.stage.holds_out() {
             "it was not made with"
@@ -202,7 +230,8 @@ pub fn say_judgement(opened: &Opened, history: &History, out: &mut dyn Write) ->
         };
         writeln!(
             out,
-            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s",
+            "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
+             counts as the model: {class}",
             judgement.ap50,
             judgement.hit_rate,
             judgement.mean_confidence,
@@ -256,28 +285,23 @@ type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 pub fn white_boxes(
     names: &[String],
     folder: &Folder,
-    class: &str,
+    class: &Classes,
     device: DeviceKind,
 ) -> Result<WhiteBoxes, Box<dyn Error>> {
     let device = device.open()?;
     let folders = folder.folders()?;
     let (mut all, mut named): WhiteBoxes = Default::default();
     for manifest in detectors::chosen(names)? {
-        let label = manifest.labels.find(class).ok_or_else(|| {
-            format!(
-                "{} has no label `{class}`: choose another detector, or another --class",
-                manifest.name
-            )
-        })?;
+        let labels = manifest.counted(class.labels())?;
         let path = folders.checked(&manifest)?;
         let sha256 = manifest.weights.sha256.chars().take(12).collect::<String>();
         named.push(format!("{} {sha256}", manifest.name));
-        all.push(Box::new(OnnxDetector::open(&manifest, &path, &[label], &device)?));
+        all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels, &device)?));
     }
     Ok((all, named))
 }
 
 #[cfg(not(feature = "attack"))]
-pub fn white_boxes(_: &[String], _: &Folder, _: &str, _: DeviceKind) -> Result<WhiteBoxes, Box<dyn Error>> {
+pub fn white_boxes(_: &[String], _: &Folder, _: &Classes, _: DeviceKind) -> Result<WhiteBoxes, Box<dyn Error>> {
     Err("this program was built without the attack's networks: use ./run attack …, or build with `cargo build --release --features attack`".into())
 }

@@ -70,7 +70,7 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
         made_by: made_by(args, &sessions, &flats),
     };
     let Located { shots, left_out, notes } = located(&sessions, &flats)?;
-    notes.iter().try_for_each(|note| writeln!(out, "note: {note}"))?;
+    notes.iter().for_each(|note| say!("note: {note}"));
     say_left_out(&left_out, out)?;
     say_other_variants(&flats, &sessions, out)?;
     let bar = progress::frames("laying photos", 0);
@@ -313,11 +313,10 @@ fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
     let gains = made.views.iter().flat_map(|v| &v.others).flat_map(|(_, _, gain)| gain);
     let most = gains.map(|gain| gain.max(1.0 / gain)).fold(1.0, f64::max);
     if most > MOST_GAIN {
-        writeln!(
-            out,
+        say!(
             "note: the photos' exposures or white balances differ by up to × {most:.1}, and a camera's tone curve is not sRGB's: colours are less \
              exact than with one exposure; lock it, for black, grey and white paint alike"
-        )?;
+        );
     }
     say_left_out(&made.left_out, out)
 }

@@ -1,10 +1,11 @@
 //! `scaleproof detectors add`: from an ONNX file to a manifest of the user's own.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{CommandResult, Outcome};
-use crate::detect::{Family, Hints, Labels, Manifest, ProposeError, Runtime, propose};
+use crate::detect::{self, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, propose};
 use crate::files;
 
 #[derive(clap::Args)]
@@ -12,8 +13,8 @@ pub struct Args {
     /// The network (ONNX).
     model: PathBuf,
     /// The manifest to write; beside the network and named as it is, when left out.
-    #[arg(short, long = "output", value_name = "FILE.toml")]
-    out: Option<PathBuf>,
+    #[arg(short, long, alias = "out", value_name = "FILE.toml")]
+    output: Option<PathBuf>,
     /// What the class numbers mean: coco80, coco91, voc20, or a text file with one label a line.
     #[arg(long, value_name = "LABELS")]
     labels: Option<String>,
@@ -23,10 +24,19 @@ pub struct Args {
     /// The input's size in pixels, where the file leaves it open: 640 or 640x480 (width first).
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<[u32; 2]>,
+    /// What labels of the network count as, where the scene calls them otherwise, as in PKW=car,LKW=truck.
+    #[arg(long, value_name = "OWN=COUNTED", value_delimiter = ',', value_parser = mapped)]
+    map: Vec<(String, String)>,
+    /// Put the detector on the list too, so that `--detector NAME` finds it from everywhere.
+    #[arg(long)]
+    register: bool,
+    /// One JSON object instead of the text.
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let path = args.out.clone().unwrap_or_else(|| args.model.with_extension("toml"));
+    let path = args.output.clone().unwrap_or_else(|| args.model.with_extension("toml"));
     if path.exists() {
         let text = format!(
             "{} is already there: remove it, or name another file by --output",
@@ -61,16 +71,55 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         ProposeError::File(_) | ProposeError::Detect(_) => e.to_string(),
         e => format!("{}: {e}", args.model.display()),
     })?;
-    files::write_atomically(&path, proposal.text.as_bytes())?;
+    let manifest = Manifest {
+        class_map: class_map(&args.map)?,
+        ..proposal.manifest
+    };
+    files::write_atomically(&path, manifest.to_toml()?.as_bytes())?;
     for note in &proposal.notes {
-        writeln!(out, "{note}")?;
+        say!("note: {note}");
     }
-    let path = path.display();
-    writeln!(
-        out,
-        "manifest: {path}\ntry it: scaleproof detectors check --detector {path} PHOTO…"
-    )?;
+    let registered = args.register.then(|| register(&path)).transpose()?;
+    if args.json {
+        let line = serde_json::json!({
+            "name": manifest.name, "manifest": path, "family": proposal.family.name(), "registered": registered, "notes": proposal.notes,
+        });
+        writeln!(out, "{line}")?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(out, "manifest: {}", path.display())?;
+    if let Some(registered) = &registered {
+        writeln!(out, "registered: {}", registered.display())?;
+    }
+    let called = match registered {
+        Some(_) => manifest.name,
+        None => path.display().to_string(),
+    };
+    writeln!(out, "try it: scaleproof detectors check --detector {called} PHOTO…")?;
     Ok(Outcome::Done)
+}
+
+/// The manifest as it lies there now, weights beside it.
+fn register(manifest: &Path) -> Result<PathBuf, Box<dyn std::error::Error>> {
+    Ok(detect::register(&Manifest::open(manifest)?, &WeightFolders::new(None))?)
+}
+
+fn mapped(text: &str) -> Result<(String, String), String> {
+    let pair = text.split_once('=').map(|(own, counted)| (own.trim(), counted.trim()));
+    let whole = pair.filter(|(own, counted)| !own.is_empty() && !counted.is_empty());
+    whole
+        .map(|(own, counted)| (own.to_owned(), counted.to_owned()))
+        .ok_or_else(|| "write the network's label and what it counts as, as in PKW=car".to_owned())
+}
+
+fn class_map(pairs: &[(String, String)]) -> Result<BTreeMap<String, String>, String> {
+    let mut map = BTreeMap::new();
+    for (own, counted) in pairs {
+        if map.insert(own.clone(), counted.clone()).is_some() {
+            return Err(format!("--map names `{own}` twice: a label counts as one thing"));
+        }
+    }
+    Ok(map)
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

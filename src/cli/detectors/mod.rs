@@ -1,18 +1,21 @@
 //! `scaleproof detectors`: which detectors there are, where their weights come from, and whether they work.
 
 mod add;
+mod check;
+mod choose;
+mod drawn;
+mod registry;
 mod speed;
 
+pub use choose::{chosen, chosen_as};
+
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
-use serde::Serialize;
 
 use crate::cli::{CommandResult, Outcome, progress};
-use crate::detect::{self, Detector, Manifest, Runtime, WeightFolders, WeightsError};
-use crate::geometry::BoxPx;
-use crate::photo::PhotoFile;
+use crate::detect::{self, Manifest, WeightFolders, WeightsError, registered, registered_names};
 
 /// List, fetch, try out and add object detectors.
 #[derive(clap::Args)]
@@ -29,13 +32,17 @@ enum Command {
     #[cfg(feature = "full")]
     Fetch(FetchArgs),
     /// Run every detector whose weights are present on some photos and print what it finds.
-    Check(CheckArgs),
+    Check(check::Args),
     /// Write the manifest of a detector of your own from its ONNX file, or say what the file does not tell.
     ///
     /// The network is run on a grey picture and on noise; its outputs tell the family. How a photo is to be prepared no file
     /// says: the family's usual way is written, to be compared with the program that the weights come from.
     Add(add::Args),
     Speed(speed::Args),
+    /// Put a detector of your own on the list, so that `--detector NAME` finds it from everywhere.
+    Register(registry::RegisterArgs),
+    /// Take a registered detector off the list; its files stay.
+    Remove(registry::RemoveArgs),
 }
 
 /// Where weights are.
@@ -74,21 +81,6 @@ struct FetchArgs {
     names: Vec<String>,
     #[command(flatten)]
     folder: Folder,
-}
-
-#[derive(clap::Args)]
-struct CheckArgs {
-    /// Photos (JPEG or PNG).
-    #[arg(required = true)]
-    photos: Vec<PathBuf>,
-    /// Only this detector; may be given several times, or as a list with commas.
-    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
-    detectors: Vec<String>,
-    #[command(flatten)]
-    folder: Folder,
-    /// Boxes below this confidence are not printed.
-    #[arg(long, default_value_t = 0.3)]
-    confidence: f64,
     /// One JSON object a line.
     #[arg(long)]
     json: bool,
@@ -99,31 +91,27 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         Command::List(args) => list(args, out),
         #[cfg(feature = "full")]
         Command::Fetch(args) => fetch(args, out),
-        Command::Check(args) => check(args, out),
+        Command::Check(args) => check::run(args, out),
         Command::Add(args) => add::run(args, out),
         Command::Speed(args) => speed::run(args, out),
+        Command::Register(args) => registry::register(&args, out),
+        Command::Remove(args) => registry::remove(&args, out),
     }
-}
-
-/// The named detectors, or all that ship with the program; a name that ends in `.toml` is a manifest of the user's own.
-pub fn chosen(names: &[String]) -> CommandResultOf<Vec<Manifest>> {
-    if names.is_empty() {
-        return Ok(Manifest::all()?);
-    }
-    let mut manifests: Vec<Manifest> = Vec::new();
-    for name in names {
-        let manifest = match name.ends_with(".toml") {
-            true => Manifest::open(Path::new(name))?,
-            false => Manifest::named(name)?,
-        };
-        if !manifests.contains(&manifest) {
-            manifests.push(manifest);
-        }
-    }
-    Ok(manifests)
 }
 
 type CommandResultOf<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// Those that ship with the program, then the registered ones; one whose manifest cannot be read any more is named in a note.
+fn all() -> CommandResultOf<Vec<Manifest>> {
+    let mut all = Manifest::all()?;
+    for name in registered_names() {
+        match registered(&name) {
+            Ok(manifest) => all.extend(manifest),
+            Err(e) => say!("note: {e}"),
+        }
+    }
+    Ok(all)
+}
 
 fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
@@ -134,18 +122,19 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
             "name", "detector", "licence", "sha256"
         )?;
     }
-    for m in Manifest::all()? {
+    for m in all()? {
         let checked = folders.checked(&m);
         if args.json {
             let line = serde_json::json!({
                 "name": m.name, "title": m.title, "licence": m.licence, "origin": m.origin, "url": m.weights.url,
-                "sha256": m.weights.sha256, "path": checked.ok(),
+                "sha256": m.weights.sha256, "path": checked.ok(), "registered": m.folder.is_some(),
             });
             writeln!(out, "{line}")?;
         } else {
             let place = match checked {
                 Ok(path) => path.display().to_string(),
                 Err(WeightsError::WrongHash { path, .. }) => format!("not the described file: {}", path.display()),
+                Err(e) if m.weights.url.is_empty() => e.to_string(),
                 Err(_) => "not here: scaleproof detectors fetch".into(),
             };
             writeln!(
@@ -166,7 +155,10 @@ fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
     let folders = WeightFolders::new(args.folder.weights_folder);
     for manifest in chosen(&args.names)? {
         let path = fetch_one(&manifest, &folders)?;
-        writeln!(out, "{:<14} {}", manifest.name, path.display())?;
+        match args.json {
+            true => writeln!(out, "{}", serde_json::json!({ "name": manifest.name, "path": path }))?,
+            false => writeln!(out, "{:<14} {}", manifest.name, path.display())?,
+        }
     }
     Ok(Outcome::Done)
 }
@@ -208,70 +200,4 @@ pub fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec
         true => Err("no detector's weights are here: get them with `scaleproof detectors fetch`".into()),
         false => Ok(manifests),
     }
-}
-
-/// One line of `check --json`.
-#[derive(Serialize)]
-struct Line<'a> {
-    detector: &'a str,
-    file: String,
-    label: &'a str,
-    score: f64,
-    /// x1, y1, x2, y2.
-    box_px: BoxPx,
-}
-
-fn check(args: CheckArgs, out: &mut dyn Write) -> CommandResult {
-    if !(0.0..=1.0).contains(&args.confidence) {
-        return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
-    }
-    let folders = args.folder.folders()?;
-    let manifests = present(&args.detectors, &folders)?;
-    let photos = args
-        .photos
-        .iter()
-        .map(|p| PhotoFile::open(p))
-        .collect::<Result<Vec<_>, _>>()?;
-    let runtime = Runtime::load()?;
-    for manifest in &manifests {
-        let mut detector = Detector::open(runtime, manifest, &folders.checked(manifest)?)?;
-        for (path, photo) in args.photos.iter().zip(&photos) {
-            // Reduced as `score` reduces it, so that both say the same.
-            let picture = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
-            let mut found = detector.detect_reduced(&picture, photo.width, photo.height)?;
-            found.retain(|d| d.score >= args.confidence);
-            if !args.json {
-                writeln!(out, "{} on {}: {} found", manifest.title, path.display(), found.len())?;
-            }
-            for d in &found {
-                let label = manifest.labels.name(d.label).unwrap_or("?");
-                let file = path.display().to_string();
-                let line = Line {
-                    detector: &manifest.name,
-                    file,
-                    label,
-                    score: d.score,
-                    box_px: d.box_px,
-                };
-                writeln!(
-                    out,
-                    "{}",
-                    if args.json {
-                        serde_json::to_string(&line)?
-                    } else {
-                        row(&line)
-                    }
-                )?;
-            }
-        }
-    }
-    Ok(Outcome::Done)
-}
-
-fn row(line: &Line) -> String {
-    let b = line.box_px;
-    format!(
-        "  {:<14} {:.3}  [{:.0}, {:.0}, {:.0}, {:.0}]",
-        line.label, line.score, b.x1, b.y1, b.x2, b.y2
-    )
 }

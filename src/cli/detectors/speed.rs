@@ -26,8 +26,11 @@ pub struct Args {
     #[arg(long)]
     machine: String,
     /// The file of times.
-    #[arg(short, long, value_name = "JSON")]
-    out: PathBuf,
+    #[arg(short, long, alias = "out", value_name = "JSON")]
+    output: PathBuf,
+    /// The times as one JSON object instead of the text.
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
@@ -53,14 +56,19 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     for manifest in &manifests {
         let speed = detect::measure(runtime, manifest, &folders.checked(manifest)?, &photos)?;
         let [fastest, slowest] = speed.ms_range;
-        writeln!(
-            out,
-            "{:<14} {:>8.2} ms a photo ({fastest:.2} to {slowest:.2})",
-            speed.detector, speed.ms_per_photo
-        )?;
+        if !args.json {
+            writeln!(
+                out,
+                "{:<14} {:>8.2} ms a photo ({fastest:.2} to {slowest:.2})",
+                speed.detector, speed.ms_per_photo
+            )?;
+        }
         speeds.detectors.push(speed);
     }
     let text = serde_json::to_string_pretty(&speeds)? + "\n";
-    files::write_atomically(&args.out, text.as_bytes())?;
+    files::write_atomically(&args.output, text.as_bytes())?;
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string(&speeds)?)?;
+    }
     Ok(Outcome::Done)
 }

@@ -237,6 +237,7 @@ impl Asked {
             } else {
                 Head::Yolov10 {}
             },
+            class_map: std::collections::BTreeMap::new(),
             folder: None,
         }
     }

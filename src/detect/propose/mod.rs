@@ -5,7 +5,7 @@ mod inspect;
 mod metadata;
 mod recognise;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
@@ -150,6 +150,7 @@ pub fn propose_within(
         },
         input: input(&network, candidate.family),
         head: candidate.family.head(labels, candidate.strides.clone()),
+        class_map: BTreeMap::new(),
         folder: None,
     };
     let text = manifest.to_toml()?;

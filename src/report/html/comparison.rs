@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::{notes, number, round, shell};
+use crate::report::counted;
 use crate::score::{COMPARISON_DEFINITIONS, Compared, Comparison, Difference, Finding, Scores};
 
 const PLOT: f64 = 300.0;
@@ -12,8 +13,10 @@ const ROW: f64 = 22.0;
 /// The whole page.
 pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
     let lead = format!(
-        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}.",
-        comparison.base, comparison.ap_definition
+        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; counts as the model: {}.",
+        comparison.base,
+        comparison.ap_definition,
+        counted(scores)
     );
     let sections = [
         ("drops", "Drops", drops(scores, comparison)),

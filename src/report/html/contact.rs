@@ -138,9 +138,8 @@ fn picture(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
         p.detections[index].iter().partition(|d| d.score >= threshold);
-    let is_weak_find = |d: &&&Detection| {
-        d.label == contestant.class && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU
-    };
+    let is_weak_find =
+        |d: &&&Detection| contestant.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU;
     let alt = format!("{}, {}, {}", p.file, p.variant, contestant.manifest.title);
     html! {
         svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {
@@ -161,11 +160,7 @@ fn detection(d: &Detection, contestant: &Contestant, dashes: Option<&str>) -> Ma
 }
 
 fn paint(d: &Detection, contestant: &Contestant) -> &'static str {
-    if d.label == contestant.class {
-        "#29a3ff"
-    } else {
-        "#ff8c1a"
-    }
+    if contestant.counts(d) { "#29a3ff" } else { "#ff8c1a" }
 }
 
 /// The label and confidence above a detection's box, or in it at the picture's upper edge.

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::{notes, number, shell};
+use crate::report::counted;
 use crate::report::evaluation::{Evaluation, SCOPE, interval, is_shown};
 use crate::score::{BASE_VARIANT, Contestant, Difference, Figures};
 
@@ -11,12 +12,13 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
     let model = &scores.sessions[0].scene.model;
     let lead = format!(
-        "{} patterns and “{BASE_VARIANT}” on the 1:{} model of a {}, {} rendered photos; AP@0.5: {}.",
+        "{} patterns and “{BASE_VARIANT}” on the 1:{} model of a {}, {} rendered photos; AP@0.5: {}; counts as the model: {}.",
         evaluation.patterns.len().saturating_sub(1),
         model.scale,
         model.class,
         scores.photos.len(),
-        scores.criteria.ap.name()
+        scores.criteria.ap.name(),
+        counted(scores)
     );
     let others = evaluation.others();
     let mut sections = vec![("table-1", "Table 1: AP@0.5 and mean confidence", table_1(evaluation))];

@@ -16,6 +16,7 @@ mod speed;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::detect::Speeds;
+use crate::report::counted;
 use crate::score::{Scores, Summary};
 
 const STYLE: &str = include_str!("style.css");
@@ -95,11 +96,12 @@ fn lead(scores: &Scores) -> String {
         n => format!(", {n} not scored"),
     };
     format!(
-        "1:{} model of a {}, {} photos scored{left_out}; textures: {variants}; {} detectors.",
+        "1:{} model of a {}, {} photos scored{left_out}; textures: {variants}; {} detectors; counts as the model: {}.",
         model.scale,
         model.class,
         scores.photos.len(),
-        scores.contestants.len()
+        scores.contestants.len(),
+        counted(scores)
     )
 }
 

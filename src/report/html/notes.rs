@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::report::{provenance, truth_boxes};
+use crate::report::{counted, provenance, truth_boxes};
 use crate::score::Scores;
 
 pub(super) fn cautions(scores: &Scores) -> Markup {
@@ -33,6 +33,7 @@ pub(super) fn definitions(scores: &Scores) -> Markup {
     html! {
         dl {
             @for (name, definition) in scores.criteria.definitions() { dt { (name) } dd { (definition) "." } }
+            dt { "counts as the model" } dd { "a detection with the label " (counted(scores)) "; any other label is another class." }
             dt { "truth box" }
             dd {
                 (truth_boxes(scores)) ". Through the pose: the model's envelope projected through the pose that the AprilTags give, cut at "

@@ -148,7 +148,7 @@ pub fn compare_with(
         for (index, contestant) in scores.contestants.iter().enumerate() {
             let side = Side {
                 detector: index,
-                class: contestant.class,
+                counted: &contestant.counted,
             };
             results.push(compared(
                 contestant.manifest.name.clone(),
@@ -169,14 +169,14 @@ pub fn compare_with(
     })
 }
 
-/// Whose detections are compared: index of the contestant, and the model's class in its labels.
+/// Whose detections are compared: index of the contestant, and its labels that count as the model.
 #[derive(Clone, Copy)]
-struct Side {
+struct Side<'a> {
     detector: usize,
-    class: usize,
+    counted: &'a [usize],
 }
 
-impl Side {
+impl Side<'_> {
     fn outcome(self, photo: &ScoredPhoto) -> &Outcome {
         &photo.outcomes[self.detector]
     }
@@ -277,7 +277,7 @@ fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Differen
     let ranked = |photos: Vec<&ScoredPhoto>| {
         let images: Vec<_> = photos
             .into_iter()
-            .map(|p| boxes(p, side.detector, side.class))
+            .map(|p| boxes(p, side.detector, side.counted))
             .collect();
         Ranked::new(&images, MATCH_IOU)
     };

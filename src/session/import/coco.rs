@@ -1,4 +1,4 @@
-//! A COCO annotation file (cocodataset.org, "Data format", object detection): the boxes of one category.
+//! A COCO annotation file (cocodataset.org, "Data format", object detection): the boxes of the categories that count as the model.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::{Fault, Row, viewpoint};
 use crate::geometry::BoxPx;
+use crate::scene::Classes;
 use crate::session::{PhotoEntry, words};
 
 /// Other keys are passed over.
@@ -52,7 +53,7 @@ struct About {
 }
 
 /// The photos with a box of the class, in the order of `images`, and the names of those without.
-pub(super) fn parse(text: &str, class: &str) -> Result<(Vec<Row>, Vec<String>), Fault> {
+pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<Row>, Vec<String>), Fault> {
     let fault = |e: serde_json::Error| Fault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
     let file: File = serde_json::from_str(text).map_err(fault)?;
     let boxes = boxes(&file, class)?;
@@ -72,9 +73,10 @@ pub(super) fn parse(text: &str, class: &str) -> Result<(Vec<Row>, Vec<String>), 
             }),
             Some(several) => {
                 let message = format!(
-                    "{} has {} boxes of `{class}`, and a session one model in each photo: keep the model's box",
+                    "{} has {} boxes of {}, and a session one model in each photo: keep the model's box",
                     image.file_name,
-                    several.len()
+                    several.len(),
+                    class.quoted()
                 );
                 return Err(Fault::at(place, message));
             }
@@ -89,11 +91,11 @@ pub(super) fn parse(text: &str, class: &str) -> Result<(Vec<Row>, Vec<String>), 
 }
 
 /// The annotations of a class by image.
-fn boxes<'a>(file: &'a File, class: &str) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, Fault> {
+fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, Fault> {
     let wanted: Vec<u64> = file
         .categories
         .iter()
-        .filter(|c| c.name == class)
+        .filter(|c| c.name == class.joined() || class.labels().contains(&c.name))
         .map(|c| c.id)
         .collect();
     if wanted.is_empty() {
@@ -105,7 +107,8 @@ fn boxes<'a>(file: &'a File, class: &str) -> Result<BTreeMap<u64, Vec<&'a Annota
             .collect();
         let more = if file.categories.len() > 8 { ", …" } else { "" };
         return Err(Fault::of_file(format!(
-            "it has no category `{class}`, the class of the scene's model; it has {}{more}",
+            "it has no category {}, the class of the scene's model; it has {}{more}",
+            class.quoted(),
             known.join(", ")
         )));
     }

@@ -14,7 +14,7 @@ use super::{PhotoEntry, Session, SessionError, SessionFile, check_photo};
 use crate::files::{self, FileError};
 use crate::geometry::BoxPx;
 use crate::photo::{self, PhotoError};
-use crate::scene::{Scene, SceneError, Viewpoint};
+use crate::scene::{Classes, Scene, SceneError, Viewpoint};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
@@ -113,11 +113,11 @@ impl Fault {
     }
 }
 
-/// Reads an annotation file's text; `class` is the model's.
+/// Reads an annotation file's text; a box of any label of `class` is the model's.
 ///
 /// # Errors
 /// Broken syntax, numbers that are none, several boxes in one photo.
-pub fn parse(text: &str, format: Format, class: &str) -> Result<(Vec<Row>, Vec<String>), Fault> {
+pub fn parse(text: &str, format: Format, class: &Classes) -> Result<(Vec<Row>, Vec<String>), Fault> {
     match format {
         Format::Coco => coco::parse(text, class),
         Format::Csv => csv::parse(text).map(|rows| (rows, Vec::new())),
@@ -146,7 +146,7 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     let text = files::read_text(request.file)?;
     let (rows, without_box) = parse(&text, format, &class).map_err(|fault| error(request.file, fault))?;
     if rows.is_empty() {
-        let fault = Fault::of_file(format!("it has no photo with a box of `{class}`"));
+        let fault = Fault::of_file(format!("it has no photo with a box of {}", class.quoted()));
         return Err(error(request.file, fault));
     }
     let photos = checked(rows, request)?;

@@ -1,0 +1,62 @@
+//! `detectors check --save`: copies of the photos with what was found drawn in.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
+
+use crate::draw::{self, Anchor, Lettering, Pen};
+use crate::geometry::BoxPx;
+
+const JPEG_QUALITY: u8 = 90;
+
+/// Colours of the detectors, in their order; told apart by the colour-blind (Okabe & Ito 2008).
+const COLOURS: [[u8; 3]; 6] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 158, 115],
+    [240, 228, 66],
+    [213, 94, 0],
+    [204, 121, 167],
+];
+
+/// The colour of the detector with this number.
+pub fn colour(detector: usize) -> [u8; 3] {
+    COLOURS[detector % COLOURS.len()]
+}
+
+/// Draws a box and what it is called.
+pub fn draw_box(picture: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]) {
+    let (width_px, size_px) = draw::readable_px(picture);
+    // A box counts from the picture's edge, a drawing from the middle of its first pixel.
+    let [left, top, right, bottom] = [box_px.x1, box_px.y1, box_px.x2, box_px.y2].map(|v| v - 0.5);
+    draw::rectangle(picture, [left, top], [right, bottom], Pen { colour, width_px });
+    let lettering = Lettering {
+        colour: [0; 3],
+        ground: colour,
+        size_px,
+    };
+    draw::label(picture, [left, top], Anchor::BottomLeft, text, lettering);
+}
+
+/// A picture as the bytes of a JPEG file.
+pub fn jpeg(picture: &RgbImage) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    picture.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
+    Ok(bytes)
+}
+
+/// Where the copy of each photo goes: named as the photo is, numbered where two have the same name.
+pub fn copies(folder: &Path, photos: &[PathBuf]) -> Vec<PathBuf> {
+    let stem = |photo: &PathBuf| photo.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut taken: Vec<String> = Vec::new();
+    for photo in photos {
+        let mut names = (1..).map(|number| match number {
+            1 => format!("{}_detections.jpg", stem(photo)),
+            number => format!("{}_detections_{number}.jpg", stem(photo)),
+        });
+        let free = names.find(|name| !taken.contains(name));
+        taken.extend(free);
+    }
+    taken.iter().map(|name| folder.join(name)).collect()
+}

@@ -1,0 +1,35 @@
+//! What counts as the model: said wherever figures stand.
+
+use crate::scene::Classes;
+use crate::score::{Contestant, Scores};
+
+/// The labels that count, of the first session; all sessions of a run have the same.
+pub(super) fn classes(scores: &Scores) -> &Classes {
+    &scores.sessions[0].scene.model.class
+}
+
+/// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
+pub fn counted(scores: &Scores) -> String {
+    let mapped: Vec<String> = scores.contestants.iter().filter_map(mapped).collect();
+    match mapped.is_empty() {
+        true => classes(scores).to_string(),
+        false => format!("{} ({})", classes(scores), mapped.join("; ")),
+    }
+}
+
+/// The labels that a detector counts by another name than their own.
+fn mapped(contestant: &Contestant) -> Option<String> {
+    let manifest = &contestant.manifest;
+    let renamed = contestant.counted.iter().filter_map(|label| {
+        let (own, counted) = (manifest.labels.name(*label)?, manifest.counts_as(*label)?);
+        (own != counted).then(|| format!("{own} as {counted}"))
+    });
+    let renamed: Vec<String> = renamed.collect();
+    (!renamed.is_empty()).then(|| format!("{}: {}", manifest.name, renamed.join(", ")))
+}
+
+/// A detector's own labels that count.
+pub(super) fn labels_of(contestant: &Contestant) -> Vec<&'static str> {
+    let names = contestant.counted.iter().map(|label| contestant.labels().name(*label));
+    names.flatten().collect()
+}

@@ -1,0 +1,174 @@
+//! What counts as the model: one label, or several, such as `car` or `truck`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// More labels than these, or longer ones, were written by a program.
+const MOST: usize = 32;
+const LONGEST: usize = 100;
+
+/// The labels that count as the model, at least one, each once, in alphabetical order. A file has one as a string and several as a list.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub struct Classes(Vec<String>);
+
+#[derive(Deserialize, Serialize)]
+#[serde(
+    untagged,
+    expecting = "the class is a label, as in \"car\", or a list of labels, as in [\"car\", \"truck\"]"
+)]
+enum Written {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Classes {
+    /// # Errors
+    /// A sentence about an empty list, a label that is listed twice, empty, too long or of characters that nobody reads.
+    pub fn new(mut labels: Vec<String>) -> Result<Classes, String> {
+        if labels.is_empty() {
+            return Err("the class is an empty list: name the labels that count as the model, as in [\"car\"]".into());
+        }
+        if labels.len() > MOST {
+            return Err(format!("the class lists {} labels: name at most {MOST}", labels.len()));
+        }
+        if let Some(odd) = labels.iter().find(|label| !is_readable(label)) {
+            let odd: String = odd.chars().take(LONGEST).collect();
+            return Err(format!(
+                "the class {odd:?} is no label: give 1 to {LONGEST} characters without line breaks"
+            ));
+        }
+        labels.sort();
+        match labels.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(format!("the class lists `{}` twice: name each label once", pair[0])),
+            None => Ok(Classes(labels)),
+        }
+    }
+
+    pub fn labels(&self) -> &[String] {
+        &self.0
+    }
+
+    /// One name for all of them, as in `car+truck`: what a COCO file calls the category.
+    pub fn joined(&self) -> String {
+        self.0.join("+")
+    }
+
+    /// The labels as a sentence about them has it: "`car` or `truck`".
+    pub fn quoted(&self) -> String {
+        let quoted: Vec<String> = self.0.iter().map(|label| format!("`{label}`")).collect();
+        or(&quoted)
+    }
+
+    /// As `scene.toml` has them.
+    pub(super) fn to_toml(&self) -> String {
+        match &self.0[..] {
+            [only] => toml::Value::from(only.as_str()),
+            several => toml::Value::from(several.to_vec()),
+        }
+        .to_string()
+    }
+}
+
+fn is_readable(label: &str) -> bool {
+    let is_short = (1..=LONGEST).contains(&label.chars().count());
+    is_short && label.trim() == label && !label.contains(char::is_control)
+}
+
+/// "car", "car or truck", "bus, car or truck".
+fn or(labels: &[String]) -> String {
+    match labels {
+        [first @ .., before, last] => first
+            .iter()
+            .map(|label| format!("{label}, "))
+            .chain([format!("{before} or {last}")])
+            .collect(),
+        _ => labels.concat(),
+    }
+}
+
+impl fmt::Display for Classes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&or(&self.0))
+    }
+}
+
+/// A list with commas, as an option of a command has it.
+impl FromStr for Classes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Classes, String> {
+        Classes::new(text.split(',').map(|label| label.trim().to_owned()).collect())
+    }
+}
+
+impl TryFrom<Written> for Classes {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Classes, String> {
+        match written {
+            Written::One(label) => Classes::new(vec![label]),
+            Written::Several(labels) => Classes::new(labels),
+        }
+    }
+}
+
+impl From<Classes> for Written {
+    fn from(Classes(mut labels): Classes) -> Written {
+        match (labels.pop(), labels.is_empty()) {
+            (Some(only), true) => Written::One(only),
+            (last, _) => {
+                labels.extend(last);
+                Written::Several(labels)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_is_said_as_people_say_it_and_written_as_it_was() {
+        for (text, said, joined, written) in [
+            ("car", "car", "car", "\"car\""),
+            ("truck, car", "car or truck", "car+truck", "[\"car\", \"truck\"]"),
+            (
+                "car,bus,truck",
+                "bus, car or truck",
+                "bus+car+truck",
+                "[\"bus\", \"car\", \"truck\"]",
+            ),
+        ] {
+            let classes: Classes = text.parse().unwrap();
+            assert_eq!(
+                (classes.to_string(), classes.joined()),
+                (said.to_owned(), joined.to_owned())
+            );
+            assert_eq!(classes.to_toml(), written);
+        }
+        let quoted = "car,truck".parse::<Classes>().unwrap().quoted();
+        assert_eq!(quoted, "`car` or `truck`");
+    }
+
+    #[test]
+    fn sets_that_say_nothing_are_refused() {
+        for (text, word) in [
+            ("", "\"\" is no label"),
+            ("car,car", "lists `car` twice"),
+            ("a\nb", "no label"),
+        ] {
+            let refused = text.parse::<Classes>().unwrap_err();
+            assert!(refused.contains(word), "{refused}");
+        }
+        assert!(Classes::new(Vec::new()).unwrap_err().contains("empty list"));
+        assert!(
+            Classes::new(vec!["x".repeat(101)])
+                .unwrap_err()
+                .contains("1 to 100 characters")
+        );
+    }
+}
