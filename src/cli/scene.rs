@@ -142,7 +142,7 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
         family: args.family,
         tilt_deg: args.tilt_deg,
     };
-    let doubt = units::model(&ring.model.class, ring.model.size_mm, ring.model.scale);
+    let doubt = units::model(ring.model.class.labels(), ring.model.size_mm, ring.model.scale);
     let scene = ring.scene()?;
     let text = scene.to_toml();
     // What is written can be read.

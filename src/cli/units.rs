@@ -44,8 +44,13 @@ pub fn template(size_mm: (f64, f64), tile_mm: f64, scale: f64) -> Option<String>
     })
 }
 
-/// About the size of a model of a `class`, 1:`scale`: length, width, height.
-pub fn model(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
+/// About the size of a model, 1:`scale` (length, width, height), whichever of the labels it is.
+pub fn model(labels: &[String], size_mm: [f64; 3], scale: f64) -> Option<String> {
+    let doubts = labels.iter().map(|label| model_of(label, size_mm, scale));
+    doubts.collect::<Option<Vec<String>>>()?.into_iter().next()
+}
+
+fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
     let is_vehicle = ["car", "truck", "bus"].contains(&class);
     let [length, width, _] = size_mm;
     if is_vehicle && width > length {
@@ -144,13 +149,13 @@ mod tests {
             ("stop sign", [5.0, 75.0, 75.0], 10.0),
             ("cup", [80.0, 80.0, 100.0], 1.0),
         ] {
-            assert_eq!(model(class, size, scale), None);
+            assert_eq!(model_of(class, size, scale), None);
         }
         let scene = crate::scene::Scene::open(
             &std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline/scene.toml"),
         );
         let stored = scene.unwrap().model;
-        assert_eq!(model(&stored.class, stored.size_mm, stored.scale), None);
+        assert_eq!(model(stored.class.labels(), stored.size_mm, stored.scale), None);
         assert_eq!(turned(stored.size_mm), None);
         assert_eq!(turned([100.0; 3]), None);
         for (squares, square) in [((9, 7), 22.0), ((10, 7), 20.0), ((6, 5), 26.0), ((5, 4), 10.0)] {
@@ -196,11 +201,11 @@ mod tests {
             ),
         ];
         for (size, end) in models {
-            let said = said(model("car", size, 10.0));
+            let said = said(model_of("car", size, 10.0));
             assert!(said.starts_with("the car of ") && said.ends_with(end), "{said}");
         }
         assert_eq!(
-            said(model("car", [186.0, 455.0, 128.0], 10.0)),
+            said(model_of("car", [186.0, 455.0, 128.0], 10.0)),
             "the car is 186 mm long and 455 mm wide: the order is length x width x height"
         );
         assert_eq!(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Session;
-use crate::scene::{Bins, TagFamily};
+use crate::scene::{Bins, Classes, TagFamily};
 
 /// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read, as a sentence.
 pub type Look = Result<String, String>;
@@ -31,7 +31,7 @@ pub struct Contents {
 pub struct SceneInShort {
     pub model: String,
     /// The label that detectors should give.
-    pub class: String,
+    pub class: Classes,
     /// 10 for 1:10.
     pub scale: f64,
     /// Length, width, height.

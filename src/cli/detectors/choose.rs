@@ -52,8 +52,7 @@ fn one(name: &str) -> CommandResultOf<Manifest> {
     }
     Manifest::named(name).map_err(|e| match e {
         ManifestError::Unknown { name, known } => {
-            let own = registered_names();
-            let known = own.iter().fold(known, |known, name| format!("{known}, {name}"));
+            let known = [known, registered_names()].concat();
             ManifestError::Unknown { name, known }.into()
         }
         e => e.into(),
