@@ -645,7 +645,12 @@ fn another_tone_curve_costs_where_exposures_differ() {
             "{}",
             common::stderr(&output)
         );
-        assert_eq!(stdout(&output).contains("lock it"), is_cautioned, "{}", stdout(&output));
+        assert_eq!(
+            common::stderr(&output).contains("lock it"),
+            is_cautioned,
+            "{}",
+            common::stderr(&output)
+        );
         let set = FrameSet::open(&out).unwrap();
         let (size, rays) = (set.list.size_px, Rays::of(&set.list.camera()));
         let mut worst = 0.0_f64;
