@@ -321,7 +321,7 @@ fn line(path: &Path, answer: &Answer) -> Line {
 fn words(l: &Located) -> String {
     let (v, s, b) = (&l.viewpoint, &l.sigma, &l.bin);
     format!(
-        "azimuth {:.2}° ± {:.2}°, pitch {:.2}° ± {:.2}°, distance {:.1} mm ± {:.1} mm\nbin {}°/{}°/{} mm, {:.0} % sure; {} tags, rms {:.2} px",
+        "azimuth {:.2}° ± {:.3}°, pitch {:.2}° ± {:.3}°, distance {:.1} mm ± {:.2} mm\nbin {}°/{}°/{} mm, {:.0} % sure; {} tags, rms {:.2} px",
         v.azimuth_deg,
         s.azimuth_deg,
         v.pitch_deg,
