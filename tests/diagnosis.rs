@@ -56,7 +56,7 @@ fn any_scene(rng: &mut Pcg64Mcg) -> Scene {
             model: Model {
                 name: "model".into(),
                 scale: 10.0,
-                class: "car".into(),
+                class: "car".parse().unwrap(),
                 size_mm: [
                     rng.random_range(250.0..500.0),
                     rng.random_range(120.0..200.0),
