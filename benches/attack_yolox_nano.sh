@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The README's table of patterns against yolox_nano: frames, two seeds of the attack, ER and CAMOU with as many pictures, all rendered anew.
+# The table of patterns in docs/guide/reference/measured.md against yolox_nano: frames, two seeds of the attack, ER and CAMOU with as many pictures, all rendered anew.
 # Two hours on two cores; each step goes on where it was stopped.
 #
 #   benches/attack_yolox_nano.sh MESH FOLDER

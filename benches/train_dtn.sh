@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The README's figures of DTN: frames in twelve lights, every encoder at every depth, NTR, several references, and the closed forms, on one chart.
+# The figures of DTN in docs/guide/reference/measured.md: frames in twelve lights, every encoder at every depth, NTR, several references, and the closed forms, on one chart.
 # Hours on two cores; each step goes on where it was stopped.
 #
 #   benches/train_dtn.sh MESH FOLDER

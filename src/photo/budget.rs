@@ -2,7 +2,7 @@
 //!
 //! A few kilobytes can claim to be terabytes of pixels, and a progressive JPEG can make a decoder go over every pixel again for each scan,
 //! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
-//! decoding holds in memory. The README has the table, with what the worst picture within each budget takes.
+//! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst picture within each budget takes.
 
 use super::{DecodeProblem, Outline};
 

@@ -175,7 +175,7 @@ fn score_survives_every_picture_and_refuses_what_locate_refuses() {
     }
 }
 
-/// What is within the budgets costs at most what the README's table says: fine texture for the search, zeros for the scans. With
+/// What is within the budgets costs at most what the table in docs/guide/limits.md says: fine texture for the search, zeros for the scans. With
 /// `SCALEPROOF_MEGAPIXELS=249` the largest.
 #[test]
 fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {

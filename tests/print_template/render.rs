@@ -25,7 +25,7 @@ pub fn done(command: &str) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// The template of the README, and what the program takes when nothing is said.
+/// The template of the guide, and what the program takes when nothing is said.
 pub fn usual_request() -> LayoutRequest {
     LayoutRequest {
         size_mm: (600.0, 300.0),

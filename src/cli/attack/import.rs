@@ -8,7 +8,7 @@ use crate::attack::frames::LIST;
 use crate::attack::import::import;
 use crate::files;
 
-/// Make frames of a folder that another engine exported (CARLA's layout; see the README)
+/// Make frames of a folder that another engine exported (CARLA's layout; see the guide, `frames.md`)
 #[derive(clap::Args)]
 pub struct ImportArgs {
     /// The folder with import.json, poses.csv, rgb/ and mask/
