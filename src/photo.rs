@@ -2,6 +2,7 @@
 
 mod budget;
 mod file;
+mod heif;
 mod lens;
 mod outline;
 
@@ -21,6 +22,7 @@ use crate::files;
 pub use budget::Budget;
 use budget::Cost;
 pub use file::PhotoFile;
+pub use heif::reads_heif;
 pub use lens::Lens;
 use outline::Outline;
 
@@ -72,10 +74,12 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// Reads and decodes a JPEG or PNG file, whatever its name says.
+    /// Reads and decodes a JPEG or PNG file, whatever its name says, or an HEIC file where the system has a decoder.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        let decoded = decode(&bytes, &Budget::FILE).map_err(|problem| problem.at(path))?;
+        let converted = converted(path, &bytes)?;
+        let picture = converted.as_deref().unwrap_or(&bytes);
+        let decoded = decode(picture, &Budget::FILE).map_err(|problem| problem.at(path))?;
         Ok(Photo {
             rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),
@@ -97,6 +101,14 @@ impl Photo {
     /// Brightness, 8 bit, for the tag detectors.
     pub fn grey(&self) -> GrayImage {
         image::imageops::grayscale(&self.rgb)
+    }
+}
+
+/// An HEIF file as a PNG; `None` for other files, and where the system has no decoder.
+fn converted(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
+    match heif_kind(bytes) {
+        Some(_) => heif::as_png(path, bytes),
+        None => Ok(None),
     }
 }
 

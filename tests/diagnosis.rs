@@ -275,7 +275,13 @@ impl Changed {
     }
 
     fn locate(&self, more: &[&str]) -> Output {
+        self.locate_where(more, "")
+    }
+
+    /// On a system whose programs lie in `path`.
+    fn locate_where(&self, more: &[&str], path: &str) -> Output {
         let mut command = program();
+        command.env("PATH", path);
         command
             .arg("locate")
             .args(&self.photos)
@@ -469,6 +475,55 @@ fn pictures_of_iphones_are_refused_with_what_to_do() {
         assert!(text.contains(words), "`{words}` is not in {text}");
     }
     assert_eq!(text.lines().count(), 2, "{text}");
+}
+
+/// What stands in for libheif's program: it takes one file and writes another, here a stored photo with an orientation that is not its own.
+#[cfg(unix)]
+#[test]
+fn pictures_of_iphones_are_read_by_the_decoder_of_the_system() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let mut changed = Changed::new(as_it_is, as_it_is);
+    let whole = changed.locate(&["--json"]);
+    let shown = image::open(skyline().join("normal_000.jpg")).unwrap().into_rgb8();
+    // The program says EXIF orientation 6 of pixels that are upright already, as Debian's heif-convert does.
+    let mut png = Vec::new();
+    let mut encoder = image::codecs::png::PngEncoder::new(&mut png);
+    let turned = [
+        b"II*\0\x08\0\0\0\x01\0".as_slice(),
+        b"\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
+    ]
+    .concat();
+    image::ImageEncoder::set_exif_metadata(&mut encoder, turned).unwrap();
+    let [width, height] = [shown.width(), shown.height()];
+    image::ImageEncoder::write_image(encoder, &shown, width, height, image::ExtendedColorType::Rgb8).unwrap();
+    std::fs::write(changed.file("decoded.png"), png).unwrap();
+    let decoder = changed.file("bin/heif-dec");
+    std::fs::create_dir(changed.file("bin")).unwrap();
+    let script = format!("#!/bin/sh\nexec /bin/cp '{}' \"$2\"\n", changed.file("decoded.png").display());
+    std::fs::write(&decoder, script).unwrap();
+    std::fs::set_permissions(&decoder, PermissionsExt::from_mode(0o755)).unwrap();
+    let heic = b"\0\0\0\x1cftypheic\0\0\0\0mif1heicmiaf and its pixels";
+    changed.photos = vec![changed.file("IMG_0.HEIC")];
+    std::fs::write(&changed.photos[0], heic).unwrap();
+    let path = changed.file("bin").display().to_string();
+    let output = changed.locate_where(&["--json"], &path);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let line = |output: &Output| -> serde_json::Value {
+        serde_json::from_str(common::stdout(output).lines().next().unwrap()).unwrap()
+    };
+    // The PNG is of the photo's colours, whose brightness is rounded once more than the JPEG's own.
+    for key in ["azimuth_deg", "pitch_deg", "distance_mm"] {
+        let (is, was) = (line(&output)[key].as_f64().unwrap(), line(&whole)[key].as_f64().unwrap());
+        assert!((is - was).abs() < 1e-3 * was.abs().max(30.0), "{key}: {is}, {was}");
+    }
+    assert_eq!(std::fs::read(&changed.photos[0]).unwrap(), heic, "photos are never changed");
+
+    // A decoder that fails is named.
+    std::fs::write(&decoder, "#!/bin/sh\nexit 1\n").unwrap();
+    let output = changed.locate_where(&[], &path);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("heif-dec could not decode it"), "{}", stderr(&output));
 }
 
 #[test]

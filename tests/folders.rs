@@ -123,7 +123,7 @@ const MADE: [&str; 2] = ["--detector", "made.toml"];
 fn two_folders_have_the_figures_of_the_stored_session() {
     let desk = Desk::new();
     // What lies about is passed over, and pictures are named.
-    std::fs::write(desk.at(NORMAL).join("IMG_9.HEIC"), b"x").unwrap();
+    std::fs::write(desk.at(NORMAL).join("IMG_9.tiff"), b"x").unwrap();
     std::fs::write(desk.at(NORMAL).join("notes.txt"), b"x").unwrap();
     std::fs::write(desk.at(NORMAL).join(".hidden.jpg"), b"x").unwrap();
     std::fs::create_dir(desk.at(NORMAL).join("inner")).unwrap();
@@ -139,7 +139,7 @@ fn two_folders_have_the_figures_of_the_stored_session() {
     assert!(scored.status.success(), "{}", stderr(&scored));
     assert!(
         stderr(&scored).contains(
-            "note: 1 pictures in Fotos März = normal are neither JPEG nor PNG and are left out (the first: IMG_9.HEIC)"
+            "note: 1 pictures in Fotos März = normal are neither JPEG nor PNG and are left out (the first: IMG_9.tiff)"
         ),
         "{}",
         stderr(&scored)

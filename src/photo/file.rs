@@ -7,8 +7,8 @@ use image::{DynamicImage, GrayImage, ImageDecoder, RgbImage};
 use zune_core::colorspace::ColorSpace;
 
 use super::{
-    Budget, Cost, DecodeProblem, Kind, Outline, PhotoError, damaged, decode, jpeg_header, jpeg_pixels, lies_across,
-    orientation_of, png_header, turned_deg,
+    Budget, Cost, DecodeProblem, Kind, Outline, PhotoError, converted, damaged, decode, jpeg_header, jpeg_pixels,
+    lies_across, orientation_of, png_header, turned_deg,
 };
 use crate::files;
 
@@ -20,7 +20,7 @@ const REDUCTIONS: [u32; 3] = [8, 4, 2];
 pub struct PhotoFile {
     path: PathBuf,
     bytes: Vec<u8>,
-    /// SHA-256 of the file, hex.
+    /// SHA-256 of the file, hex; of an HEIC file that of its PNG.
     pub sha256: String,
     /// Of the upright picture, in pixels.
     pub width: u32,
@@ -37,10 +37,12 @@ pub struct PhotoFile {
 }
 
 impl PhotoFile {
-    /// Reads a JPEG or PNG file, whatever its name says. A cut JPEG is refused here already.
+    /// Reads a JPEG or PNG file, whatever its name says; an HEIC file as a PNG, where the system has a decoder. A cut JPEG is refused here
+    /// already.
     pub fn open(path: &Path) -> Result<PhotoFile, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        PhotoFile::of_bytes(path, bytes, Budget::FILE)
+        let picture = converted(path, &bytes)?.unwrap_or(bytes);
+        PhotoFile::of_bytes(path, picture, Budget::FILE)
     }
 
     /// The same of bytes that are in memory, within a budget; `path` is what messages call them.

@@ -4,9 +4,12 @@ use std::path::{Component, Path, PathBuf};
 
 use super::{PhotoEntry, Session, SessionError};
 use crate::files::{self, FileError};
+use crate::photo;
 
 /// Endings of the files that are taken for photos, in lower case.
 const READABLE: [&str; 3] = ["jpg", "jpeg", "png"];
+/// The same where the system has a decoder.
+const HEIF: [&str; 3] = ["heic", "heif", "avif"];
 /// Endings of pictures that are named when they are passed over.
 const OTHER_PICTURES: [&str; 15] = [
     "heic", "heif", "avif", "webp", "tif", "tiff", "bmp", "gif", "dng", "cr2", "cr3", "nef", "arw", "raf", "rw2",
@@ -177,7 +180,7 @@ impl Listing {
             let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
             let kind = match (about.is_dir(), about.is_file()) {
                 (true, _) => &mut listing.folders,
-                (_, true) if READABLE.contains(&ending.as_str()) => &mut listing.photos,
+                (_, true) if is_readable(&ending) => &mut listing.photos,
                 (_, true) if OTHER_PICTURES.contains(&ending.as_str()) => &mut listing.other_pictures,
                 _ => continue,
             };
@@ -196,9 +199,12 @@ impl Listing {
 
     /// Whether a file is taken for a photo, by its name.
     pub fn is_photo(path: &Path) -> bool {
-        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        READABLE.contains(&ending.as_str())
+        is_readable(&path.extension().unwrap_or_default().to_string_lossy().to_lowercase())
     }
+}
+
+fn is_readable(ending: &str) -> bool {
+    READABLE.contains(&ending) || (HEIF.contains(&ending) && photo::reads_heif())
 }
 
 /// The closest folder that all of these are, or lie in.

@@ -1,0 +1,115 @@
+//! HEIC and its kin (ISO 23008-12), by the decoder that the system has: `heif-dec` or `heif-convert` of libheif. Nothing here decodes them.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use super::{Budget, PhotoError};
+use crate::files;
+
+/// By their age: newer versions of libheif call it `heif-dec`.
+const DECODERS: [&str; 2] = ["heif-dec", "heif-convert"];
+/// A decoder that takes longer than this for one picture hangs.
+const MOST_TIME: Duration = Duration::from_secs(60);
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
+
+/// Whether the system has a decoder for HEIC files.
+pub fn reads_heif() -> bool {
+    decoder().is_some()
+}
+
+/// The picture of an HEIF file as an upright PNG; `None` where the system has no decoder for it.
+///
+/// # Errors
+/// A decoder that fails, or takes more than a minute.
+pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
+    let Some(decoder) = decoder() else { return Ok(None) };
+    let failed = |reason: String| PhotoError::Damaged {
+        path: path.to_owned(),
+        reason,
+    };
+    let folder = Scratch::new().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
+    let (from, to) = (folder.0.join("in.heic"), folder.0.join("out.png"));
+    std::fs::write(&from, bytes).map_err(|e| failed(format!("no room for decoding it: {e}")))?;
+    let started = Command::new(&decoder)
+        .args([&from, &to])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let name = decoder.file_name().unwrap_or_default().display();
+    let ended = started.and_then(within_time);
+    let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
+    // A file of several pictures becomes as many; the first is the one that is shown.
+    let picture = [to, folder.0.join("out-1.png")].into_iter().find(|path| path.is_file());
+    match picture.filter(|_| is_done) {
+        Some(picture) => Ok(Some(pixels_only(&files::read_at_most(&picture, Budget::FILE.bytes)?))),
+        None => Err(failed(format!("{name} could not decode it"))),
+    }
+}
+
+fn decoder() -> Option<PathBuf> {
+    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    let mut places = DECODERS
+        .iter()
+        .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    places.find(|place| place.is_file())
+}
+
+/// Whether it ended well; it is killed when it takes too long.
+fn within_time(mut child: Child) -> std::io::Result<bool> {
+    let began = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status.success());
+        }
+        if began.elapsed() > MOST_TIME {
+            child.kill()?;
+            child.wait()?;
+            return Err(std::io::Error::other("it took more than a minute"));
+        }
+        std::thread::sleep(LOOK_AGAIN);
+    }
+}
+
+/// A PNG without its remarks. The decoder has turned the picture upright; EXIF data that it kept beside would turn it again.
+fn pixels_only(png: &[u8]) -> Vec<u8> {
+    const SIGNATURE: usize = 8;
+    let mut kept = png.get(..SIGNATURE).unwrap_or_default().to_vec();
+    let mut rest = png.get(SIGNATURE..).unwrap_or_default();
+    // Length, type, data and checksum of each chunk; what is damaged is left for the PNG decoder to say.
+    while let Some((length, kind)) = rest.first_chunk::<8>().map(|head| head.split_at(4)) {
+        let length = u32::from_be_bytes([length[0], length[1], length[2], length[3]]) as usize;
+        let end = length.saturating_add(12).min(rest.len());
+        // The kinds in capitals are those that pixels need (PNG specification, 5.4); tRNS is transparency.
+        if kind[0].is_ascii_uppercase() || kind == b"tRNS" {
+            kept.extend_from_slice(&rest[..end]);
+        }
+        rest = &rest[end..];
+    }
+    kept
+}
+
+/// A folder of one's own, gone when dropped.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new() -> std::io::Result<Scratch> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let name = format!("scaleproof-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(OsStr::new(&name));
+        // What a killed run of the same number left; a folder of somebody else's stays, and making one fails.
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir(&folder)?;
+        Ok(Scratch(folder))
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
