@@ -500,7 +500,10 @@ fn pictures_of_iphones_are_read_by_the_decoder_of_the_system() {
     std::fs::write(changed.file("decoded.png"), png).unwrap();
     let decoder = changed.file("bin/heif-dec");
     std::fs::create_dir(changed.file("bin")).unwrap();
-    let script = format!("#!/bin/sh\nexec /bin/cp '{}' \"$2\"\n", changed.file("decoded.png").display());
+    let script = format!(
+        "#!/bin/sh\nexec /bin/cp '{}' \"$2\"\n",
+        changed.file("decoded.png").display()
+    );
     std::fs::write(&decoder, script).unwrap();
     std::fs::set_permissions(&decoder, PermissionsExt::from_mode(0o755)).unwrap();
     let heic = b"\0\0\0\x1cftypheic\0\0\0\0mif1heicmiaf and its pixels";
@@ -514,16 +517,27 @@ fn pictures_of_iphones_are_read_by_the_decoder_of_the_system() {
     };
     // The PNG is of the photo's colours, whose brightness is rounded once more than the JPEG's own.
     for key in ["azimuth_deg", "pitch_deg", "distance_mm"] {
-        let (is, was) = (line(&output)[key].as_f64().unwrap(), line(&whole)[key].as_f64().unwrap());
+        let (is, was) = (
+            line(&output)[key].as_f64().unwrap(),
+            line(&whole)[key].as_f64().unwrap(),
+        );
         assert!((is - was).abs() < 1e-3 * was.abs().max(30.0), "{key}: {is}, {was}");
     }
-    assert_eq!(std::fs::read(&changed.photos[0]).unwrap(), heic, "photos are never changed");
+    assert_eq!(
+        std::fs::read(&changed.photos[0]).unwrap(),
+        heic,
+        "photos are never changed"
+    );
 
     // A decoder that fails is named.
     std::fs::write(&decoder, "#!/bin/sh\nexit 1\n").unwrap();
     let output = changed.locate_where(&[], &path);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("heif-dec could not decode it"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("heif-dec could not decode it"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     /// Commands that write no file, or only into a folder that is their input.
-    const WITHOUT: [&str; 10] = [
+    const WITHOUT: [&str; 14] = [
         "locate",
         "plan",
         "camera show",
@@ -61,6 +61,10 @@ mod tests {
         "detectors list",
         "detectors fetch",
         "detectors check",
+        "detectors register",
+        "detectors remove",
+        "session new",
+        "session show",
         "attack check",
         "completions",
     ];

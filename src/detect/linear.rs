@@ -9,11 +9,38 @@ use image::RgbImage;
 /// Weights are in 1/2048.
 const ONE: f32 = 2048.0;
 
-/// Where a pixel of the smaller side comes from: the first of two neighbours, and the weights of both.
+/// Where a pixel comes from: the first of two neighbours, and the weights of both.
 #[derive(Clone, Copy)]
 struct Tap {
-    first: usize,
+    /// -1 for the one before the border.
+    first: isize,
     weights: [i32; 2],
+}
+
+impl Tap {
+    /// Of the pixel `i` of `to`, among `from`.
+    fn of(i: usize, from: usize, to: usize) -> Tap {
+        let scale = 1.0 / (to as f64 / from as f64);
+        let at = ((i as f64 + 0.5) * scale - 0.5) as f32;
+        Tap::weighted(at.floor() as isize, at - at.floor())
+    }
+
+    /// The same with nothing from beyond the border: OpenCV does so across, and holds rows at the border down.
+    fn held(i: usize, from: usize, to: usize) -> Tap {
+        let (tap, last) = (Tap::of(i, from, to), from as isize - 1);
+        match tap.first < 0 || tap.first >= last {
+            true => Tap::weighted(tap.first.clamp(0, last), 0.0),
+            false => tap,
+        }
+    }
+
+    fn weighted(first: isize, share: f32) -> Tap {
+        let weight = |share: f32| (share * ONE).round_ties_even() as i32;
+        Tap {
+            first,
+            weights: [weight(1.0 - share), weight(share)],
+        }
+    }
 }
 
 /// Interleaved RGB bytes of a photo at another size, width before height.
@@ -27,13 +54,12 @@ pub(super) fn resized(photo: &RgbImage, [width, height]: [u32; 2]) -> Vec<u8> {
     if (2 * width, 2 * height) == (columns, rows) {
         return halved(source, width, height);
     }
-    let across = taps(columns, width, true);
-    let down = taps(rows, height, false);
+    let across: Vec<Tap> = (0..width).map(|i| Tap::held(i, columns, width)).collect();
     let mut out = Vec::with_capacity(3 * width * height);
     let mut upper = Row::of(3 * width);
     let mut lower = Row::of(3 * width);
-    for tap in down {
-        let wanted = [tap.first, tap.first + 1].map(|row| row.min(rows - 1));
+    for tap in (0..height).map(|i| Tap::of(i, rows, height)) {
+        let wanted = [tap.first, tap.first + 1].map(|row| row.clamp(0, rows as isize - 1) as usize);
         // The lower row is often the next upper one.
         if lower.number == Some(wanted[0]) {
             std::mem::swap(&mut upper, &mut lower);
@@ -69,35 +95,13 @@ impl Row {
         let row = &source[number * stride..(number + 1) * stride];
         for (sums, tap) in self.sums.as_chunks_mut::<3>().0.iter_mut().zip(across) {
             let [a, b] = tap.weights;
-            let next = (tap.first + usize::from(b != 0)) * 3;
-            let first = tap.first * 3;
+            let first = tap.first as usize * 3;
+            let next = if b == 0 { first } else { first + 3 };
             for channel in 0..3 {
                 sums[channel] = a * i32::from(row[first + channel]) + b * i32::from(row[next + channel]);
             }
         }
     }
-}
-
-/// For each pixel of the new side. Across, the border's own pixel stands for what is beyond; down, rows are held at the border instead.
-fn taps(from: usize, to: usize, is_across: bool) -> Vec<Tap> {
-    let scale = 1.0 / (to as f64 / from as f64);
-    let tap = |i: usize| {
-        let at = ((i as f64 + 0.5) * scale - 0.5) as f32;
-        let floor = at.floor();
-        let (first, share) = match (floor < 0.0, floor as usize + 1 >= from) {
-            (true, _) if is_across => (0, 0.0),
-            (_, true) if is_across => (from - 1, 0.0),
-            // Both rows are then the first one.
-            (true, _) => (0, 0.0),
-            _ => (floor as usize, at - floor),
-        };
-        let weight = |share: f32| (share * ONE).round_ties_even() as i32;
-        Tap {
-            first,
-            weights: [weight(1.0 - share), weight(share)],
-        }
-    };
-    (0..to).map(tap).collect()
 }
 
 fn halved(source: &[u8], width: usize, height: usize) -> Vec<u8> {
