@@ -385,6 +385,12 @@ fn convert_writes_each_format_and_refuses_what_it_cannot_say() {
         "{shown}"
     );
     assert!(shown.contains("Brown–Conrady with k1 -0.08, k2 0.03"), "{shown}");
+    let told: serde_json::Value = serde_json::from_str(&stdout(&camera(&["show", "--json"], &[&input]))).unwrap();
+    let (size, focal, view) = (&told["size_px"], &told["focal_px"], &told["field_of_view_deg"]);
+    assert_eq!((size[0].as_u64(), size[1].as_u64()), (Some(1280), Some(960)), "{told}");
+    assert_eq!(focal[0].as_f64(), Some(1180.0), "{told}");
+    assert!((view[0].as_f64().unwrap() - 56.9).abs() < 0.05, "{told}");
+    assert!(told["guessed_focal_percent"].is_null(), "{told}");
 }
 
 /// The values of an EXIF block.

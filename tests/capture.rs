@@ -363,6 +363,65 @@ fn photos_are_taken_back_and_their_views_wanted_again() {
     assert_refused(&back(&["--redo", "east"]), &["name a bin by its azimuth"]);
 }
 
+/// A watched folder: the first line says what is waited for, Ctrl-C ends with what is there and how to go on, and going on starts from there.
+#[cfg(unix)]
+#[test]
+fn a_capture_says_what_it_waits_for_and_ctrl_c_ends_it_with_its_summary() {
+    use std::io::{BufRead, BufReader};
+
+    let place = tempfile::tempdir().unwrap();
+    let (folder, session) = (place.path().join("phone"), place.path().join("session"));
+    std::fs::create_dir(&folder).unwrap();
+    let start = || {
+        let mut command = program();
+        command.args(["capture", "--variant", "normal", "--place", "yard", "--source"]);
+        command.arg(format!("watch:{}", folder.display())).arg("--scene");
+        command
+            .arg(skyline().join("scene.toml"))
+            .arg("--camera")
+            .arg(skyline().join("camera.yaml"));
+        command.arg("-o").arg(&session);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let mut running = start();
+    let mut said = BufReader::new(running.stdout.take().unwrap())
+        .lines()
+        .map(Result::unwrap);
+    assert_eq!(
+        said.next().unwrap(),
+        format!(
+            "8 views to take; start in front of the model (15° up, 850 mm away); copy photos into {}; Ctrl-C ends",
+            folder.display()
+        )
+    );
+    std::fs::copy(photo(0), folder.join("IMG_1.jpg")).unwrap();
+    assert!(said.next().unwrap().contains("IMG_1.jpg: taken as normal_000.jpg"));
+    let interrupt = |running: &std::process::Child| {
+        let sent = Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+    };
+    interrupt(&running);
+    let rest: Vec<String> = said.collect();
+    let ended = running.wait_with_output().unwrap();
+    let all = format!("{}\n{}", rest.join("\n"), stderr(&ended));
+    assert_eq!(ended.status.code(), Some(2), "{all}");
+    assert!(all.contains("7 of 8 views are open") || all.contains("1 of 8"), "{all}");
+    assert!(all.contains("stopped; the same command with -o"), "{all}");
+
+    let mut running = start();
+    let first = BufReader::new(running.stdout.take().unwrap())
+        .lines()
+        .next()
+        .unwrap()
+        .unwrap();
+    assert!(
+        first.starts_with("7 of 8 views still open; go on at 45° round the model"),
+        "{first}"
+    );
+    interrupt(&running);
+    running.wait().unwrap();
+}
+
 /// Kills a replay at random moments; `SCALEPROOF_KILLS` says how often (20).
 #[test]
 fn a_killed_capture_loses_nothing_that_it_had_said_to_be_taken() {

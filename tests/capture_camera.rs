@@ -293,6 +293,9 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
         .arg(&session);
     assert_refused(&command.output().unwrap(), &["camera 97", "list-cameras"]);
     assert!(!session.exists());
+    let listed = program().args(["capture", "list-cameras", "--json"]).output().unwrap();
+    let told: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();
+    assert!(told["cameras"].is_array(), "{told}");
     let listed = program().args(["capture", "list-cameras"]).output().unwrap();
     assert!(listed.status.success());
     assert!(

@@ -123,7 +123,7 @@ const MADE: [&str; 2] = ["--detector", "made.toml"];
 fn two_folders_have_the_figures_of_the_stored_session() {
     let desk = Desk::new();
     // What lies about is passed over, and pictures are named.
-    std::fs::write(desk.at(NORMAL).join("IMG_9.tiff"), b"x").unwrap();
+    std::fs::write(desk.at(NORMAL).join("IMG_9.HEIC"), b"x").unwrap();
     std::fs::write(desk.at(NORMAL).join("notes.txt"), b"x").unwrap();
     std::fs::write(desk.at(NORMAL).join(".hidden.jpg"), b"x").unwrap();
     std::fs::create_dir(desk.at(NORMAL).join("inner")).unwrap();
@@ -139,7 +139,7 @@ fn two_folders_have_the_figures_of_the_stored_session() {
     assert!(scored.status.success(), "{}", stderr(&scored));
     assert!(
         stderr(&scored).contains(
-            "note: 1 pictures in Fotos März = normal are neither JPEG nor PNG and are left out (the first: IMG_9.tiff)"
+            "note: 1 pictures in Fotos März = normal are neither JPEG nor PNG and are left out (the first: IMG_9.HEIC)"
         ),
         "{}",
         stderr(&scored)
@@ -813,4 +813,21 @@ fn a_session_that_names_files_outside_reads_photos_and_writes_nothing_there() {
             &["no path from the session's folder: write it as photos/a.jpg or ../photos/a.jpg"],
         );
     }
+}
+
+/// Photos that fail alike have one cause, with the names of the files that it lies in.
+#[test]
+fn folders_with_another_cameras_file_are_told_so_once() {
+    let desk = Desk::new();
+    let camera = std::fs::read_to_string(desk.at("camera.yaml")).unwrap();
+    std::fs::write(desk.at("camera.yaml"), camera.replace("1180.0", "1357.0")).unwrap();
+    let output = desk.on_folders(&["score", "--detector", "made.toml"], &["-o", "report"]);
+    let text = stderr(&output);
+    assert_eq!(
+        text.matches("the focal length in camera.yaml seems 15 % too long")
+            .count(),
+        1,
+        "{text}"
+    );
+    assert!(text.lines().count() <= 4, "{text}");
 }

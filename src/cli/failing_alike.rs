@@ -111,14 +111,12 @@ impl Set {
             .iter()
             .filter(|p| p.box_xyxy_px.is_none() || p.viewpoint.is_none());
         let photos: Vec<PathBuf> = needs_tags.map(|p| session.photo_path(p)).collect();
-        // `session.json`, the scene, its mesh and the camera file.
-        let named = |at: Option<&(String, String)>| at.map(|(name, _)| PathBuf::from(name));
         Some(Set {
             files: Files {
                 scene: session.scene.clone(),
-                scene_file: named(session.hashes.get(1)).unwrap_or_else(|| "scene.toml".into()),
+                scene_file: name_of(&session.scene_path),
                 camera: session.camera.clone()?,
-                camera_file: named(session.hashes.last()).unwrap_or_else(|| "camera.yaml".into()),
+                camera_file: name_of(session.camera_path.as_deref()?),
             },
             photos,
         })
@@ -128,6 +126,10 @@ impl Set {
     fn cause(&self) -> Option<String> {
         self.files.cause_in_files(&self.photos)
     }
+}
+
+fn name_of(path: &Path) -> PathBuf {
+    path.file_name().map_or_else(|| path.to_owned(), PathBuf::from)
 }
 
 /// The error of a run that scored nothing, with the cause that all photos share.

@@ -48,6 +48,10 @@ pub struct Session {
     pub folder: PathBuf,
     /// The mesh that the scene names, if any.
     pub mesh_path: Option<PathBuf>,
+    /// Where the scene file lies.
+    pub scene_path: PathBuf,
+    /// Where the camera file lies.
+    pub camera_path: Option<PathBuf>,
     pub scene: Scene,
     /// What truth boxes are drawn around, as the scene says.
     pub outline: Outline,
@@ -137,6 +141,8 @@ impl Session {
             name: file_name(&real),
             folder: folder.to_owned(),
             mesh_path,
+            scene_path: scene_path.to_owned(),
+            camera_path: camera_path.map(Path::to_owned),
             scene,
             outline,
             camera,
