@@ -26,7 +26,7 @@ use scratch::Scratch;
 const README_WORDS: usize = 1000;
 
 /// Options of other programs that the documentation shows.
-const FOREIGN_OPTIONS: [&str; 18] = [
+const FOREIGN_OPTIONS: [&str; 19] = [
     "--all-targets",
     "--array",
     "--bin",
@@ -45,6 +45,7 @@ const FOREIGN_OPTIONS: [&str; 18] = [
     "--version",
     "--wrap",
     "--help",
+    "--ignored",
 ];
 
 fn pages() -> Vec<Page> {
