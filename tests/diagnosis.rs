@@ -215,9 +215,14 @@ fn the_cause_is_named_and_no_other() {
     ];
     for (wrong, cause) in causes {
         let mut named = named(4, 12, wrong);
-        named.remove("fine");
-        named.remove("not named");
-        let expected = cause.map(|cause| (cause, 4));
+        println!("{wrong:?}: {named:?}");
+        // Where nobody asks, because most photos are located well in spite of it.
+        let fine = named.remove("fine").unwrap_or(0);
+        match cause {
+            None => drop(named.remove("not named")),
+            Some(_) => assert!(fine <= 1, "{wrong:?}"),
+        }
+        let expected = cause.map(|cause| (cause, 4 - fine));
         assert_eq!(named, expected.into_iter().collect(), "{wrong:?}");
     }
 }
