@@ -34,12 +34,11 @@ while read -r library path; do
   is_libc "$(basename "$library")" && continue
   [ -e "$path" ] || stop "the library $library was not found"
   cp -L "$path" "$folder/lib/$library"
-  package=$(dpkg-query -S "$(realpath "$path")" 2>/dev/null | head -1 | cut -d: -f1) || true
-  if [ -n "$package" ] && [ -e "/usr/share/doc/$package/copyright" ]; then
-    cp "/usr/share/doc/$package/copyright" "$folder/licences/$package.txt"
-  else
-    say "no licence found for $library"
-  fi
+  # Some packages list their files under /lib, which is /usr/lib by now.
+  real=$(realpath "$path")
+  package=$({ dpkg-query -S "$real" || dpkg-query -S "${real#/usr}"; } 2>/dev/null | head -1 | cut -d: -f1)
+  [ -e "/usr/share/doc/$package/copyright" ] || stop "no licence found for $library"
+  cp "/usr/share/doc/$package/copyright" "$folder/licences/$package.txt"
 done < <(ldd "$folder/scaleproof" | awk '$2 == "=>" { print $1, $3 }' | sort)
 
 onnxruntime=$(dirname "${ORT_DYLIB_PATH:?is set by ./run}")

@@ -152,7 +152,7 @@ fn believed(scene: &Scene, wrong: Wrong, rng: &mut Pcg64Mcg) -> Scene {
     match wrong {
         Wrong::Cards { count, mm } => {
             for tag in believed.tags.iter_mut().take(count) {
-                let angle: f64 = rng.random_range(0.0..6.28);
+                let angle: f64 = rng.random_range(0.0..std::f64::consts::TAU);
                 tag.centre_mm += mm * Vector3::new(angle.cos(), angle.sin(), 0.0);
             }
         }

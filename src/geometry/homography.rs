@@ -1,5 +1,7 @@
 //! The projective map between two planes.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// Gauss–Newton steps after the linear answer; it converges in three or four.
@@ -97,10 +99,11 @@ fn refined(start: Matrix3<f64>, from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Ma
         let next = map - Matrix3::from_row_iterator(step.iter().copied());
         let next = next / next.norm();
         let next_cost = squares(&next, from, to);
-        if !(next_cost < cost) {
-            break;
+        // What is not finite is no better either.
+        match next_cost.partial_cmp(&cost) {
+            Some(Ordering::Less) => (map, cost) = (next, next_cost),
+            _ => break,
         }
-        (map, cost) = (next, next_cost);
     }
     cost.is_finite().then_some(map)
 }

@@ -99,7 +99,7 @@ fn minimum(start: Matrix3<f64>, form: &Form) -> Matrix3<f64> {
         } else {
             damping *= 10.0;
         }
-        if !(step.norm() > STILL) || damping > 1e6 {
+        if step.norm() < STILL || damping > 1e6 {
             break;
         }
     }

@@ -8,7 +8,7 @@ use crate::capture::{CameraSettings, Frame, FrameSource, SourceError};
 type Given = Result<Option<(Frame, Option<CameraSettings>)>, SourceError>;
 
 enum Event {
-    Given(Given),
+    Given(Box<Given>),
     Interrupted,
 }
 
@@ -17,7 +17,7 @@ struct Last(Sender<Event>);
 
 impl Drop for Last {
     fn drop(&mut self) {
-        let _ = self.0.send(Event::Given(Ok(None)));
+        let _ = self.0.send(Event::Given(Box::new(Ok(None))));
     }
 }
 
@@ -38,7 +38,7 @@ impl Interruptible {
             let tell = Last(tell);
             while asked.recv().is_ok() {
                 let given = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
-                if tell.0.send(Event::Given(given)).is_err() {
+                if tell.0.send(Event::Given(Box::new(given))).is_err() {
                     break;
                 }
             }
@@ -60,7 +60,7 @@ impl Interruptible {
             return Ok(None);
         }
         match self.events.recv() {
-            Ok(Event::Given(given)) => given,
+            Ok(Event::Given(given)) => *given,
             Ok(Event::Interrupted) => {
                 self.was_interrupted = true;
                 Ok(None)
