@@ -55,6 +55,12 @@ fn the_stored_frames_are_whole_and_their_truth_is_true() {
     let output = check(&stored());
     assert!(output.status.success(), "{}", common::stderr(&output));
     let set = FrameSet::open(&stored()).unwrap();
+    let told = attack(&["check", "--json", stored().to_str().unwrap()]);
+    let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert_eq!(
+        told,
+        serde_json::json!({"frames": set.list.frames.len(), "size_px": set.list.size_px})
+    );
     for frame in &set.list.frames {
         let view = set.list.viewpoint(frame);
         let azimuth_is = |deg: f64| (view.azimuth_deg - deg).abs() < 1e-6;

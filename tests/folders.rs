@@ -832,3 +832,54 @@ fn folders_with_another_cameras_file_are_told_so_once() {
     );
     assert!(text.lines().count() <= 4, "{text}");
 }
+
+/// A detector that calls the model by another name has the figures of one that calls it as the scene does, when its manifest says so; every output says
+/// what counted.
+#[test]
+fn a_label_of_another_name_counts_as_the_manifest_says() {
+    let desk = Desk::new();
+    let manifest = std::fs::read_to_string(desk.at("made.toml")).unwrap();
+    let own = manifest.replace("labels = \"coco80\"", "labels = [\"Person\", \"Rad\", \"PKW\"]");
+    std::fs::write(
+        desk.at("german.toml"),
+        own.replace("name = \"made\"", "name = \"german\"") + "[class_map]\nPKW = \"car\"\n",
+    )
+    .unwrap();
+    let scored = desk.on_folders(&["score", "--detector", "made.toml,german.toml"], &["-o", "own"]);
+    assert!(scored.status.success(), "{}", stderr(&scored));
+    let results = read_json(&desk.at("own/summary.json"))["results"]
+        .as_array()
+        .unwrap()
+        .clone();
+    let figures = |name: &str| -> Vec<serde_json::Value> {
+        let of = results.iter().filter(|r| r["detector"] == name);
+        of.map(|r| {
+            serde_json::json!([
+                r["variant"],
+                r["overall"]["ap50"],
+                r["overall"]["hit_rate"],
+                r["overall"]["mean_confidence"]
+            ])
+        })
+        .collect()
+    };
+    assert_eq!(figures("german"), figures("made"));
+    assert_eq!(figures("german").len(), 2);
+    let said = common::stdout(&scored);
+    assert!(said.contains("counts as the model: car (german: PKW"), "{said}");
+    let compared = desk.on_folders(&["compare", "--detector", "german.toml"], &["-o", "own"]);
+    assert!(
+        common::stdout(&compared).contains("counts as the model: car (german: PKW"),
+        "{}",
+        common::stdout(&compared)
+    );
+
+    // Without the map nothing of it counts, and the way out is named.
+    std::fs::write(
+        desk.at("german.toml"),
+        own.replace("name = \"made\"", "name = \"german\""),
+    )
+    .unwrap();
+    let refused = desk.on_folders(&["score", "--detector", "german.toml"], &["-o", "other"]);
+    common::assert_refused(&refused, &["german has no label `car`", "[class_map]"]);
+}

@@ -53,6 +53,9 @@ struct CheckArgs {
     /// A folder of frames
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
+    /// Print a JSON object instead of the sentence
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs `scaleproof attack …`.
@@ -79,7 +82,14 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     for frame in &set.list.frames {
         set.check_pictures(frame)?;
     }
-    let [width, height] = set.list.size_px;
-    writeln!(out, "{} frames of {width}×{height} px are whole", set.list.frames.len())?;
+    let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
+    match args.json {
+        true => writeln!(
+            out,
+            "{}",
+            serde_json::json!({"frames": frames, "size_px": [width, height]})
+        )?,
+        false => writeln!(out, "{frames} frames of {width}×{height} px are whole")?,
+    }
     Ok(Outcome::Done)
 }

@@ -59,8 +59,9 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         true => write!(out, "{}", report::comparison_json(&scores, &comparison)?)?,
         false => writeln!(
             out,
-            "{}\npage: {}",
+            "{}\ncounts as the model: {}\npage: {}",
             report::comparison_table(&comparison),
+            report::counted(&scores),
             page.display()
         )?,
     }

@@ -32,6 +32,9 @@ pub struct ChartArgs {
     /// Folder for the charts (SVG) and its numbers (JSON)
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
+    /// Print renderers.json instead of the table
+    #[arg(long)]
+    json: bool,
 }
 
 /// The numbers, with what they were measured on.
@@ -56,7 +59,6 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let networks: Vec<&dyn Learned> = networks.iter().map(AsRef::as_ref).collect();
     let rows = measure(&set, &references, &networks, || bar.inc(1))?;
     bar.finish_and_clear();
-    write!(out, "{}", table(&rows))?;
     let numbers = Numbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
         frames_sha256: files::sha256_hex(&files::read(&args.frames.join(LIST))?),
@@ -64,15 +66,18 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         references: &args.reference,
         rows: &rows,
     };
+    let json = serde_json::to_string_pretty(&numbers)?;
     let mut new = vec![
-        (
-            args.output.join("renderers.json"),
-            serde_json::to_string_pretty(&numbers)?.into_bytes(),
-        ),
+        (args.output.join("renderers.json"), json.clone().into_bytes()),
         (args.output.join("renderers.svg"), draw(&rows).into_bytes()),
     ];
     new.extend(draw_training(&rows).map(|svg| (args.output.join("training.svg"), svg.into_bytes())));
     files::replace_all_atomically(&new)?;
+    if args.json {
+        writeln!(out, "{json}")?;
+        return Ok(Outcome::Done);
+    }
+    write!(out, "{}", table(&rows))?;
     for (path, _) in &new {
         writeln!(out, "{}", path.display())?;
     }
