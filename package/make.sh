@@ -7,6 +7,11 @@
 set -euo pipefail
 
 home=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+asked=''
+if [ "${1:-}" = --folder ]; then
+  asked=$(realpath -m -- "${2:?--folder needs a folder}")
+  [ ! -e "$asked" ] || { printf 'error: %s is there already: name a new folder\n' "$asked" >&2; exit 2; }
+fi
 cd "$home"
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$home/target}"
 
@@ -15,9 +20,13 @@ stop() { printf 'error: %s\n' "$*" >&2; exit 2; }
 
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 name="scaleproof-$version-$(uname -m)-linux"
-folder="$home/out/package/$name"
-[ "${1:-}" != --folder ] || folder=${2:?--folder needs a folder}
-[ ! -e "$folder" ] || rm -r "$folder"
+folder=${asked:-$home/out/package/$name}
+[ -n "$asked" ] || rm -rf "$home/out/package/$name"
+onnxruntime=$(dirname "${ORT_DYLIB_PATH:-/}")
+for text in LICENSE ThirdPartyNotices.txt; do
+  [ -e "$onnxruntime/$text" ] || stop "ONNX Runtime with its licence is not in $onnxruntime: ./run fetches it where there is a network"
+done
+command -v dpkg-query >/dev/null || stop "there is no dpkg-query: the licences of the libraries are looked up in Debian's packages"
 mkdir -p "$folder/lib" "$folder/licences"
 
 # The program, which looks for its libraries beside itself; so do the libraries, for theirs (an RPATH, not a RUNPATH).
@@ -30,23 +39,22 @@ cp "$CARGO_TARGET_DIR/release/scaleproof" "$folder/"
 is_libc() { case "$1" in linux-vdso*|ld-linux*|libc.so*|libm.so*|libdl.so*|libpthread.so*|librt.so*|libresolv.so*|libutil.so*) true ;; *) false ;; esac; }
 
 say "libraries"
+linked=$(ldd "$folder/scaleproof" | awk '$2 == "=>" { print $1, $3 }' | sort)
 while read -r library path; do
   is_libc "$(basename "$library")" && continue
   [ -e "$path" ] || stop "the library $library was not found"
   cp -L "$path" "$folder/lib/$library"
   # Some packages list their files under /lib, which is /usr/lib by now.
   real=$(realpath "$path")
-  package=$({ dpkg-query -S "$real" || dpkg-query -S "${real#/usr}"; } 2>/dev/null | head -1 | cut -d: -f1)
+  package=$({ dpkg-query -S "$real" || dpkg-query -S "${real#/usr}"; } 2>/dev/null | head -1 | cut -d: -f1) || true
   [ -e "/usr/share/doc/$package/copyright" ] || stop "no licence found for $library"
   cp "/usr/share/doc/$package/copyright" "$folder/licences/$package.txt"
-done < <(ldd "$folder/scaleproof" | awk '$2 == "=>" { print $1, $3 }' | sort)
+done <<< "$linked"
 
-onnxruntime=$(dirname "${ORT_DYLIB_PATH:?is set by ./run}")
 runtime=$(basename "$(realpath "$ORT_DYLIB_PATH")")
 cp "$onnxruntime/$runtime" "$folder/lib/"
 ln -s "$runtime" "$folder/lib/libonnxruntime.so"
 for text in LICENSE ThirdPartyNotices.txt; do
-  [ -e "$onnxruntime/$text" ] || stop "the licence of ONNX Runtime is not in $onnxruntime: remove that folder and run this again"
   cp "$onnxruntime/$text" "$folder/licences/onnxruntime-$text"
 done
 
@@ -57,7 +65,7 @@ cargo tree --locked --features attack -e normal --prefix none --format '{p} | {l
   grep -v '^scaleproof ' > "$folder/licences/crates.txt"
 while read -r crate number _; do
   # Crates of one version come from one place.
-  for text in "$sources"/*/"$crate-${number#v}"/{LICENSE,LICENCE,COPYING,NOTICE,UNLICENSE,license}*; do
+  for text in "$sources"/*/"$crate-${number#v}"/{LICENSE,LICENCE,License,COPYING,COPYRIGHT,NOTICE,UNLICENSE,license}*; do
     [ -f "$text" ] || continue
     cp --no-preserve=mode "$text" "$folder/licences/crate-$crate-$(basename "$text").txt"
   done
@@ -71,11 +79,12 @@ mkdir -p "$folder/completions"
 for shell in bash zsh fish; do
   "$folder/scaleproof" completions "$shell" > "$folder/completions/scaleproof.$shell"
 done
-cp -r captures calibration patterns README.md "$folder/"
-mkdir -p "$folder/docs"
-cp -r docs/guide docs/*.png docs/*.jpg docs/*.svg "$folder/docs/"
+# What belongs to the project, and not what else lies in its folders.
+parts=(captures calibration detectors docs patterns print_templates ARCHITECTURE.md CHANGELOG.md)
+{ git -c safe.directory='*' ls-files -z "${parts[@]}" 2>/dev/null || find "${parts[@]}" -type f -print0; } | tar -c --null -T - | tar -x -C "$folder"
+{ sed -n 1p README.md; printf '\n(This is the unpacked archive: type `./scaleproof` wherever this page and the guide have `./run`.)\n'; sed 1d README.md; } > "$folder/README.md"
 
-[ "${1:-}" != --folder ] || exit 0
+[ -z "$asked" ] || exit 0
 say "packing"
 archive="$home/out/package/$name.tar.xz"
 tar -C "$(dirname "$folder")" --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -c "$name" | xz -T0 -6 > "$archive.partial"

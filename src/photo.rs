@@ -79,7 +79,11 @@ impl Photo {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
         let converted = converted(path, &bytes)?;
         let picture = converted.as_deref().unwrap_or(&bytes);
-        let decoded = decode(picture, &Budget::FILE).map_err(|problem| problem.at(path))?;
+        let mut decoded = decode(picture, &Budget::FILE).map_err(|problem| problem.at(path))?;
+        if let Some(exif) = converted.as_ref().and_then(|_| heif::exif(&bytes)) {
+            decoded.turned_deg = turned_deg(orientation_of(Some(&exif)));
+            decoded.lens = Lens::from_exif(exif);
+        }
         Ok(Photo {
             rgb: decoded.rgb,
             sha256: files::sha256_hex(&bytes),

@@ -422,6 +422,30 @@ fn a_capture_says_what_it_waits_for_and_ctrl_c_ends_it_with_its_summary() {
     running.wait().unwrap();
 }
 
+/// Whoever names a folder of photos as the session keeps them where they are, also those with names as a camera or a capture gives them.
+#[test]
+fn photos_of_others_stay_where_they_are() {
+    let place = tempfile::tempdir().unwrap();
+    let session = place.path().join("holiday");
+    std::fs::create_dir(&session).unwrap();
+    for name in ["IMG_20260101_123456.jpg", "normal_003.jpg"] {
+        std::fs::copy(photo(0), session.join(name)).unwrap();
+    }
+    assert_refused(
+        &capture(&replay(&skyline()), &session, &[]),
+        &["holiday", "it has files and is no session: capture into a new folder"],
+    );
+    assert_eq!(std::fs::read_dir(&session).unwrap().count(), 2);
+
+    // What is put into a session later is no photo of it either.
+    let session = place.path().join("session");
+    assert_eq!(capture(&replay(&skyline()), &session, &[]).status.code(), Some(0));
+    std::fs::copy(photo(1), session.join("holiday_003.jpg")).unwrap();
+    assert_eq!(capture(&replay(&skyline()), &session, &[]).status.code(), Some(0));
+    assert!(session.join("holiday_003.jpg").is_file());
+    assert!(!session.join("taken_back").exists());
+}
+
 /// Kills a replay at random moments; `SCALEPROOF_KILLS` says how often (20).
 #[test]
 fn a_killed_capture_loses_nothing_that_it_had_said_to_be_taken() {

@@ -615,7 +615,7 @@ fn overlays_show_what_was_found_and_replace_only_overlays() {
     common::assert_refused(
         &changed.locate(&["--overlay", folder.to_str().unwrap()]),
         &[
-            "normal_001.overlay.jpg is in the way: it is no overlay of an earlier run; name another folder with --overlay",
+            "normal_001.overlay.jpg is in the way: no earlier run has drawn it; name another folder with --overlay",
         ],
     );
     assert_eq!(

@@ -7,11 +7,11 @@
 //! | a photo and its sidecar, not listed | accepted, list not yet written | listed |
 //! | a listed photo whose sidecar is in `taken_back` | being taken back | taken back |
 
-use super::store::{SESSION, Store, StoreError, TAKEN_BACK, names, number, sidecar_of, sidecars};
+use super::store::{SESSION, Store, StoreError, TAKEN_BACK, is_ours, names, number, sidecar_of, sidecars};
 use crate::files;
 use crate::session::Session;
 
-pub(super) fn recover(store: &mut Store) -> Result<(), StoreError> {
+pub(super) fn recover(store: &mut Store, variant: &str) -> Result<(), StoreError> {
     let folder = store.folder.clone();
     let mut there = names(&folder)?;
     for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {
@@ -71,8 +71,9 @@ pub(super) fn recover(store: &mut Store) -> Result<(), StoreError> {
     if now != listed.iter().collect::<Vec<_>>() {
         store.write_list()?;
     }
-    let is_photo = |name: &&String| number(name).is_some() && !name.ends_with(super::store::SIDECAR);
-    for photo in there.iter().filter(is_photo) {
+    let known = store.accepted.iter().map(|sidecar| sidecar.photo.variant.as_str());
+    let variants: Vec<&str> = known.chain([variant]).collect();
+    for photo in there.iter().filter(|name| is_ours(name, variants.iter().copied())) {
         if store.accepted.iter().all(|sidecar| sidecar.photo.file != *photo) {
             store.put_away(photo)?;
         }

@@ -87,15 +87,16 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera. What an earlier capture left unfinished is
-    /// finished.
+    /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera, to fill it with photos of a texture. What an
+    /// earlier capture left unfinished is finished; files that no capture made stay as they are.
     ///
     /// # Errors
     /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
-    pub fn open(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
+    pub fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
         let read = Scene::open(scene).map_err(SessionError::from)?;
         Camera::open(camera).map_err(SessionError::from)?;
         let mesh = session::mesh_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
+        refuse_foreign(folder)?;
         std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, &e))?;
         let lock = locked(folder)?;
         let extension = camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
@@ -114,7 +115,7 @@ impl Store {
             next: 0,
             _lock: lock,
         };
-        super::recover::recover(&mut store)?;
+        super::recover::recover(&mut store, variant)?;
         Ok(store)
     }
 
@@ -215,6 +216,28 @@ fn slug(variant: &str) -> String {
         "" => "photo".into(),
         name => name.into(),
     }
+}
+
+/// A folder with files that no capture has begun is somebody's: nothing in it may be taken for a photo of ours.
+fn refuse_foreign(folder: &Path) -> Result<(), StoreError> {
+    let there = names(folder)?;
+    if there.iter().any(|name| name == SESSION || name == LOCK) || there.iter().all(|name| name.starts_with('.')) {
+        return Ok(());
+    }
+    Err(StoreError::Content {
+        path: folder.to_owned(),
+        message: "it has files and is no session: capture into a new folder".into(),
+    })
+}
+
+/// Whether a file has a name that this store gives to photos of one of these textures.
+pub(super) fn is_ours<'a>(name: &str, variants: impl IntoIterator<Item = &'a str>) -> bool {
+    let Some(number) = number(name).filter(|_| !name.ends_with(SIDECAR)) else {
+        return false;
+    };
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let mut variants = variants.into_iter();
+    variants.any(|variant| stem == format!("{}_{number:03}", slug(variant)))
 }
 
 /// The number at the end of a name that this store gave.

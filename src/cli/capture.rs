@@ -187,7 +187,7 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
         }
         false => None,
     };
-    let store = Store::open(&args.output, &args.scene, &args.camera)?;
+    let store = Store::open(&args.output, &args.scene, &args.camera, &args.variant)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
     take_back(args, &scene, &mut capture, out)?;
     begin(args, &capture, out)?;

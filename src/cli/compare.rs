@@ -37,6 +37,9 @@ pub struct Args {
     json: bool,
 }
 
+/// Photos without a partner that are said one by one.
+const MOST_LISTED: usize = 20;
+
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.recorded)?;
@@ -52,8 +55,11 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let comparison = score::compare(&scores, &args.base, args.ap)?;
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);
-    for photo in &comparison.unpaired {
+    for photo in comparison.unpaired.iter().take(MOST_LISTED) {
         say!("not compared: {}/{}: {}", photo.session, photo.file, photo.reason);
+    }
+    if let Some(more) = comparison.unpaired.len().checked_sub(MOST_LISTED + 1) {
+        say!("not compared: {} more, which {} lists", more + 1, page.display());
     }
     match args.json {
         true => write!(out, "{}", report::comparison_json(&scores, &comparison)?)?,

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::locate::{self, Abstention, Diagnosis, Examined, diagnosis, spread};
 use crate::photo::{PhotoError, PhotoFile};
 use crate::scene::{Scene, TagFamily};
-use crate::score::{ScoreError, Scores};
+use crate::score::{NotScored, ScoreError, Scores};
 use crate::session::Session;
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
 
@@ -132,37 +132,53 @@ fn name_of(path: &Path) -> PathBuf {
     path.file_name().map_or_else(|| path.to_owned(), PathBuf::from)
 }
 
-/// The error of a run that scored nothing, with the cause that all photos share.
+/// What a run gives, with the cause that photos share which were left out: in its error when nothing was scored, else among the cautions, so that
+/// it stands beside the figures too.
 pub fn explained(scores: Result<Scores, ScoreError>, sets: &[Set]) -> Result<Scores, ScoreError> {
-    scores.map_err(|e| match e {
-        ScoreError::NothingScored { photos, file, reason } => {
+    match scores {
+        Ok(mut scores) => {
+            let causes: Vec<String> = scores.sessions.iter().filter_map(|s| cause_in(&scores, s)).collect();
+            scores.cautions.extend(causes);
+            Ok(scores)
+        }
+        Err(ScoreError::NothingScored { photos, file, reason }) => {
             let causes = sets.iter().filter_map(Set::cause);
             let reason = std::iter::once(reason).chain(causes).collect::<Vec<_>>().join("; ");
-            ScoreError::NothingScored { photos, file, reason }
+            Err(ScoreError::NothingScored { photos, file, reason })
         }
-        e => e,
-    })
+        Err(e) => Err(e),
+    }
 }
 
-/// Says on standard error which photos were left out: one by one, or a session's together where they have one cause.
+/// Why most photos of a session were left out, if there is one cause.
+fn cause_in(scores: &Scores, session: &Session) -> Option<String> {
+    is_alike(scores, session).then(|| Set::of(session)?.cause()).flatten()
+}
+
+/// Whether most photos of a session were left out. Sessions of one name cannot be told apart here: theirs are listed.
+fn is_alike(scores: &Scores, session: &Session) -> bool {
+    let same_name = scores.sessions.iter().filter(|s| s.name == session.name);
+    let left_out = left_out(scores, session).count();
+    let scored = session.photos.len().saturating_sub(left_out);
+    same_name.count() == 1 && left_out > MOST_LISTED && left_out >= 4 * scored
+}
+
+fn left_out<'a>(scores: &'a Scores, session: &Session) -> impl Iterator<Item = &'a NotScored> {
+    let name = session.name.clone();
+    scores.not_scored.iter().filter(move |photo| photo.session == name)
+}
+
+/// Says on standard error which photos were left out: one by one, or only how many where most of a session were; the cautions then have the cause.
 pub fn say_not_scored(scores: &Scores) {
-    for session in &scores.sessions {
-        let left_out: Vec<_> = scores.not_scored.iter().filter(|p| p.session == session.name).collect();
-        let scored = session.photos.len().saturating_sub(left_out.len());
-        let is_alike = left_out.len() > MOST_LISTED && left_out.len() >= 4 * scored;
-        match is_alike.then(|| Set::of(session)?.cause()).flatten() {
-            Some(cause) => {
-                say!(
-                    "not scored: {} of {} photos of {}",
-                    left_out.len(),
-                    session.photos.len(),
-                    session.name
-                );
-                say!("note: {cause}");
-            }
-            None => left_out
-                .iter()
-                .for_each(|p| say!("not scored: {}/{}: {}", p.session, p.file, p.reason)),
-        }
+    let is_grouped = |name: &str| scores.sessions.iter().any(|s| s.name == name && is_alike(scores, s));
+    for session in scores.sessions.iter().filter(|s| is_alike(scores, s)) {
+        let (count, all, name) = (left_out(scores, session).count(), session.photos.len(), &session.name);
+        let first = left_out(scores, session)
+            .next()
+            .map_or("", |photo| photo.reason.as_str());
+        say!("not scored: {count} of {all} photos of {name}; the first: {first}");
+    }
+    for photo in scores.not_scored.iter().filter(|photo| !is_grouped(&photo.session)) {
+        say!("not scored: {}/{}: {}", photo.session, photo.file, photo.reason);
     }
 }

@@ -20,9 +20,10 @@ pub fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Str
                 format!("'{command}' does not take '{given}'")
             }
         }),
-        ErrorKind::InvalidSubcommand => {
-            text(ContextKind::InvalidSubcommand).map(|given| format!("there is no command '{command} {given}'"))
-        }
+        ErrorKind::InvalidSubcommand => text(ContextKind::InvalidSubcommand).map(|given| match left_out(&given) {
+            true => format!("this build has no '{given}', only what the demo needs: `./run {given}` builds the rest"),
+            false => format!("there is no command '{command} {given}'"),
+        }),
         _ => None,
     };
     let meant = suggestion(e, whole).map_or_else(String::new, |meant| format!(": did you mean {meant}?"));
@@ -73,6 +74,12 @@ fn first_paragraph(message: &str) -> String {
         .map(str::trim);
     let sentence = lines.collect::<Vec<_>>().join(" ");
     sentence.strip_prefix("error: ").unwrap_or(&sentence).to_owned()
+}
+
+/// Whether only builds with the feature `full` have a command.
+fn left_out(name: &str) -> bool {
+    let full = ["attack", "calibrate", "capture", "chart", "survey"];
+    !cfg!(feature = "full") && full.contains(&name)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod chart;
 mod colour;
 mod compare;
 mod completions;
+mod copies;
 mod demo;
 mod detectors;
 mod failing_alike;
@@ -97,6 +98,7 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub fn main() -> ExitCode {
+    keep_to_ourselves();
     keep_refusals_quiet();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let mut command = command();
@@ -159,6 +161,13 @@ fn command() -> clap::Command {
 fn refuse(sentence: &str) -> ExitCode {
     say!("error: {sentence}");
     ExitCode::from(2)
+}
+
+/// ONNX Runtime's own builds would report to Microsoft what they run on: its API switches off what is sent, this also what is kept for it
+/// in the user's cache, before the library is loaded.
+fn keep_to_ourselves() {
+    // SAFETY: no other thread has been started yet that could read the environment.
+    unsafe { std::env::set_var("ORT_DISABLE_TELEMETRY", "1") };
 }
 
 /// Libraries that panic on a damaged network are caught where they are called; nobody needs to read of it.

@@ -42,7 +42,10 @@ const GROUPS: [(&str, &[(&str, &str)]); 6] = [
             ),
             ("locate", "Where was each photo taken from?"),
             ("survey", "Where do tags stand that were placed by hand?"),
-            ("session", "Bring photos whose truth is known from elsewhere"),
+            (
+                "session",
+                "Make sessions of folders of photos or of known truth; see what is in one",
+            ),
         ],
     ),
     (
@@ -197,7 +200,7 @@ const EXAMPLES: [(&str, &[&str]); 27] = [
 pub fn explained(command: Command) -> Command {
     let template = format!(
         "{{before-help}}{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{}\n{{options}}{{after-help}}",
-        groups(),
+        groups(&command),
         heading("Options")
     );
     with_examples(command, "").help_template(template)
@@ -208,12 +211,16 @@ fn heading(text: &str) -> String {
     format!("{style}{text}:{style:#}")
 }
 
-fn groups() -> String {
+fn groups(whole: &Command) -> String {
     let style = Styles::styled().get_literal().to_owned();
     let mut text = String::new();
     for (name, commands) in GROUPS {
         let _ = writeln!(text, "{}", heading(name));
-        for (command, purpose) in commands {
+        // Builds without the feature `full` have fewer.
+        for (command, purpose) in commands
+            .iter()
+            .filter(|(name, _)| whole.find_subcommand(name).is_some())
+        {
             let _ = writeln!(text, "  {style}{command:<12}{style:#}{purpose}");
         }
         text.push('\n');

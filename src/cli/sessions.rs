@@ -58,8 +58,8 @@ impl Photos {
             );
         }
         if count == 0 {
-            self.about.refuse_for_sessions()?;
             let sessions = self.given.iter().map(|place| session(place)).collect::<Result<_>>()?;
+            self.about.refuse_for_sessions()?;
             let folders = Vec::new();
             return Ok(Opened { sessions, folders });
         }
@@ -86,7 +86,7 @@ impl About {
             if let Some(first) = found.listing.other_pictures.first() {
                 let (count, folder) = (found.listing.other_pictures.len(), found.given.folder.display());
                 say!(
-                    "note: {count} pictures in {folder} are neither JPEG nor PNG and are left out (the first: {first}); convert them to JPEG to use them"
+                    "note: {count} pictures in {folder} are left out, being neither JPEG nor PNG or there in JPEG too (the first: {first})"
                 );
             }
         }

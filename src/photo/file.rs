@@ -6,6 +6,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage, ImageDecoder, RgbImage};
 use zune_core::colorspace::ColorSpace;
 
+use super::heif;
 use super::{
     Budget, Cost, DecodeProblem, Kind, Outline, PhotoError, converted, damaged, decode, jpeg_header, jpeg_pixels,
     lies_across, orientation_of, png_header, turned_deg,
@@ -41,8 +42,13 @@ impl PhotoFile {
     /// already.
     pub fn open(path: &Path) -> Result<PhotoFile, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        let picture = converted(path, &bytes)?.unwrap_or(bytes);
-        PhotoFile::of_bytes(path, picture, Budget::FILE)
+        let Some(picture) = converted(path, &bytes)? else {
+            return PhotoFile::of_bytes(path, bytes, Budget::FILE);
+        };
+        // Its pixels are upright; how the sensor lay is for the camera.
+        let turned_deg = turned_deg(orientation_of(heif::exif(&bytes).as_deref()));
+        let upright = PhotoFile::of_bytes(path, picture, Budget::FILE)?;
+        Ok(PhotoFile { turned_deg, ..upright })
     }
 
     /// The same of bytes that are in memory, within a budget; `path` is what messages call them.

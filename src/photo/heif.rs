@@ -1,9 +1,7 @@
 //! HEIC and its kin (ISO 23008-12), by the decoder that the system has: `heif-dec` or `heif-convert` of libheif. Nothing here decodes them.
 
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use super::{Budget, PhotoError};
@@ -31,13 +29,17 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
         reason,
     };
     let folder = Scratch::new().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
-    let (from, to) = (folder.0.join("in.heic"), folder.0.join("out.png"));
+    let (from, to, complaint) = (
+        folder.0.join("in.heic"),
+        folder.0.join("out.png"),
+        folder.0.join("said"),
+    );
     std::fs::write(&from, bytes).map_err(|e| failed(format!("no room for decoding it: {e}")))?;
     let started = Command::new(&decoder)
         .args([&from, &to])
         .stdin(Stdio::null())
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(std::fs::File::create(&complaint).map_or_else(|_| Stdio::null(), Stdio::from))
         .spawn();
     let name = decoder.file_name().unwrap_or_default().display();
     let ended = started.and_then(within_time);
@@ -46,7 +48,19 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
     let picture = [to, folder.0.join("out-1.png")].into_iter().find(|path| path.is_file());
     match picture.filter(|_| is_done) {
         Some(picture) => Ok(Some(pixels_only(&files::read_at_most(&picture, Budget::FILE.bytes)?))),
-        None => Err(failed(format!("{name} could not decode it"))),
+        None => {
+            let said = files::read_at_most(&complaint, 1 << 20).unwrap_or_default();
+            let said = String::from_utf8_lossy(&said)
+                .lines()
+                .next()
+                .unwrap_or_default()
+                .trim()
+                .to_owned();
+            let said = if said.is_empty() { said } else { format!(" ({said})") };
+            Err(failed(format!(
+                "{name} could not decode it{said}; is libheif's decoder for it installed (Debian: libheif-plugin-libde265)?"
+            )))
+        }
     }
 }
 
@@ -92,18 +106,23 @@ fn pixels_only(png: &[u8]) -> Vec<u8> {
     kept
 }
 
+/// The EXIF block of an HEIF file: a TIFF structure.
+pub(super) fn exif(bytes: &[u8]) -> Option<Vec<u8>> {
+    let read = exif::Reader::new().read_from_container(&mut std::io::Cursor::new(bytes));
+    read.ok().map(|exif| exif.buf().to_vec())
+}
+
 /// A folder of one's own, gone when dropped.
 struct Scratch(PathBuf);
 
 impl Scratch {
     fn new() -> std::io::Result<Scratch> {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let name = format!("scaleproof-{}-{number}", std::process::id());
-        let folder = std::env::temp_dir().join(OsStr::new(&name));
-        // What a killed run of the same number left; a folder of somebody else's stays, and making one fails.
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir(&folder)?;
+        let mut builder = std::fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        // Processes of two containers may have one number; a random name is nobody's, and making a folder that is there fails.
+        let folder = std::env::temp_dir().join(format!("scaleproof-{:032x}", rand::random::<u128>()));
+        builder.create(&folder)?;
         Ok(Scratch(folder))
     }
 }

@@ -1,5 +1,6 @@
 //! Folders of photos, one texture each, as a session: nothing is written, and the photos stay as they are.
 
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 use super::{PhotoEntry, Session, SessionError};
@@ -191,10 +192,25 @@ impl Listing {
                 None => return Err(FoldersError::NotText { path }),
             }
         }
+        listing.drop_twins();
         listing.photos.sort();
         listing.other_pictures.sort();
         listing.folders.sort();
         Ok(listing)
+    }
+
+    /// A HEIC file beside a JPEG or PNG of its name is the same photo: it counts once.
+    fn drop_twins(&mut self) {
+        let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_lowercase();
+        let ending = |name: &str| name.rsplit_once('.').map_or("", |(_, ending)| ending).to_lowercase();
+        let plain = self
+            .photos
+            .iter()
+            .filter(|name| READABLE.contains(&ending(name).as_str()));
+        let plain: BTreeSet<String> = plain.map(|name| stem(name)).collect();
+        let is_twin = |name: &mut String| HEIF.contains(&ending(name).as_str()) && plain.contains(&stem(name));
+        let twins: Vec<String> = self.photos.extract_if(.., is_twin).collect();
+        self.other_pictures.extend(twins);
     }
 
     /// Whether a file is taken for a photo, by its name.

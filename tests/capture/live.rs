@@ -16,7 +16,7 @@ pub fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture 
     let views = viewpoints_of(&scene.bins, &[usual(&scene.bins).0], &[distance_mm]);
     let guidance = Guidance::at(&views, tolerance, &scene.bins);
     let judge = Judge::new(scene, TagDetectorChoice::default(), true).unwrap();
-    let store = Store::open(session, &scene_file, &camera_file).unwrap();
+    let store = Store::open(session, &scene_file, &camera_file, "normal").unwrap();
     Capture::new(
         guidance,
         judge,

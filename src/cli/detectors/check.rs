@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Folder, drawn, present};
+use crate::cli::copies::CopiesError;
 use crate::cli::{CommandResult, Outcome};
 use crate::detect::{Detection, Detector, Manifest, Runtime};
-use crate::files::{self, FileError};
+use crate::files;
 use crate::geometry::BoxPx;
 use crate::photo::PhotoFile;
 
@@ -109,13 +110,10 @@ struct Saved {
 }
 
 impl Saved {
-    fn new(args: &Args) -> Result<Saved, FileError> {
+    fn new(args: &Args) -> Result<Saved, CopiesError> {
         let paths = match &args.save {
             None => Vec::new(),
-            Some(folder) => {
-                files::check_writable(folder)?;
-                drawn::copies(folder, &args.photos)
-            }
+            Some(folder) => drawn::places(folder, &args.photos)?,
         };
         Ok(Saved {
             marks: vec![Vec::new(); paths.len()],

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 
+use crate::cli::copies::{self, CopiesError};
 use crate::draw::{self, Anchor, Lettering, Pen};
 use crate::geometry::BoxPx;
 
@@ -43,20 +44,16 @@ pub fn draw_box(picture: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 
 pub fn jpeg(picture: &RgbImage) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
     picture.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
-    Ok(bytes)
+    Ok(copies::marked(&bytes))
 }
 
 /// Where the copy of each photo goes: named as the photo is, numbered where two have the same name.
-pub fn copies(folder: &Path, photos: &[PathBuf]) -> Vec<PathBuf> {
-    let stem = |photo: &PathBuf| photo.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut taken: Vec<String> = Vec::new();
-    for photo in photos {
-        let mut names = (1..).map(|number| match number {
-            1 => format!("{}_detections.jpg", stem(photo)),
-            number => format!("{}_detections_{number}.jpg", stem(photo)),
-        });
-        let free = names.find(|name| !taken.contains(name));
-        taken.extend(free);
-    }
-    taken.iter().map(|name| folder.join(name)).collect()
+///
+/// # Errors
+/// A folder that holds one of the photos, or a file of such a name that no run has drawn.
+pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesError> {
+    copies::places(folder, photos, "--save", |stem, number| match number {
+        1 => format!("{stem}_detections.jpg"),
+        number => format!("{stem}_detections_{number}.jpg"),
+    })
 }

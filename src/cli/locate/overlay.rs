@@ -1,7 +1,5 @@
 //! `locate --overlay`: copies of the photos with what was found drawn on them.
 
-use std::collections::BTreeSet;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use image::RgbImage;
@@ -11,6 +9,7 @@ use nalgebra::Point3;
 
 use super::words;
 use crate::camera::Camera;
+use crate::cli::copies::{self, CopiesError};
 use crate::draw::{self, Anchor, Colour, Lettering, Pen};
 use crate::envelope::Outline;
 use crate::files::{self, FileError};
@@ -24,9 +23,6 @@ use crate::tags::SeenTag;
 const LONGEST_SIDE_PX: u32 = 2000;
 
 const QUALITY: u8 = 90;
-
-/// Stands in a JPEG's comment: such a file may be replaced by the next run.
-const MARK: &[u8] = b"overlay of scaleproof locate";
 
 const USED: Colour = [0, 210, 90];
 const LEFT_OUT: Colour = [255, 140, 0];
@@ -49,10 +45,6 @@ pub enum OverlayError {
     Photo(#[from] PhotoError),
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{path} is in the way: it is no overlay of an earlier run; name another folder with --overlay", path = path.display())]
-    InTheWay { path: PathBuf },
-    #[error("{folder} holds the photo {photo}: name another folder with --overlay", folder = folder.display(), photo = photo.display())]
-    AmongPhotos { folder: PathBuf, photo: PathBuf },
     #[error("{path} cannot be encoded as JPEG", path = path.display())]
     Encode { path: PathBuf },
 }
@@ -60,63 +52,12 @@ pub enum OverlayError {
 /// Where the copy of each photo goes: `NAME.overlay.jpg`, and `NAME-2.overlay.jpg` for the next photo of that name.
 ///
 /// # Errors
-/// A folder that holds one of the photos, or a file of such a name that no overlay run has written.
-pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, OverlayError> {
-    let whole = folder.canonicalize();
-    let holds = |photo: &&PathBuf| {
-        let parent = photo.canonicalize().ok().and_then(|p| p.parent().map(Path::to_owned));
-        whole.as_ref().is_ok_and(|whole| parent.as_ref() == Some(whole))
-    };
-    if let Some(photo) = photos.iter().find(holds) {
-        return Err(OverlayError::AmongPhotos {
-            folder: folder.to_owned(),
-            photo: photo.clone(),
-        });
-    }
-    let mut taken = BTreeSet::new();
-    let places: Vec<PathBuf> = photos
-        .iter()
-        .map(|photo| folder.join(free_name(photo, &mut taken)))
-        .collect();
-    match places
-        .iter()
-        .find(|place| place.symlink_metadata().is_ok() && !is_overlay(place))
-    {
-        Some(path) => Err(OverlayError::InTheWay { path: path.clone() }),
-        None => Ok(files::check_writable(folder).map(|()| places)?),
-    }
-}
-
-fn free_name(photo: &Path, taken: &mut BTreeSet<OsString>) -> OsString {
-    let stem = photo.file_stem().unwrap_or_default();
-    let named = |number: u32| {
-        let mut name = stem.to_owned();
-        if number > 1 {
-            name.push(format!("-{number}"));
-        }
-        name.push(".overlay.jpg");
-        name
-    };
-    // One of the first is free: each photo takes one.
-    let name = (1..).map(named).find(|name| !taken.contains(name)).unwrap_or_default();
-    taken.insert(name.clone());
-    name
-}
-
-/// Whether a file begins as [`marked`] begins it.
-fn is_overlay(path: &Path) -> bool {
-    use std::io::Read;
-    let mut start = Vec::new();
-    let is_file = path.symlink_metadata().is_ok_and(|about| about.is_file());
-    let read = is_file.then(|| std::fs::File::open(path).and_then(|file| file.take(64).read_to_end(&mut start)));
-    matches!(read, Some(Ok(_))) && start.starts_with(&marked(&[0xFF, 0xD8]))
-}
-
-/// The JPEG with the mark as its first segment, a comment (ITU-T T.81, B.2.4.5).
-fn marked(jpeg: &[u8]) -> Vec<u8> {
-    let length = (MARK.len() as u16 + 2).to_be_bytes();
-    let rest = jpeg.get(2..).unwrap_or_default();
-    [&[0xFF, 0xD8, 0xFF, 0xFE][..], &length[..], MARK, rest].concat()
+/// A folder that holds one of the photos, or a file of such a name that no run has drawn.
+pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesError> {
+    copies::places(folder, photos, "--overlay", |stem, number| match number {
+        1 => format!("{stem}.overlay.jpg"),
+        number => format!("{stem}-{number}.overlay.jpg"),
+    })
 }
 
 /// Draws what was found in a photo and writes the copy.
@@ -140,7 +81,10 @@ pub fn write(
     let mut jpeg = Vec::new();
     let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(&picture);
     encoded.map_err(|_| OverlayError::Encode { path: place.to_owned() })?;
-    Ok(files::replace_all_atomically(&[(place.to_owned(), marked(&jpeg))])?)
+    Ok(files::replace_all_atomically(&[(
+        place.to_owned(),
+        copies::marked(&jpeg),
+    )])?)
 }
 
 /// The photo with a longest side of [`LONGEST_SIDE_PX`] at most, and how much smaller it is in both directions.

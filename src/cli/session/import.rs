@@ -56,7 +56,7 @@ pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         }
         false => writeln!(
             out,
-            "{}: {} photos ({}); score them with `scaleproof score {}`",
+            "{}: {} photos ({}); score them with `scaleproof score {} -o REPORT`",
             imported.path.display(),
             photos.len(),
             in_words(&variants),

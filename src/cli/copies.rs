@@ -1,0 +1,85 @@
+//! Copies of photos with something drawn in: where they go, so that no photo and no file of somebody else's is replaced.
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::files::{self, FileError};
+
+/// Stands in a JPEG's comment: such a file may be replaced by the next run.
+const MARK: &[u8] = b"drawn by scaleproof";
+
+/// Why copies have no place.
+#[derive(Debug, thiserror::Error)]
+pub enum CopiesError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{path} is in the way: no earlier run has drawn it; name another folder with {option}", path = path.display())]
+    InTheWay { path: PathBuf, option: &'static str },
+    #[error("{folder} holds the photo {photo}: name another folder with {option}", folder = folder.display(), photo = photo.display())]
+    AmongPhotos {
+        folder: PathBuf,
+        photo: PathBuf,
+        option: &'static str,
+    },
+}
+
+/// Where the copy of each photo goes; `named` gives a name by the photo's own without its ending, and a number from 1 for those of one name.
+///
+/// # Errors
+/// A folder that holds one of the photos or cannot be written; a file in the way that no run has drawn.
+pub fn places(
+    folder: &Path,
+    photos: &[PathBuf],
+    option: &'static str,
+    named: impl Fn(&str, u32) -> String,
+) -> Result<Vec<PathBuf>, CopiesError> {
+    let whole = folder.canonicalize();
+    let holds = |photo: &&PathBuf| {
+        let parent = photo.canonicalize().ok().and_then(|p| p.parent().map(Path::to_owned));
+        whole.as_ref().is_ok_and(|whole| parent.as_ref() == Some(whole))
+    };
+    if let Some(photo) = photos.iter().find(holds) {
+        return Err(CopiesError::AmongPhotos {
+            folder: folder.to_owned(),
+            photo: photo.clone(),
+            option,
+        });
+    }
+    let mut taken = BTreeSet::new();
+    let mut free_name = |photo: &PathBuf| {
+        let stem = photo.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        // One of the first is free: each photo takes one.
+        let name = (1..)
+            .map(|number| named(&stem, number))
+            .find(|name| !taken.contains(name));
+        taken.extend(name.clone());
+        folder.join(name.unwrap_or_default())
+    };
+    let places: Vec<PathBuf> = photos.iter().map(&mut free_name).collect();
+    match places
+        .iter()
+        .find(|place| place.symlink_metadata().is_ok() && !is_drawn(place))
+    {
+        Some(path) => Err(CopiesError::InTheWay {
+            path: path.clone(),
+            option,
+        }),
+        None => Ok(files::check_writable(folder).map(|()| places)?),
+    }
+}
+
+/// Whether a file begins as [`marked`] begins it.
+fn is_drawn(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let is_file = path.symlink_metadata().is_ok_and(|about| about.is_file());
+    let read = is_file.then(|| std::fs::File::open(path).and_then(|file| file.take(64).read_to_end(&mut start)));
+    matches!(read, Some(Ok(_))) && start.starts_with(&marked(&[0xFF, 0xD8]))
+}
+
+/// The JPEG with the mark as its first segment, a comment (ITU-T T.81, B.2.4.5).
+pub fn marked(jpeg: &[u8]) -> Vec<u8> {
+    let length = (MARK.len() as u16 + 2).to_be_bytes();
+    let rest = jpeg.get(2..).unwrap_or_default();
+    [&[0xFF, 0xD8, 0xFF, 0xFE][..], &length[..], MARK, rest].concat()
+}
