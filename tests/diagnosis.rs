@@ -614,9 +614,7 @@ fn overlays_show_what_was_found_and_replace_only_overlays() {
     std::fs::write(folder.join("normal_001.overlay.jpg"), b"my own picture").unwrap();
     common::assert_refused(
         &changed.locate(&["--overlay", folder.to_str().unwrap()]),
-        &[
-            "normal_001.overlay.jpg is in the way: no earlier run has drawn it; name another folder with --overlay",
-        ],
+        &["normal_001.overlay.jpg is in the way: no earlier run has drawn it; name another folder with --overlay"],
     );
     assert_eq!(
         std::fs::read(folder.join("normal_001.overlay.jpg")).unwrap(),

@@ -831,6 +831,9 @@ fn folders_with_another_cameras_file_are_told_so_once() {
         "{text}"
     );
     assert!(text.lines().count() <= 4, "{text}");
+    // Where a photo was scored all the same, it stands beside the figures.
+    let cautions = read_json(&desk.at("report/summary.json"))["cautions"].to_string();
+    assert!(cautions.contains("seems 15 % too long"), "{cautions}");
 }
 
 /// A detector that calls the model by another name has the figures of one that calls it as the scene does, when its manifest says so; every output says
@@ -882,4 +885,29 @@ fn a_label_of_another_name_counts_as_the_manifest_says() {
     .unwrap();
     let refused = desk.on_folders(&["score", "--detector", "german.toml"], &["-o", "other"]);
     common::assert_refused(&refused, &["german has no label `car`", "[class_map]"]);
+}
+
+/// ONNX Runtime's own builds keep a device's number and what they run on in the user's cache, to be sent.
+#[test]
+fn nothing_is_kept_for_anybody_elses_statistics() {
+    let desk = Desk::new();
+    let output = program()
+        .current_dir(desk.home.path())
+        .env("HOME", desk.at("home"))
+        .env("XDG_CACHE_HOME", desk.at("cache"))
+        .args(["detectors", "check", "--detector", "made.toml"])
+        .arg(skyline().join("normal_000.jpg"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let kept: Vec<_> = ["home", "cache"]
+        .iter()
+        .filter(|place| desk.at(place).exists())
+        .flat_map(|place| contents(&desk.at(place)))
+        .map(|(path, _)| path)
+        .collect();
+    assert!(
+        kept.iter().all(|path| !path.to_string_lossy().contains("onnxruntime")),
+        "{kept:?}"
+    );
 }
