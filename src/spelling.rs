@@ -30,7 +30,7 @@ fn nearest<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&
 }
 
 /// Letters to insert, remove or change (Levenshtein), or neighbours to swap.
-fn edits(a: &str, b: &str) -> usize {
+pub fn edits(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     // rows[i][j]: from the first i letters of a to the first j of b.
     let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];

@@ -1,6 +1,7 @@
 //! Which labels of a detector count as the model: those of the class, by their own names or by those that `[class_map]` gives them.
 
 use super::{Labels, Manifest};
+use crate::spelling;
 
 /// None of the names that count is known to a detector.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -82,12 +83,12 @@ const NAMED: usize = 3;
 impl Labels {
     /// The labels most like a name: those that hold it or that it holds first, then by the letters that must change.
     fn nearest(self, name: &str) -> Vec<&'static str> {
-        let wanted = name.to_lowercase();
+        let wanted: String = name.to_lowercase().chars().take(LONGEST).collect();
         let mut all: Vec<&'static str> = (0..self.count()).filter_map(|label| self.name(label)).collect();
         all.sort_by_cached_key(|label| {
             let label = label.to_lowercase();
             let holds = label.contains(&wanted) || wanted.contains(&label);
-            (!holds, distance(&label, &wanted))
+            (!holds, spelling::edits(&label, &wanted))
         });
         all.truncate(NAMED);
         all
@@ -104,21 +105,6 @@ impl Labels {
             all => format!("the nearest of its {all} labels are {nearest}"),
         }
     }
-}
-
-/// The letters to change, add or take away to make one word of another (Levenshtein 1966).
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(LONGEST).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().take(LONGEST).enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, to) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row.last().copied().unwrap_or_default()
 }
 
 #[cfg(test)]
