@@ -16,7 +16,13 @@ fn ask_opencv() {
     // The opencv crate says what to install when there is none, so nothing is said here.
     let Ok(installed) = installed else { return };
     let mut numbers = installed.version.split('.').map(|n| n.parse::<u32>().unwrap_or(0));
-    if (numbers.next(), numbers.next()) >= (Some(4), Some(7)) {
+    let (major, minor) = (numbers.next(), numbers.next());
+    if major >= Some(5) {
+        println!(
+            "cargo::error=OpenCV 5 has other corner orders of tags than this program knows: build it with OpenCV 4"
+        );
+    }
+    if (major, minor) >= (Some(4), Some(7)) {
         println!("cargo::rustc-cfg=opencv_aruco_in_objdetect");
     }
 }

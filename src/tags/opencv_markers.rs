@@ -1,7 +1,7 @@
 //! OpenCV's ArUco: its dictionaries, and its search for their markers. The one file that depends on where OpenCV keeps them.
 //!
 //! Up to 4.6 that is the contrib module `aruco`; from 4.7 on it is `objdetect`, whose detector is an object. `build.rs` asks the installed
-//! version. OpenCV 5 turns its pictures of AprilTags, and so their corner order, which nothing here allows for: it is refused there.
+//! version. OpenCV 5 turns its pictures of AprilTags, and so their corner order, which nothing here allows for: `build.rs` refuses it.
 
 #[cfg(not(opencv_aruco_in_objdetect))]
 use opencv::aruco::{DetectorParameters, Dictionary, detect_markers, get_predefined_dictionary_i32};
