@@ -150,9 +150,16 @@ pub fn explained(scores: Result<Scores, ScoreError>, sets: &[Set]) -> Result<Sco
     }
 }
 
-/// Why most photos of a session were left out, if there is one cause.
+/// Why most photos of a session were left out, if there is one cause; it begins with the session's name.
 fn cause_in(scores: &Scores, session: &Session) -> Option<String> {
-    is_alike(scores, session).then(|| Set::of(session)?.cause()).flatten()
+    let cause = is_alike(scores, session).then(|| Set::of(session)?.cause()).flatten()?;
+    Some(format!("{}: {cause}", session.name))
+}
+
+/// Whether the cautions have a session's cause.
+fn is_explained(scores: &Scores, session: &Session) -> bool {
+    let name = format!("{}: ", session.name);
+    is_alike(scores, session) && scores.cautions.iter().any(|caution| caution.starts_with(&name))
 }
 
 /// Whether most photos of a session were left out. Sessions of one name cannot be told apart here: theirs are listed.
@@ -168,10 +175,15 @@ fn left_out<'a>(scores: &'a Scores, session: &Session) -> impl Iterator<Item = &
     scores.not_scored.iter().filter(move |photo| photo.session == name)
 }
 
-/// Says on standard error which photos were left out: one by one, or only how many where most of a session were; the cautions then have the cause.
+/// Says on standard error which photos were left out: one by one, or only how many of a session where the cautions have the cause.
 pub fn say_not_scored(scores: &Scores) {
-    let is_grouped = |name: &str| scores.sessions.iter().any(|s| s.name == name && is_alike(scores, s));
-    for session in scores.sessions.iter().filter(|s| is_alike(scores, s)) {
+    let is_grouped = |name: &str| {
+        scores
+            .sessions
+            .iter()
+            .any(|s| s.name == name && is_explained(scores, s))
+    };
+    for session in scores.sessions.iter().filter(|s| is_explained(scores, s)) {
         let (count, all, name) = (left_out(scores, session).count(), session.photos.len(), &session.name);
         let first = left_out(scores, session)
             .next()

@@ -286,13 +286,8 @@ impl Diagnosis {
                 searched_others,
             } => {
                 let where_none = match photos == of {
-                    true => "none of the photos".to_owned(),
-                    false => format!("{photos} of {of} photos"),
-                };
-                let where_none = if photos == of {
-                    format!("{where_none} shows a tag")
-                } else {
-                    format!("{where_none} show no tag")
+                    true => "none of the photos shows a tag".to_owned(),
+                    false => format!("{photos} of {of} photos show no tag"),
                 };
                 let others = match searched_others {
                     0 => String::new(),
