@@ -317,6 +317,15 @@ fn trained_by_the_program_and_charted_beside_the_closed_forms() {
         text.contains("convnet k=2: 1 views to learn from, 1 to validate on (unseen azimuths"),
         "{text}"
     );
+    // Trained already: only what is known of it.
+    let again = command(&[&[frames][..], &small, &["60", "--json"]].concat(), &one);
+    let about: serde_json::Value = serde_json::from_str(&stdout(&again)).unwrap();
+    assert_eq!(
+        (&about["network"], &about["training_views"], &about["validation_views"]),
+        (&"convnet k=2".into(), &1.into(), &1.into())
+    );
+    assert_eq!(about["file"], one.to_str().unwrap());
+    assert_eq!(about["history"].as_array().unwrap().last().unwrap()["step"], 60);
     let references = ["8", "--transformer", "multiply-add", "--reference", "808080", "ffffff"];
     assert!(
         command(&[&[frames][..], &small, &references].concat(), &many)

@@ -538,6 +538,19 @@ fn frames_of_another_engine_are_imported() {
     assert_eq!(covered(set.paint_mask(frame).unwrap()), 16);
     assert_eq!(set.list.camera.focal_length_px, 20.000000000000004);
     assert_refused(&import(folder.path()), &["frames.json is there already"]);
+    let other = folder.path().join("other");
+    let output = attack(&[
+        "import",
+        folder.path().to_str().unwrap(),
+        "--json",
+        "-o",
+        other.to_str().unwrap(),
+    ]);
+    let made: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(
+        made,
+        serde_json::json!({ "file": other.join("frames.json"), "frames": 1 })
+    );
 
     let spoiled = |file: &str, from: &str, to: &str| {
         let folder = carla_folder();

@@ -434,6 +434,11 @@ fn the_chart_is_drawn_and_the_colours_are_made() {
     let error = mse(&srgb(&pixels), &set.rgb(direct).unwrap(), &mask).0.unwrap();
     assert!(error < 3e-4, "{error}");
 
+    let output = run(&["colours", frames, "--random", "3", "--json", "-o", &at("three")]);
+    let made: serde_json::Value = serde_json::from_str(&common::stdout(&output)).unwrap();
+    let list = PathBuf::from(at("three")).join("frames.json");
+    assert_eq!(made, serde_json::json!({ "file": list, "frames": 6 }));
+
     assert_refused(
         &run(&["colours", frames, "-o", &at("none")]),
         &["no colours were asked for"],

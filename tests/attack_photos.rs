@@ -482,6 +482,37 @@ fn every_colour_is_as_a_render_from_the_reference_s_place_has_it() {
 }
 
 #[test]
+fn programs_are_told_the_views_and_what_was_left_out() {
+    let (frames, _) = good();
+    let session = frames.with_file_name("good");
+    let folder = tempfile::tempdir().unwrap();
+    let more = [
+        "--flat",
+        "black=202020",
+        "grey=808080",
+        "--material",
+        "Paint",
+        "--size-px",
+        "64",
+        "--json",
+    ];
+    let output = photos(&session, &more, folder.path());
+    let made: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(made["frames"], 4);
+    assert_eq!(made["file"], folder.path().join("frames.json").to_str().unwrap());
+    let views = made["views"].as_array().unwrap();
+    assert_eq!(views.len(), 2);
+    for view in views {
+        let other = &view["others"][0];
+        let turn = other["turn_deg"].as_f64().unwrap();
+        assert!(turn > 2.0 && turn < 3.0, "{view}");
+        assert_eq!(other["light_factors"].as_array().unwrap().len(), 3);
+        assert!(view["paint_seen_by_all"].as_f64().unwrap() > 0.5, "{view}");
+    }
+    assert_eq!(made["left_out"][0]["what"], "black_38.png", "{made}");
+}
+
+#[test]
 fn masks_positions_and_the_background_are_the_reference_s() {
     let set = FrameSet::open(&good().0).unwrap();
     let [width, height] = set.list.size_px;

@@ -77,6 +77,24 @@ fn without_onnx_runtime_it_plays_back_too() {
 }
 
 #[test]
+fn for_programs_it_names_what_it_made() {
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command.env("ORT_DYLIB_PATH", out.path().join("no-such-library.so"));
+    let output = command.args(["demo", "--json", "-o"]).arg(out.path()).output().unwrap();
+    let made: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    for (key, start) in [
+        ("pattern", &b"\x89PNG"[..]),
+        ("template", b"%PDF-"),
+        ("report", b"<!DOCTYPE html>"),
+        ("summary", b"{"),
+    ] {
+        let bytes = std::fs::read(made[key].as_str().unwrap()).unwrap();
+        assert!(bytes.starts_with(start), "{key}");
+    }
+}
+
+#[test]
 fn with_weights_it_runs_the_detectors() {
     let Some(weights) = shared("detectors") else { return };
     let out = tempfile::tempdir().unwrap();

@@ -184,7 +184,6 @@ fn named(sets: u64, photos_each: usize, wrong: Wrong) -> BTreeMap<&'static str, 
             None => "fine",
             Some(Diagnosis::TagSize(_)) => "size",
             Some(Diagnosis::Focal(_)) => "focal",
-            Some(Diagnosis::TagSizeOrFocal { .. }) => "size or focal",
             Some(Diagnosis::OtherIds { .. }) => "ids",
             Some(_) => "another",
         };

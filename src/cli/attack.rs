@@ -16,7 +16,7 @@ mod run;
 mod train_dtn;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
@@ -75,6 +75,15 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::History(args) => history::run(&args, out),
         What::Demo(args) => demo::run(&args, out),
     }
+}
+
+/// What a command that wrote frames ends with.
+fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
+    match json {
+        true => writeln!(out, "{}", serde_json::json!({ "file": list, "frames": frames }))?,
+        false => writeln!(out, "{}: {frames} frames", list.display())?,
+    }
+    Ok(Outcome::Done)
 }
 
 fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {

@@ -11,7 +11,7 @@ use crate::print::paper::{Orientation, Paper};
 use crate::print::printer::Printer;
 use crate::print::template::{Front, LayoutRequest, TemplateRequest};
 use crate::report;
-use crate::score::{Contestant, Options};
+use crate::score::{Contestant, Options, Scores};
 use crate::session::Session;
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.
@@ -24,13 +24,49 @@ pub struct Args {
     output: PathBuf,
     #[command(flatten)]
     folder: detectors::Folder,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    if !args.json {
+        let made = make(&args, out)?;
+        writeln!(
+            out,
+            "\nreport:   {}\ntemplate: {}\n",
+            made.report.display(),
+            made.template.display()
+        )?;
+        writeln!(out, "{}", report::summary_table(&made.scores))?;
+        return Ok(Outcome::Done);
+    }
+    let made = make(&args, &mut std::io::sink())?;
+    let files = serde_json::json!({
+        "pattern": made.pattern,
+        "template": made.template,
+        "report": made.report,
+        "summary": args.output.join("summary.json"),
+    });
+    writeln!(out, "{files}")?;
+    Ok(Outcome::Done)
+}
+
+/// What the demo has made.
+struct Made {
+    pattern: PathBuf,
+    template: PathBuf,
+    report: PathBuf,
+    scores: Scores,
+}
+
+/// The three steps, told to `out`.
+fn make(args: &Args, out: &mut dyn Write) -> Result<Made, Box<dyn std::error::Error>> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
-    files::replace_atomically(&args.output.join("random16.png"), &pattern.to_png()?)?;
+    let png = args.output.join("random16.png");
+    files::replace_atomically(&png, &pattern.to_png()?)?;
     let pdf = args.output.join("template.pdf");
     // The published tile size, 16 cells over 118 mm at 1:10.
     print_template(&pattern, "random16.png", 118.0, &pdf, out)?;
@@ -42,9 +78,12 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scores = score::score_with_progress(vec![session], contestants, &Options::default())?;
     let page = report::write(&args.output, &scores, Some(&speeds))?;
     score::caution(&scores);
-    writeln!(out, "\nreport:   {}\ntemplate: {}\n", page.display(), pdf.display())?;
-    writeln!(out, "{}", report::summary_table(&scores))?;
-    Ok(Outcome::Done)
+    Ok(Made {
+        pattern: png,
+        template: pdf,
+        report: page,
+        scores,
+    })
 }
 
 /// For a panel as large as the model's side.

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::factor::{self, Fit, Of};
+use super::factor::{self, Factor, Of};
 use super::{Abstention, Located, Warning};
 use crate::camera::{Camera, Fitted, SizeError};
 use crate::scene::{Scene, TagFamily};
@@ -29,8 +29,6 @@ pub enum Diagnosis {
     TagSize(Factor),
     /// The camera's focal length is longer or shorter than its file says.
     Focal(Factor),
-    /// One of the two, and the photos do not tell which.
-    TagSizeOrFocal { size: Factor, focal: Factor },
     /// Tags of the scene's family that the scene does not have.
     OtherIds { family: TagFamily, ids: Vec<u32> },
     /// No tag of the scene's families, but of others.
@@ -43,18 +41,6 @@ pub enum Diagnosis {
         of: usize,
         searched_others: usize,
     },
-}
-
-/// A factor of what a file says, and what speaks for it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Factor {
-    /// The truth by what the file says.
-    pub factor: f64,
-    /// Photos located without doubt with it, of those with two tags or more.
-    pub healed: usize,
-    pub telling: usize,
-    /// Half of the photos, each by itself, have their factor between these two.
-    pub middle_half: [f64; 2],
 }
 
 /// So many photos must be bad in one way, and so many must tell the cause.
@@ -181,22 +167,17 @@ fn wrong_number(bad: &[&Examined], photos: usize, scene: &Scene) -> Option<Diagn
     let size = factor::fit(Of::TagSize, bad, scene)?;
     let focal = factor::fit(Of::Focal, bad, scene)?;
     let best = size.cost.min(focal.cost);
-    // A rival that fits nearly as well is named too, whether it would do alone or not.
-    let is_named = |fit: &Fit| best > BETTER_THAN_RIVAL * fit.cost;
-    let is_good = |fit: &Fit| is_good(fit, photos);
-    match (is_named(&size), is_named(&focal)) {
-        (true, false) if is_good(&size) => Some(Diagnosis::TagSize(Factor::of(&size))),
-        (false, true) if is_good(&focal) => Some(Diagnosis::Focal(Factor::of(&focal))),
-        (true, true) if is_good(&size) && is_good(&focal) => Some(Diagnosis::TagSizeOrFocal {
-            size: Factor::of(&size),
-            focal: Factor::of(&focal),
-        }),
-        _ => None,
+    let could_be = |fit: &Factor| best > BETTER_THAN_RIVAL * fit.cost;
+    let is_good = |fit: &Factor| is_good(fit, photos);
+    match (could_be(&size), could_be(&focal)) {
+        (true, false) if is_good(&size) => Some(Diagnosis::TagSize(size)),
+        (false, true) if is_good(&focal) => Some(Diagnosis::Focal(focal)),
+        _ => None, // where both could be, naming either would be a guess
     }
 }
 
 /// Whether a factor makes most photos good, and most of them ask for it.
-fn is_good(fit: &Fit, photos: usize) -> bool {
+fn is_good(fit: &Factor, photos: usize) -> bool {
     let share = |part: usize, of: usize| part as f64 / of as f64;
     let away = fit.factor.ln().abs();
     let spread = (fit.middle_half[1] / fit.middle_half[0]).ln();
@@ -209,15 +190,6 @@ fn is_good(fit: &Fit, photos: usize) -> bool {
 }
 
 impl Factor {
-    fn of(fit: &Fit) -> Factor {
-        Factor {
-            factor: fit.factor,
-            healed: fit.healed,
-            telling: fit.telling,
-            middle_half: fit.middle_half,
-        }
-    }
-
     fn fits(&self) -> String {
         format!(
             "{} of the {} photos with two tags or more fit",
@@ -246,14 +218,6 @@ impl Diagnosis {
                 focal_length(camera, &camera_file.to_string(), focal),
                 focal.fits()
             ),
-            Diagnosis::TagSizeOrFocal { size, focal } => {
-                let (is, was) = tag_size(scene, size);
-                format!(
-                    "either the tags are {is}, not {was} as {scene_file} says, or {}: these photos do not tell which. Measure the black \
-                     square of a printed tag first",
-                    focal_length(camera, &camera_file.to_string(), focal)
-                )
-            }
             Diagnosis::OtherIds { family, ids } => {
                 let own: Vec<u32> = scene
                     .tags

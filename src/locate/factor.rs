@@ -15,9 +15,10 @@ pub(super) enum Of {
     Focal,
 }
 
-/// The factor with which the photos fit best.
+/// A factor of what a file says with which the photos fit best, and what speaks for it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Fit {
+pub struct Factor {
+    /// The truth by what the file says.
     pub factor: f64,
     /// Mean square over the photos of their corners' distances, (degrees)², each bounded.
     pub cost: f64,
@@ -47,7 +48,7 @@ const FITTED: usize = 12;
 const WORST_DEG: f64 = 0.5;
 
 /// Fits a factor to the photos with two tags or more. `None` when there are none.
-pub(super) fn fit(of: Of, photos: &[&Examined], scene: &Scene) -> Option<Fit> {
+pub(super) fn fit(of: Of, photos: &[&Examined], scene: &Scene) -> Option<Factor> {
     let all: Vec<&Examined> = photos.iter().copied().filter(|p| is_telling(p, scene)).collect();
     let photos = spread(&all, FITTED);
     let cost = |factor: f64, photos: &[&Examined]| {
@@ -69,7 +70,7 @@ pub(super) fn fit(of: Of, photos: &[&Examined], scene: &Scene) -> Option<Fit> {
     let quartile = |share: f64| own[((own.len() - 1) as f64 * share).round() as usize];
     let with_factor = scaled(of, scene, factor);
     let healed = all.iter().filter(|photo| is_healed(of, factor, photo, &with_factor));
-    Some(Fit {
+    Some(Factor {
         factor,
         cost: cost(factor, &photos),
         cost_of_one: cost(1.0, &photos),

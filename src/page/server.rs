@@ -37,6 +37,10 @@ const MAX_BUFFERED: usize = 64 << 10;
 /// How long the last answers may take when the capture has ended.
 const FAREWELL: Duration = Duration::from_secs(2);
 
+/// What browsers had asked by the time the capture ended may still be on its way here, such as the small picture of the photo taken last:
+/// so long it is still accepted and answered.
+const LAST_REQUESTS: Duration = Duration::from_millis(500);
+
 /// So many connections may wait until they are accepted, instead of the usual 128: one that is lost costs its browser a second.
 const BACKLOG: u32 = 1024;
 
@@ -89,8 +93,9 @@ impl Server {
         Ok(Server { thread, end })
     }
 
-    /// Lets the answers that are under way leave, and ends.
+    /// Answers what was asked until now, and ends.
     pub(super) fn end(self) {
+        std::thread::sleep(LAST_REQUESTS);
         self.end.send_replace(true);
         let _ = self.thread.join(); // a thread that panicked has ended too
     }

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
+use super::CommandResult;
 use super::render::hex;
-use super::{CommandResult, Outcome};
 use crate::attack::additive::{Additive, views};
 use crate::attack::frames::{Frame, FrameSet, LIST, Paint, encode_rgb};
 use crate::attack::light;
@@ -32,6 +32,9 @@ pub struct ColoursArgs {
     /// Folder for the new frames
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
@@ -68,13 +71,7 @@ pub fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
     }
     new.push(list.to_file(&args.output)?);
     files::replace_all_atomically(&new)?;
-    writeln!(
-        out,
-        "{}: {} frames",
-        args.output.join(LIST).display(),
-        list.frames.len()
-    )?;
-    Ok(Outcome::Done)
+    super::say_frames(&args.output.join(LIST), list.frames.len(), args.json, out)
 }
 
 /// The same view in another colour.

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome};
+use super::CommandResult;
 use crate::attack::frames::LIST;
 use crate::attack::import::import;
 use crate::files;
@@ -17,6 +17,9 @@ pub struct ImportArgs {
     /// Folder for the frames
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
@@ -31,6 +34,5 @@ pub fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     let new = import(&args.folder, &args.output, "attack import")?;
     files::replace_all_atomically(&new)?;
     // Three pictures a frame, and the list.
-    writeln!(out, "{}: {} frames", list.display(), new.len() / 3)?;
-    Ok(Outcome::Done)
+    super::say_frames(&list, new.len() / 3, args.json, out)
 }

@@ -3,13 +3,15 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
 
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::frames::LIST;
 use crate::attack::light;
-use crate::attack::photos::{LeftOut, Made, Paper, Request, Shot, make};
+use crate::attack::photos::{LeftOut, Made, MadeView, Paper, Request, Shot, make};
 use crate::envelope;
 use crate::files;
 use crate::locate::{Abstention, Warning, locate};
@@ -40,6 +42,9 @@ pub struct PhotosArgs {
     /// Folder for the frames
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 /// Exposures that differ by more cost accuracy, as cameras' tone curves are not sRGB's.
@@ -71,8 +76,10 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     };
     let Located { shots, left_out, notes } = located(&sessions, &flats)?;
     notes.iter().for_each(|note| say!("note: {note}"));
-    say_left_out(&left_out, out)?;
-    say_other_variants(&flats, &sessions, out)?;
+    let mut nowhere = std::io::sink();
+    let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
+    say_left_out(&left_out, text)?;
+    say_other_variants(&flats, &sessions, text)?;
     let bar = progress::frames("laying photos", 0);
     let made = make(&request, &shots, &args.output, |views| {
         bar.set_length(views as u64);
@@ -80,20 +87,45 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     });
     bar.finish_and_clear();
     let made = made?;
-    say(&made, out)?;
+    say(&made, text)?;
     if made.frames == 0 {
         return Err("no view has photos in every colour that fit together; the lines `left out` say why".into());
     }
     files::replace_all_atomically(&made.files)?;
     let list = args.output.join(LIST);
-    writeln!(
-        out,
-        "{}: {} frames of {} views",
-        list.display(),
-        made.frames,
-        made.views.len()
-    )?;
+    match args.json {
+        true => writeln!(out, "{}", summary(&list, &made, &left_out))?,
+        false => writeln!(
+            out,
+            "{}: {} frames of {} views",
+            list.display(),
+            made.frames,
+            made.views.len()
+        )?,
+    }
     Ok(Outcome::Done)
+}
+
+/// `--json`.
+fn summary(list: &Path, made: &Made, not_located: &[LeftOut]) -> Value {
+    let view = |view: &MadeView| {
+        let others = view.others.iter().map(|(photo, turn_deg, light_factors)| {
+            json!({ "photo": photo, "turn_deg": turn_deg, "light_factors": light_factors })
+        });
+        json!({
+            "name": view.name,
+            "reference": view.reference,
+            "others": others.collect::<Vec<_>>(),
+            "paint_seen_by_all": view.kept,
+        })
+    };
+    let left_out = not_located.iter().chain(&made.left_out);
+    json!({
+        "file": list,
+        "frames": made.frames,
+        "views": made.views.iter().map(view).collect::<Vec<_>>(),
+        "left_out": left_out.map(|left| json!({ "what": left.what, "reason": left.reason })).collect::<Vec<_>>(),
+    })
 }
 
 fn flats(texts: &[String]) -> Result<Vec<Flat>, Box<dyn Error>> {

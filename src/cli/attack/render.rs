@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::print::wrap::ModelArgs;
-use super::{CommandResult, Outcome, progress};
+use super::{CommandResult, progress};
 use crate::attack::frames::LIST;
 use crate::attack::light;
 use crate::attack::render::{Colour, Light, Plan, RenderRequest, blender, render};
@@ -57,6 +57,9 @@ pub struct RenderArgs {
     /// Folder for the frames; what is there already is kept
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
@@ -67,13 +70,7 @@ pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
     bar.finish_and_clear();
     finished?;
-    writeln!(
-        out,
-        "{}: {} frames",
-        args.output.join(LIST).display(),
-        plan.frames().len()
-    )?;
-    Ok(Outcome::Done)
+    super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
 }
 
 /// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.

@@ -4,6 +4,8 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
+use serde_json::json;
+
 use super::device::OnDevice;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
@@ -52,6 +54,9 @@ pub struct TrainArgs {
     /// The network, saved every half minute
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
@@ -78,8 +83,10 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
             .into());
         }
     };
+    let mut nowhere = std::io::sink();
+    let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
     writeln!(
-        out,
+        text,
         "{}: {} views to learn from, {} to validate on ({})",
         trainer.network().architecture.name(),
         set.training.len(),
@@ -107,6 +114,30 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         ));
     })?;
     bar.finish_and_clear();
+    match args.json {
+        true => writeln!(out, "{}", summary(args, &trainer, &set))?,
+        false => table(args, &trainer, out)?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// `--json`.
+fn summary(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> serde_json::Value {
+    let history = trainer
+        .history
+        .iter()
+        .map(|p| json!({ "step": p.step, "seconds": p.seconds, "loss": p.loss, "validation_mse": p.validation_mse }));
+    json!({
+        "file": args.output,
+        "network": trainer.network().architecture.name(),
+        "training_views": set.training.len(),
+        "validation_views": set.validation.len(),
+        "split": set.split,
+        "history": history.collect::<Vec<_>>(),
+    })
+}
+
+fn table(args: &TrainArgs, trainer: &Trainer, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
         "{:>8} {:>9} {:>8} {:>15}",
@@ -116,8 +147,7 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         let mse = p.validation_mse.map_or("–".to_owned(), |m| format!("{m:.6}"));
         writeln!(out, "{:>8} {:>9.1} {:>8.4} {mse:>15}", p.step, p.seconds, p.loss)?;
     }
-    writeln!(out, "{}", args.output.display())?;
-    Ok(Outcome::Done)
+    writeln!(out, "{}", args.output.display())
 }
 
 fn frames(args: &TrainArgs) -> Result<TrainingSet, Box<dyn Error>> {
