@@ -44,3 +44,15 @@ pub mod statistics;
 pub mod survey;
 pub mod tags;
 pub mod workers;
+
+/// What fuzzing and the tests call.
+#[cfg(any(test, fuzzing))]
+#[doc(hidden)]
+#[path = "../fuzz/entry.rs"]
+pub mod fuzz_entry;
+// The tests of whole rooms see what is not public, under the name that programs use.
+#[cfg(any(test, fuzzing))]
+extern crate self as scaleproof;
+#[cfg(test)]
+#[path = "../tests/mod.rs"]
+mod tests;

@@ -1,6 +1,6 @@
 //! Calibration against known cameras: the stored board photos, synthetic corners, and printed boards photographed by a simulated lens.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

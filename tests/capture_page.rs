@@ -1,13 +1,10 @@
 //! The page of a guided capture: over loopback as raw HTTP, among them ten thousand uploads that are none, and in headless Chromium.
 
-mod common;
+use crate::tests::common;
 
-#[path = "capture_page/browser.rs"]
 mod browser;
-#[path = "capture_page/http.rs"]
-mod http;
-#[path = "capture_page/running.rs"]
-mod running;
+pub(super) mod http;
+pub(super) mod running;
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};

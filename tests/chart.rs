@@ -1,6 +1,6 @@
 //! The charts that choose the defaults, on the stored photos, and the sweeps that drive every method until it breaks.
 
-mod common;
+use crate::tests::common;
 
 use common::{assert_refused, program, skyline};
 use scaleproof::chart::locate::{CameraModel, Sample, detectors, measure};

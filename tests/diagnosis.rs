@@ -1,7 +1,7 @@
 //! One cause for many bad photos: named when it is the cause, by simulated photos of random scenes and by the stored ones; and never
 //! another one.
 
-mod common;
+use crate::tests::common;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -226,7 +226,7 @@ fn the_cause_is_named_and_no_other() {
     }
 }
 
-/// The whole sweep, for `docs/lessons.md`: `cargo test --release --test diagnosis -- --ignored --nocapture`.
+/// The whole sweep, for `docs/lessons.md`: `./run test --test diagnosis -- --ignored --nocapture sweep`.
 #[test]
 #[ignore = "minutes"]
 fn sweep() {

@@ -1,7 +1,6 @@
 //! Every parser of user files on the fuzzing corpus and on damaged copies of it: an answer or an error, never a panic.
 
-#[path = "../fuzz/entry.rs"]
-mod entry;
+use crate::fuzz_entry as entry;
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! `survey`: the stored session against its exact truth, synthetic views with noise, and everything that must be noticed.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -1,5 +1,6 @@
 //! What several test files need: paths, the program, and bad input made from good.
-#![allow(dead_code)] // each test file uses its part
+
+pub mod onnx;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -25,9 +26,20 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     Some(file)
 }
 
+/// Where cargo has built the program: above the folder of this test program.
+pub fn built() -> PathBuf {
+    let tests = std::env::current_exe().unwrap();
+    tests.ancestors().nth(2).unwrap().join("scaleproof")
+}
+
+/// A folder that outlives the tests, for what is large and made once.
+pub fn kept(name: &str) -> PathBuf {
+    home().join("target/tmp").join(name)
+}
+
 /// The program, without the weights that this machine may have.
 pub fn program() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scaleproof"));
+    let mut command = Command::new(built());
     command
         .env_remove("SCALEPROOF_SHARED")
         .env_remove("SCALEPROOF_DETECTORS");
