@@ -23,6 +23,8 @@ pub mod detect;
 pub mod draw;
 pub mod envelope;
 pub mod files;
+#[cfg(feature = "full")]
+pub mod frames;
 pub mod geometry;
 pub mod locate;
 pub mod mesh;
@@ -41,8 +43,12 @@ pub mod simulate;
 pub mod spelling;
 pub mod statistics;
 #[cfg(feature = "full")]
+pub mod surrogate;
+#[cfg(feature = "full")]
 pub mod survey;
 pub mod tags;
+#[cfg(feature = "full")]
+pub mod whitebox;
 pub mod workers;
 
 /// What fuzzing and the tests call.

@@ -12,10 +12,10 @@ use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::net::detector::OnnxDetector;
-use scaleproof::attack::net::onnx::Network;
-use scaleproof::attack::white_box::WhiteBox;
 use scaleproof::detect::{Detector, Manifest, Runtime};
+use scaleproof::whitebox::WhiteBox;
+use scaleproof::whitebox::detector::OnnxDetector;
+use scaleproof::whitebox::onnx::Network;
 
 use crate::tests::common::onnx;
 pub(super) mod parity;

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
-use scaleproof::attack::net::onnx::Network;
 use scaleproof::detect::{Manifest, Runtime};
+use scaleproof::whitebox::onnx::Network;
 
 use crate::tests::common::{home, shared};
 
