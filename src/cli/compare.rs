@@ -1,12 +1,13 @@
 //! `scaleproof compare`: is one texture harder to detect than another, and can these photos tell?
 
+use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, Outcome, at_hand, detectors, score as score_command, sessions};
 use crate::files;
 use crate::report;
-use crate::score::{self, ApDefinition, Criteria};
+use crate::score::{self, ApDefinition, CompareError, Criteria};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
@@ -35,6 +36,14 @@ pub struct Args {
     /// Print comparison.json instead of the table.
     #[arg(long)]
     json: bool,
+}
+
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        CompareError::NoBase { .. } => Some("name one of these with --base".into()),
+        _ => None,
+    }
 }
 
 /// Photos without a partner that are said one by one.

@@ -1,5 +1,6 @@
 //! `scaleproof score`: how well do detectors see the model in these sessions?
 
+use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -120,6 +121,14 @@ impl Effort {
             threads: self.threads.map_or_else(workers::thread_count, usize::from),
             cache,
         })
+    }
+}
+
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        ScoreError::NotRecorded { .. } => Some("run without --recorded, or record them again with --record".into()),
+        _ => None,
     }
 }
 

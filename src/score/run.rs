@@ -21,9 +21,7 @@ pub enum ScoreError {
     DifferentScenes { a: String, b: String },
     #[error("the session {folder} is named twice: each photo counts once")]
     SessionTwice { folder: String },
-    #[error(
-        "{file} has no recorded detections of {detector}: run without --recorded, or record them again with --record"
-    )]
+    #[error("{file} has no recorded detections of {detector}")]
     NotRecorded { file: String, detector: String },
     #[error("none of the {photos} photos could be scored; {file}, for one: {reason}")]
     NothingScored {

@@ -102,7 +102,7 @@ pub struct Comparison {
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    #[error("no scored photo has the variant `{base}`: name one of {variants} with --base")]
+    #[error("no scored photo has the variant `{base}`, only {variants}")]
     NoBase { base: String, variants: String },
     #[error("all scored photos have the variant `{base}`: add the sessions of another texture")]
     NothingElse { base: String },
