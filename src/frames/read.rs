@@ -1,7 +1,7 @@
 //! Reading frames: the list is checked at once, pictures when they are read.
 
 use std::collections::HashSet;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 
 use image::{ColorType, RgbImage};
 

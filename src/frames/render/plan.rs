@@ -2,20 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Matrix3, Point3};
+use nalgebra::Point3;
 use serde_json::{Value, json};
 
 use super::request::{Colour, RenderRequest};
 use super::surface::surface;
 use super::{Light, RenderError};
 use crate::files;
-use crate::frames::light;
-use crate::frames::{FORMAT, Frame, FrameList, FramesError, Paint, PatternPaint, Pinhole, Positions};
+use crate::frames::{FORMAT, Frame, FrameList, FramesError, Pinhole, Positions};
 use crate::geometry::BoxPx;
 use crate::geometry::rigid::{self, Rigid};
-use crate::mesh::Mesh;
-use crate::pattern::Pattern;
-use crate::scene::Viewpoint;
 use crate::simulate::looking_at;
 
 /// The linear light that the highest level of a linear picture stands for: two stops above white.
