@@ -23,7 +23,7 @@ use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
 use scaleproof::geometry::BoxPx;
 use scaleproof::pattern::world_aligned::Side;
 use scaleproof::surrogate::projection::Grid;
-use scaleproof::whitebox::{Claim, Look, WhiteBox};
+use scaleproof::whitebox::{Claim, Look, WhiteBox, WhiteBoxError};
 
 /// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like
 /// a fixed weave. Unsure of a grey model.
@@ -74,7 +74,7 @@ impl WhiteBox for Weave {
         0.65
     }
 
-    fn look(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+    fn look(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
         assert_eq!(picture.len() as u32, size_px[0] * size_px[1]);
         let look = self.looks.get();
         self.looks.set(look + 1);
@@ -672,7 +672,7 @@ fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
         fn hides_from_iou(&self) -> f64 {
             0.5
         }
-        fn look(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+        fn look(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
             Ok(Box::new(Seen(self.0.clone())))
         }
     }

@@ -43,7 +43,6 @@ pub mod render;
 mod write;
 
 pub use pictures::{Coverage, Linear16, encode_grey, encode_linear, encode_positions, encode_rgb};
-pub use read::FramesError;
 pub(crate) use read::{outline, syntax};
 
 use std::path::PathBuf;
@@ -52,8 +51,10 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
+use crate::files::FileError;
 use crate::geometry::BoxPx;
 use crate::geometry::rigid::Rigid;
+use crate::pattern::PatternError;
 use crate::pattern::world_aligned::Side;
 use crate::scene::Viewpoint;
 
@@ -61,6 +62,26 @@ use crate::scene::Viewpoint;
 pub const FORMAT: &str = "scaleproof frames 1";
 /// The name of the list in a folder of frames.
 pub const LIST: &str = "frames.json";
+
+/// Why frames could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FramesError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    #[error("{path}, line {line}: {message}", path = path.display())]
+    Syntax {
+        path: PathBuf,
+        line: usize,
+        message: String,
+    },
+    #[error("{path}: {message}", path = path.display())]
+    Content { path: PathBuf, message: String },
+    #[error("a frame could not be written ({reason})")]
+    Encode { reason: String },
+}
 
 /// Frames of one camera, without their pixels.
 #[derive(Debug, Clone)]

@@ -1,40 +1,21 @@
 //! Reading frames: the list is checked at once, pictures when they are read.
 
 use std::collections::HashSet;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 
 use image::{ColorType, RgbImage};
 
 use super::pictures::{Coverage, Linear16, read_png};
-use super::{FORMAT, Frame, FrameList, FrameSet, LIST, Paint, SurfacePoint};
-use crate::files::{self, FileError};
+use super::{FORMAT, Frame, FrameList, FrameSet, FramesError, LIST, Paint, SurfacePoint};
+use crate::files;
 use crate::geometry::BoxPx;
+use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
-use crate::pattern::{Pattern, PatternError};
 
 /// Pictures of more pixels a side are no frames.
 const MAX_SIDE_PX: u32 = 8192;
 /// Rotations may be off by rounding.
 const RIGID_TOLERANCE: f64 = 1e-4;
-
-/// Why frames could not be read or written.
-#[derive(Debug, thiserror::Error)]
-pub enum FramesError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Pattern(#[from] PatternError),
-    #[error("{path}, line {line}: {message}", path = path.display())]
-    Syntax {
-        path: PathBuf,
-        line: usize,
-        message: String,
-    },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
-    #[error("a frame could not be written ({reason})")]
-    Encode { reason: String },
-}
 
 impl FrameSet {
     /// Opens the frames in a folder and checks all but the pictures.

@@ -4,28 +4,17 @@ use std::path::Path;
 
 use burn::tensor::Device;
 
-use super::onnx::{Answer, NetError, Network, Output};
+use super::onnx::{Answer, Network, Output};
 use super::resample::Resampler;
 use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors};
 use crate::files;
-use crate::whitebox::{Claim, Look, WhiteBox};
+use crate::whitebox::{Claim, Look, WhiteBox, WhiteBoxError};
 
 /// A network with its manifest and the labels that count as the model.
 pub struct OnnxDetector {
     manifest: Manifest,
     labels: Vec<usize>,
     network: Network,
-}
-
-/// Why a detector cannot be attacked through its own network.
-#[derive(Debug, thiserror::Error)]
-pub enum WhiteBoxError {
-    #[error("{name} cannot be followed backwards: {reason}")]
-    Manifest { name: String, reason: String },
-    #[error(transparent)]
-    Net(#[from] NetError),
-    #[error(transparent)]
-    File(#[from] files::FileError),
 }
 
 impl OnnxDetector {
@@ -40,17 +29,17 @@ impl OnnxDetector {
         labels: &[usize],
         device: &Device,
     ) -> Result<OnnxDetector, WhiteBoxError> {
-        let refused = |reason: String| WhiteBoxError::Manifest {
+        let refused = |reason: WhiteBoxError| WhiteBoxError::Detector {
             name: manifest.name.clone(),
-            reason,
+            reason: reason.into(),
         };
         let shape = input_shape(manifest).map_err(refused)?;
         let is_missing = |label: &&usize| manifest.labels.name(**label).is_none();
         if labels.is_empty() || labels.iter().any(|l| is_missing(&l)) {
-            return Err(refused(format!(
-                "labels {labels:?} are not among its {}; name those that count as the model",
-                manifest.labels.count()
-            )));
+            return Err(refused(WhiteBoxError::Labels {
+                labels: labels.to_vec(),
+                count: manifest.labels.count(),
+            }));
         }
         let file = weights.display().to_string();
         let detector = OnnxDetector {
@@ -67,15 +56,13 @@ impl OnnxDetector {
 }
 
 /// The shape of the network's input, which must be the same for all pictures.
-fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, String> {
+fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, WhiteBoxError> {
     let input = &manifest.input;
     if matches!(input.resize, Resize::ShortSide | Resize::Original) {
-        return Err(
-            "the size of its input depends on the picture; attack a detector with an input of its own size".into(),
-        );
+        return Err(WhiteBoxError::InputOfAnySize);
     }
     if input.values == Values::U8 {
-        return Err("it takes pictures of 8 bits, and no gradient passes their rounding".into());
+        return Err(WhiteBoxError::EightBits);
     }
     let [width, height] = input.size_px.map(|side| side as usize);
     Ok(match input.layout {
@@ -94,34 +81,38 @@ impl WhiteBox for OnnxDetector {
         self.manifest.head.nms_iou().unwrap_or(1.0)
     }
 
-    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
         Ok(Box::new(self.seen(picture, size_px, true)?))
     }
 
     /// Without the record of the way back, which the framework keeps until somebody goes it.
-    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, String> {
+    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, WhiteBoxError> {
         Ok(self.seen(picture, size_px, false)?.claims)
     }
 }
 
 impl OnnxDetector {
-    fn seen(&self, picture: &[[f64; 3]], size_px: [u32; 2], is_followed: bool) -> Result<Seen, String> {
+    fn seen(&self, picture: &[[f64; 3]], size_px: [u32; 2], is_followed: bool) -> Result<Seen, WhiteBoxError> {
         let [width, height] = size_px;
         if width == 0 || height == 0 || picture.len() != width as usize * height as usize {
-            return Err(format!("{} pixels are no picture of {width} × {height}", picture.len()));
+            return Err(WhiteBoxError::Pixels {
+                found: picture.len(),
+                size_px,
+            });
         }
         let way = Resampler::new(&self.manifest.input, size_px);
         let numbers = way.forward(picture);
-        let answer = self.network.answer(numbers, is_followed).map_err(|e| e.to_string())?;
+        let answer = self.network.answer(numbers, is_followed)?;
         let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
         if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
-            return Err(format!(
-                "{} answered with NaN in its output {}",
-                self.manifest.name, output.name
-            ));
+            return Err(WhiteBoxError::NotANumber {
+                name: self.manifest.name.clone(),
+                output: output.name.clone(),
+            });
         }
-        let Anchors { anchors, exponents } = anchors(&self.manifest, &tensors, way.placement().canvas)?
-            .ok_or("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")?;
+        let Anchors { anchors, exponents } = anchors(&self.manifest, &tensors, way.placement().canvas)
+            .map_err(|reason| WhiteBoxError::Head(reason.to_string()))?
+            .ok_or(WhiteBoxError::ChosenBoxes)?;
         let terms: Vec<Terms> = anchors
             .iter()
             .map(|a| self.terms(a, exponents, &answer.outputs))

@@ -10,6 +10,7 @@
 #[cfg(feature = "attack")]
 pub mod detector;
 pub mod device;
+mod fault;
 #[cfg(feature = "attack")]
 pub mod onnx;
 #[cfg(feature = "attack")]
@@ -21,7 +22,41 @@ pub(crate) mod separable;
 #[cfg(feature = "attack")]
 pub use quietly::is_refusing;
 
+pub use fault::NetworkFault;
+
+use crate::files::FileError;
 use crate::geometry::BoxPx;
+
+/// Why a detector cannot be attacked through its own network.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WhiteBoxError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{name} cannot be differentiated: {reason}")]
+    Detector { name: String, reason: Box<WhiteBoxError> },
+    #[error("{file} cannot be differentiated: {reason}")]
+    Network { file: String, reason: NetworkFault },
+    #[error("{file} has operators that cannot be differentiated here: {names}; attack another detector")]
+    Operators { file: String, names: String },
+    #[error("{file} failed: {reason}")]
+    Run { file: String, reason: NetworkFault },
+    #[error("labels {labels:?} are not among its {count}; name those that count as the model")]
+    Labels { labels: Vec<usize>, count: usize },
+    #[error("the size of its input depends on the image; attack a detector with an input of its own size")]
+    InputOfAnySize,
+    #[error("it takes images of 8 bits, and no gradient passes their rounding")]
+    EightBits,
+    #[error("{found} pixels are no image of {} × {}", size_px[0], size_px[1])]
+    Pixels { found: usize, size_px: [u32; 2] },
+    #[error("{name} answered with NaN in its output {output}")]
+    NotANumber { name: String, output: String },
+    /// What its head says of its outputs.
+    #[error("{0}")]
+    Head(String),
+    #[error("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")]
+    ChosenBoxes,
+}
 
 /// What one anchor of a detector says about the classes that count as the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,14 +80,14 @@ pub trait WhiteBox {
     /// All anchors, without suppression of neighbours and without a floor.
     ///
     /// # Errors
-    /// What the network cannot do with this picture, as a sentence.
-    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String>;
+    /// What the network cannot do with this image.
+    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError>;
 
     /// The claims alone, where no derivative will be asked for.
     ///
     /// # Errors
     /// Those of [`WhiteBox::look`].
-    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, String> {
+    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, WhiteBoxError> {
         Ok(self.look(picture, size_px)?.claims().to_vec())
     }
 }

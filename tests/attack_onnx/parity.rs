@@ -13,7 +13,7 @@ use crate::tests::common::{home, shared};
 /// Name, shape and numbers of an output.
 pub type Answered = (String, Vec<usize>, Vec<f32>);
 
-/// The detectors whose networks can be followed backwards, with the shape of their input.
+/// The detectors whose networks can be differentiated, with the shape of their input.
 pub const FOLLOWED: [(&str, &str, usize); 3] = [
     ("yolox_nano", "yolox_nano.onnx", 416),
     ("nanodet_m", "nanodet_m_416.onnx", 416),

@@ -36,7 +36,7 @@ use crate::files::FileError;
 use crate::frames::FramesError;
 use crate::pattern::{Pattern, PatternError};
 use crate::surrogate::renderer::FitError;
-use crate::whitebox::WhiteBox;
+use crate::whitebox::{WhiteBox, WhiteBoxError};
 
 /// A value of each channel.
 pub type Rgb = [f64; 3];
@@ -65,7 +65,7 @@ pub enum RunError {
     Look {
         detector: String,
         view: String,
-        reason: String,
+        reason: WhiteBoxError,
     },
     #[error(
         "the loss of {detector} on the view of {view} is not a number (step {step}): the weights are damaged, or the frame is; nothing was moved, and \

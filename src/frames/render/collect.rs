@@ -5,24 +5,10 @@ use std::path::{Path, PathBuf};
 use image::{GrayImage, RgbImage};
 
 use super::RenderError;
-use super::plan::{Plan, PlannedFrame};
+use super::plan::{Missing, Plan, PlannedFrame};
 use crate::files;
 use crate::frames::light;
 use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb};
-
-/// What a folder still lacks.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Missing {
-    pub frames: Vec<PlannedFrame>,
-    /// Viewpoints without their masks and positions.
-    pub viewpoints: Vec<usize>,
-}
-
-impl Missing {
-    pub fn is_empty(&self) -> bool {
-        self.frames.is_empty() && self.viewpoints.is_empty()
-    }
-}
 
 /// Puts pictures into the folder of a plan.
 pub struct Collector<'a> {

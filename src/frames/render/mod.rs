@@ -7,12 +7,13 @@ pub mod blender;
 mod collect;
 mod light;
 mod plan;
+mod request;
 mod surface;
 
-pub use collect::Missing;
 pub(crate) use collect::{srgb, triples};
 pub use light::Light;
-pub use plan::{Colour, Plan, PlannedFrame, RenderRequest};
+pub use plan::{Missing, Plan, PlannedFrame};
+pub use request::{Colour, RenderRequest};
 
 use std::path::{Path, PathBuf};
 

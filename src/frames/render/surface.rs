@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{RenderError, RenderRequest};
+use super::RenderError;
+use super::request::RenderRequest;
 use crate::mesh::doubled_area;
 use crate::pattern::world_aligned::Side;
 

@@ -6,6 +6,7 @@ use onnx_ir::Node;
 
 use super::operator::{AnyOperator, Inputs, Operator};
 use super::value::{Floats, Value, Whole, broadcast};
+use crate::whitebox::NetworkFault;
 
 #[derive(Debug, Clone, Copy)]
 enum Arithmetic {
@@ -19,7 +20,7 @@ enum Arithmetic {
 }
 
 impl Arithmetic {
-    fn of_floats(self, a: Floats, b: Floats) -> Result<Floats, String> {
+    fn of_floats(self, a: Floats, b: Floats) -> Result<Floats, NetworkFault> {
         let rank = a.rank.max(b.rank);
         broadcast(&a.shape(), &b.shape())?;
         let (a, b) = (a.x, b.x);
@@ -54,13 +55,13 @@ impl Arithmetic {
         }
     }
 
-    fn of_two(self, a: Value, b: Value) -> Result<Value, String> {
+    fn of_two(self, a: Value, b: Value) -> Result<Value, NetworkFault> {
         match (a, b) {
             (Value::Floats(a), Value::Floats(b)) => self.of_floats(a, b).map(Value::Floats),
             (Value::Whole(a), Value::Whole(b)) => {
                 let apply = |a, b| {
                     self.of_whole(a, b)
-                        .ok_or_else(|| format!("{self:?} of {a} and {b} is no number"))
+                        .ok_or(NetworkFault::Malformed("a result of it is no whole number of 64 bits"))
                 };
                 pairwise(&a, &b, apply).map(Value::Whole)
             }
@@ -70,7 +71,7 @@ impl Arithmetic {
 }
 
 /// Two arrays of whole numbers, broadcast.
-fn pairwise(a: &Whole, b: &Whole, f: impl Fn(i64, i64) -> Result<i64, String>) -> Result<Whole, String> {
+fn pairwise(a: &Whole, b: &Whole, f: impl Fn(i64, i64) -> Result<i64, NetworkFault>) -> Result<Whole, NetworkFault> {
     let shape = broadcast(&a.shape, &b.shape)?;
     let count: usize = shape.iter().product();
     let at = |v: &Whole, i: usize| {
@@ -83,13 +84,13 @@ fn pairwise(a: &Whole, b: &Whole, f: impl Fn(i64, i64) -> Result<i64, String>) -
         }
         v.data[index]
     };
-    let data: Result<Vec<i64>, String> = (0..count).map(|i| f(at(a, i), at(b, i))).collect();
+    let data: Result<Vec<i64>, NetworkFault> = (0..count).map(|i| f(at(a, i), at(b, i))).collect();
     Ok(Whole { shape, data: data? })
 }
 
 impl Operator for Arithmetic {
     /// Max, Min and Sum take any number of tensors.
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let mut result = inputs.value(0)?;
         for i in 1..inputs.values.len() {
             result = self.of_two(result, inputs.value(i)?)?;

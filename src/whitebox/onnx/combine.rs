@@ -8,11 +8,12 @@ use onnx_ir::reduce::{ReduceAxes, ReduceConfig};
 
 use super::operator::{AnyOperator, Inputs, Numbers, Operator, axis_of};
 use super::value::{Floats, RANK, Value};
+use crate::whitebox::NetworkFault;
 
 struct Softmax(usize);
 
 impl Operator for Softmax {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let v = inputs.floats(0)?;
         let (axis, rank) = (v.axis(self.0)?, v.rank);
         let x = activation::softmax(v.x, axis);
@@ -51,10 +52,10 @@ impl Reduce {
 }
 
 impl Operator for Reduce {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let named = self.axes.of(&inputs)?;
         let v = inputs.floats(0)?;
-        let axes: Result<Vec<usize>, String> = match named[..] {
+        let axes: Result<Vec<usize>, NetworkFault> = match named[..] {
             [] if self.none_means_none => Ok(Vec::new()),
             [] => Ok((0..v.rank).collect()),
             _ => named.iter().map(|axis| axis_of(*axis, v.rank)).collect(),
@@ -85,19 +86,21 @@ impl Operator for Reduce {
 struct MatMul;
 
 impl Operator for MatMul {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);
         product(a, b).map(|v| vec![Value::Floats(v)])
     }
 }
 
-fn product(a: Floats, b: Floats) -> Result<Floats, String> {
+fn product(a: Floats, b: Floats) -> Result<Floats, NetworkFault> {
     let (left, right) = (a.shape(), b.shape());
-    let ([.., inner], [.., rows, _]) = (&left[..], &right[..]) else {
-        return Err(format!("{left:?} and {right:?} are no matrices"));
-    };
-    if left.len() < 2 || inner != rows {
-        return Err(format!("matrices {left:?} and {right:?} do not go together"));
+    let fit = matches!((&left[..], &right[..]), ([_, .., inner], [.., rows, _]) if inner == rows);
+    if !fit {
+        return Err(NetworkFault::Mismatch {
+            what: "matrices",
+            left,
+            right,
+        });
     }
     let rank = a.rank.max(b.rank);
     Ok(Floats {
@@ -114,7 +117,7 @@ struct Gemm {
 }
 
 impl Operator for Gemm {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let turned = |v: Floats, turn: bool| match turn {
             true => Floats {
                 x: v.x.swap_dims(RANK - 2, RANK - 1),

@@ -10,6 +10,7 @@ use onnx_ir::node::padding::{AutoPad, PaddingConfig2d};
 
 use super::operator::{AnyOperator, Inputs, Operator};
 use super::value::{Floats, Value, bounded};
+use crate::whitebox::NetworkFault;
 
 /// How a window walks over a picture; rows first.
 struct Window {
@@ -22,7 +23,7 @@ struct Window {
 
 impl Window {
     /// Pixels added before and after, for rows and for columns, to a picture of so many channels, rows and columns.
-    fn padding(&self, [channels, rows, columns]: [usize; 3]) -> Result<[(usize, usize); 2], String> {
+    fn padding(&self, [channels, rows, columns]: [usize; 3]) -> Result<[(usize, usize); 2], NetworkFault> {
         let size = [rows, columns];
         let same = |axis: usize| {
             let reach = (self.kernel[axis] - 1) * self.dilation[axis] + 1;
@@ -54,7 +55,7 @@ struct Convolution {
 }
 
 impl Operator for Convolution {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let weight = inputs.floats(1)?.of_rank::<4>()?;
         let bias = match inputs.optional_floats(2)? {
@@ -63,10 +64,11 @@ impl Operator for Convolution {
         };
         let ([_, channels, rows, columns], [_, per_group, ..]) = (x.dims(), weight.dims());
         if channels != per_group * self.groups {
-            return Err(format!(
-                "it takes {} channels and gets {channels}",
-                per_group * self.groups
-            ));
+            return Err(NetworkFault::Count {
+                what: "channels",
+                expected: per_group * self.groups,
+                found: channels,
+            });
         }
         let Window { stride, dilation, .. } = self.window;
         let padding = self.window.padding([channels, rows, columns])?;
@@ -80,7 +82,7 @@ struct TransposedConvolution {
 }
 
 impl Operator for TransposedConvolution {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let weight = inputs.floats(1)?.of_rank::<4>()?;
         let bias = match inputs.optional_floats(2)? {
@@ -106,7 +108,7 @@ struct MaxPool {
 }
 
 impl Operator for MaxPool {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let [_, channels, rows, columns] = x.dims();
         let options = MaxPoolOptions::new(self.window.kernel)
@@ -125,7 +127,7 @@ struct AveragePool {
 }
 
 impl Operator for AveragePool {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let [_, channels, rows, columns] = x.dims();
         let options = AvgPoolOptions::new(self.window.kernel)
@@ -144,7 +146,7 @@ enum Global {
 }
 
 impl Operator for Global {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         rank_4(match self {
             Global::Mean => x.mean_dim(2).mean_dim(3),
@@ -159,7 +161,7 @@ struct BatchNorm {
 }
 
 impl Operator for BatchNorm {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let mut per_channel = |i: usize| {
             let v = inputs.floats(i)?;
@@ -172,7 +174,7 @@ impl Operator for BatchNorm {
     }
 }
 
-fn rank_4(x: Tensor<4>) -> Result<Vec<Value>, String> {
+fn rank_4(x: Tensor<4>) -> Result<Vec<Value>, NetworkFault> {
     Ok(vec![Value::Floats(Floats::from_rank(x)?)])
 }
 

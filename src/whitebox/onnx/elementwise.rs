@@ -8,6 +8,7 @@ use onnx_ir::node::clip::ClipInput;
 
 use super::operator::{AnyOperator, Inputs, Moves, Operator};
 use super::value::{Floats, RANK, Value, Whole};
+use crate::whitebox::NetworkFault;
 
 type Function = dyn Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync;
 
@@ -15,7 +16,7 @@ type Function = dyn Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync;
 struct Each(Box<Function>);
 
 impl Operator for Each {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let Floats { x, rank } = inputs.floats(0)?;
         Ok(vec![Value::Floats(Floats { x: (self.0)(x), rank })])
     }
@@ -24,7 +25,7 @@ impl Operator for Each {
 struct Sigmoid;
 
 impl Operator for Sigmoid {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let Floats { x, rank } = inputs.floats(0)?;
         let x = activation::sigmoid(x);
         Ok(vec![Value::Floats(Floats { x, rank })])
@@ -39,7 +40,7 @@ impl Operator for Sigmoid {
 pub(super) struct Identity;
 
 impl Operator for Identity {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         Ok(vec![inputs.value(0)?])
     }
 
@@ -54,7 +55,7 @@ struct Cast {
 }
 
 impl Operator for Cast {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let value = inputs.value(0)?;
         if value.is_followed() && !self.to_fractions {
             return Err("it turns what it sees into whole numbers, and no gradient passes there".into());
@@ -100,7 +101,7 @@ impl Limit {
         })
     }
 
-    fn of(&self, inputs: &mut Inputs) -> Result<f64, String> {
+    fn of(&self, inputs: &mut Inputs) -> Result<f64, NetworkFault> {
         match self {
             Limit::Known(v) => Ok(*v),
             Limit::Input(i) => {
@@ -108,14 +109,14 @@ impl Limit {
                 values
                     .first()
                     .map(|v| f64::from(*v))
-                    .ok_or_else(|| "a limit is empty".into())
+                    .ok_or(NetworkFault::Malformed("a limit is empty"))
             }
         }
     }
 }
 
 impl Operator for Clip {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let Floats { mut x, rank } = inputs.floats(0)?;
         if let Some(low) = &self.low {
             x = x.clamp_min(low.of(&mut inputs)?);
@@ -131,7 +132,7 @@ impl Operator for Clip {
 struct PRelu;
 
 impl Operator for PRelu {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let Floats { x, rank } = inputs.floats(0)?;
         let slope = inputs.floats(1)?;
         let x = activation::relu(x.clone()) - activation::relu(x.neg()) * slope.x;

@@ -6,6 +6,7 @@ use burn::tensor::Device;
 
 use super::operator::{AnyOperator, Inputs};
 use super::value::Value;
+use crate::whitebox::NetworkFault;
 
 pub(super) type Place = usize;
 
@@ -32,7 +33,7 @@ pub(super) struct Graph {
 
 impl Graph {
     /// Every place's value, for a picture.
-    pub(super) fn run_all(&self, picture: Value) -> Result<Vec<Option<Value>>, String> {
+    pub(super) fn run_all(&self, picture: Value) -> Result<Vec<Option<Value>>, NetworkFault> {
         let mut values = self.start(picture);
         for step in &self.steps {
             let inputs = step.inputs.iter().map(|place| values[(*place)?].clone()).collect();
@@ -42,7 +43,7 @@ impl Graph {
     }
 
     /// The outputs for a picture, in order; what no later step needs is given up on the way.
-    pub(super) fn run(&self, picture: Value) -> Result<Vec<Value>, String> {
+    pub(super) fn run(&self, picture: Value) -> Result<Vec<Value>, NetworkFault> {
         let mut values = self.start(picture);
         let last_uses = self.last_uses();
         for (step, last_uses) in self.steps.iter().zip(last_uses) {
@@ -55,7 +56,7 @@ impl Graph {
         }
         let outputs = self.outputs.iter().map(|(name, place)| {
             let value = values[*place].clone();
-            value.ok_or_else(|| format!("its output {name} is never computed"))
+            value.ok_or_else(|| NetworkFault::NotComputed(name.clone()))
         });
         outputs.collect()
     }
@@ -130,11 +131,11 @@ impl Graph {
 }
 
 impl Step {
-    fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), String> {
-        let outputs = self
-            .operator
-            .run(inputs)
-            .map_err(|e| format!("at {}: {e}", self.name))?;
+    fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), NetworkFault> {
+        let outputs = self.operator.run(inputs).map_err(|fault| NetworkFault::At {
+            node: self.name.clone(),
+            fault: fault.into(),
+        })?;
         for (place, value) in self.outputs.iter().zip(outputs) {
             values[*place] = Some(value);
         }

@@ -11,10 +11,11 @@ use burn::tensor::Device;
 use super::graph::{Graph, Place, Step};
 use super::operator::{Inputs, Moves};
 use super::value::{Floats, Value};
+use crate::whitebox::NetworkFault;
 
 /// Leads the outputs past the last sigmoids. Answers, for each output, which of its numbers are logits now. `values`: of
 /// [`Graph::run_all`].
-pub(super) fn uncover(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec<Vec<bool>>, String> {
+pub(super) fn uncover(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec<Vec<bool>>, NetworkFault> {
     let mut twins = Twins {
         makers: makers(graph),
         known: BTreeMap::new(),
@@ -59,7 +60,7 @@ struct Twins<'a> {
 }
 
 impl Twins<'_> {
-    fn of(&mut self, graph: &mut Graph, place: Place) -> Result<Twin, String> {
+    fn of(&mut self, graph: &mut Graph, place: Place) -> Result<Twin, NetworkFault> {
         if let Some(known) = self.known.get(&place) {
             return Ok(known.clone());
         }
@@ -80,7 +81,7 @@ impl Twins<'_> {
     }
 
     /// A sigmoid's input.
-    fn before(&self, graph: &Graph, sigmoid: &Step, place: Place) -> Result<Twin, String> {
+    fn before(&self, graph: &Graph, sigmoid: &Step, place: Place) -> Result<Twin, NetworkFault> {
         let logits = sigmoid
             .inputs
             .first()
@@ -94,7 +95,13 @@ impl Twins<'_> {
     }
 
     /// The same move, of the twins of what is moved; `None` when none of it holds a logit.
-    fn moved(&mut self, graph: &mut Graph, step: &Step, output: usize, moves: Moves) -> Result<Option<Twin>, String> {
+    fn moved(
+        &mut self,
+        graph: &mut Graph,
+        step: &Step,
+        output: usize,
+        moves: Moves,
+    ) -> Result<Option<Twin>, NetworkFault> {
         let moved = if moves == Moves::All { step.inputs.len() } else { 1 };
         let (mut inputs, mut masks, mut has_logits) = (step.inputs.clone(), Vec::new(), false);
         for (i, input) in step.inputs.iter().enumerate() {
@@ -131,7 +138,7 @@ impl Twins<'_> {
     }
 
     /// A constant in the shape of a place's value.
-    fn filled(&self, place: Place, with: f32, device: &Device) -> Result<Value, String> {
+    fn filled(&self, place: Place, with: f32, device: &Device) -> Result<Value, NetworkFault> {
         let shape = self.values[place].as_ref().ok_or("a value is never computed")?.shape();
         let count = shape.iter().product();
         Floats::new(vec![with; count], &shape, device).map(Value::Floats)

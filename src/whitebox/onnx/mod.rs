@@ -22,17 +22,7 @@ use graph::Graph;
 use value::{Floats, RANK, Value, full};
 
 use crate::whitebox::quietly::quietly;
-
-/// Why a network cannot be followed backwards.
-#[derive(Debug, Clone, thiserror::Error)]
-pub enum NetError {
-    #[error("{file} cannot be followed backwards: {reason}")]
-    Unreadable { file: String, reason: String },
-    #[error("{file} has operators that cannot be followed backwards here: {names}; attack another detector")]
-    Operators { file: String, names: String },
-    #[error("{file} failed: {reason}")]
-    Run { file: String, reason: String },
-}
+use crate::whitebox::{NetworkFault, WhiteBoxError};
 
 /// A network for pictures of one shape.
 pub struct Network {
@@ -76,17 +66,17 @@ impl Network {
     ///
     /// # Errors
     /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
-    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, NetError> {
+    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, WhiteBoxError> {
         // The parser and the tensors panic on graphs whose parts do not go together.
         quietly(|| Self::try_read(bytes, file, shape, device)).unwrap_or_else(|| {
-            Err(NetError::Unreadable {
+            Err(WhiteBoxError::Network {
                 file: file.to_owned(),
-                reason: "its graph makes no sense".to_owned(),
+                reason: NetworkFault::Malformed("its graph makes no sense"),
             })
         })
     }
 
-    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, NetError> {
+    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, WhiteBoxError> {
         let device = device.clone().autodiff();
         let graph = read::read(bytes, file, &device)?;
         let mut network = Network {
@@ -96,7 +86,7 @@ impl Network {
             device,
             logits: Vec::new(),
         };
-        network.settle().map_err(|reason| NetError::Unreadable {
+        network.settle().map_err(|reason| WhiteBoxError::Network {
             file: file.to_owned(),
             reason,
         })?;
@@ -104,7 +94,7 @@ impl Network {
     }
 
     /// Runs once on black, and keeps what every picture will meet.
-    fn settle(&mut self) -> Result<(), String> {
+    fn settle(&mut self) -> Result<(), NetworkFault> {
         let black = vec![0.0; self.shape.iter().product()];
         let (_, picture) = self.picture(black, true)?;
         let values = self.graph.run_all(picture)?;
@@ -116,7 +106,7 @@ impl Network {
         Ok(())
     }
 
-    fn picture(&self, numbers: Vec<f32>, is_followed: bool) -> Result<(Tensor<RANK>, Value), String> {
+    fn picture(&self, numbers: Vec<f32>, is_followed: bool) -> Result<(Tensor<RANK>, Value), NetworkFault> {
         let leaf = Tensor::from_data(TensorData::new(numbers, full(&self.shape)?), &self.device);
         let leaf = if is_followed { leaf.require_grad() } else { leaf };
         let value = Floats {
@@ -130,26 +120,27 @@ impl Network {
     ///
     /// # Errors
     /// A number of numbers that is not the shape's.
-    pub fn answer(&self, picture: Vec<f32>, is_followed: bool) -> Result<Answer, NetError> {
-        self.try_answer(picture, is_followed).map_err(|reason| NetError::Run {
-            file: self.file.clone(),
-            reason,
-        })
+    pub fn answer(&self, picture: Vec<f32>, is_followed: bool) -> Result<Answer, WhiteBoxError> {
+        self.try_answer(picture, is_followed)
+            .map_err(|reason| WhiteBoxError::Run {
+                file: self.file.clone(),
+                reason,
+            })
     }
 
-    fn try_answer(&self, numbers: Vec<f32>, is_followed: bool) -> Result<Answer, String> {
+    fn try_answer(&self, numbers: Vec<f32>, is_followed: bool) -> Result<Answer, NetworkFault> {
         if numbers.len() != self.shape.iter().product::<usize>() {
-            return Err(format!(
-                "it takes a picture {:?}, not {} numbers",
-                self.shape,
-                numbers.len()
-            ));
+            return Err(NetworkFault::Count {
+                what: "numbers",
+                expected: self.shape.iter().product(),
+                found: numbers.len(),
+            });
         }
         let (picture, value) = self.picture(numbers, is_followed)?;
         let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
         for (i, value) in self.graph.run(value)?.into_iter().enumerate() {
             let Value::Floats(value) = value else {
-                return Err(format!("its output {} holds whole numbers", self.graph.outputs[i].0));
+                return Err(NetworkFault::WholeOutput(self.graph.outputs[i].0.clone()));
             };
             let raw = value.values()?;
             let mut is_logit = self.logits[i].clone();

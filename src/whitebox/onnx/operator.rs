@@ -6,11 +6,12 @@ use burn::tensor::Device;
 use onnx_ir::RuntimeInputRef;
 
 use super::value::{Floats, Value, Whole};
+use crate::whitebox::NetworkFault;
 
 /// An operator with its settings, its tensors not included.
 pub(super) trait Operator: Send + Sync {
     /// The outputs for some inputs, in ONNX's order.
-    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, String>;
+    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault>;
 
     /// Which inputs' numbers come out unchanged, only elsewhere.
     fn moves(&self) -> Moves {
@@ -50,29 +51,29 @@ impl Inputs<'_> {
         self.values.get_mut(i)?.take()
     }
 
-    pub(super) fn value(&mut self, i: usize) -> Result<Value, String> {
-        self.take(i).ok_or_else(|| format!("its input {i} is missing"))
+    pub(super) fn value(&mut self, i: usize) -> Result<Value, NetworkFault> {
+        self.take(i).ok_or(NetworkFault::MissingInput(i))
     }
 
-    pub(super) fn floats(&mut self, i: usize) -> Result<Floats, String> {
+    pub(super) fn floats(&mut self, i: usize) -> Result<Floats, NetworkFault> {
         match self.value(i)? {
             Value::Floats(v) => Ok(v),
-            Value::Whole(_) => Err(format!("its input {i} holds whole numbers where fractions belong")),
+            Value::Whole(_) => Err(NetworkFault::WholeInput(i)),
         }
     }
 
-    pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>, String> {
+    pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>, NetworkFault> {
         match self.values.get(i) {
             Some(Some(_)) => self.floats(i).map(Some),
             _ => Ok(None),
         }
     }
 
-    pub(super) fn whole(&self, i: usize) -> Result<&Whole, String> {
+    pub(super) fn whole(&self, i: usize) -> Result<&Whole, NetworkFault> {
         match self.values.get(i) {
             Some(Some(Value::Whole(v))) => Ok(v),
-            Some(Some(Value::Floats(_))) => Err(format!("its input {i} holds fractions where whole numbers belong")),
-            _ => Err(format!("its input {i} is missing")),
+            Some(Some(Value::Floats(_))) => Err(NetworkFault::FractionInput(i)),
+            _ => Err(NetworkFault::MissingInput(i)),
         }
     }
 }
@@ -93,7 +94,7 @@ impl Numbers {
         Numbers::Known(values.iter().map(|v| (*v).try_into().unwrap_or(i64::MAX)).collect())
     }
 
-    pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>, String> {
+    pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>, NetworkFault> {
         match self {
             Numbers::Known(values) => Ok(values.clone()),
             Numbers::Input(i) => Ok(inputs.whole(*i)?.data.clone()),
@@ -102,10 +103,10 @@ impl Numbers {
 }
 
 /// An axis that may count from the end.
-pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize, String> {
+pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize, NetworkFault> {
     let from_start = if axis < 0 { axis + rank as i64 } else { axis };
     usize::try_from(from_start)
         .ok()
         .filter(|a| *a < rank)
-        .ok_or_else(|| format!("a tensor of rank {rank} has no axis {axis}"))
+        .ok_or(NetworkFault::NoAxis { rank, axis })
 }

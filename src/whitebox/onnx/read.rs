@@ -8,24 +8,26 @@ use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
 use super::graph::{Graph, Place, Step};
 use super::operator::AnyOperator;
 use super::value::Value;
-use super::{NetError, arithmetic, combine, convolution, elementwise, rearrange, resize, shapes};
+use super::{arithmetic, combine, convolution, elementwise, rearrange, resize, shapes};
+use crate::whitebox::{NetworkFault, WhiteBoxError};
 
 /// Reads a file's bytes; `file` is only named in errors.
-pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, NetError> {
-    let unreadable = |reason: String| NetError::Unreadable {
+pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, WhiteBoxError> {
+    let unreadable = |reason: NetworkFault| WhiteBoxError::Network {
         file: file.to_owned(),
-        reason: reason.replace('\n', " "),
+        reason,
     };
+    let not_parsed = |said: String| unreadable(NetworkFault::Framework(said.replace('\n', " ")));
     // Simplified, it would have operators of the parser's own.
     let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
-    let parsed = parsed.map_err(|e| unreadable(e.to_string()))?;
+    let parsed = parsed.map_err(|e| not_parsed(e.to_string()))?;
     let operators: Vec<Option<AnyOperator>> = parsed.nodes.iter().map(operator).collect();
     let unknown: BTreeSet<String> = (parsed.nodes.iter().zip(&operators))
         .filter(|(node, operator)| operator.is_none() && !matches!(node, Node::Constant(_)))
         .map(|(node, _)| kind(node))
         .collect();
     if !unknown.is_empty() {
-        return Err(NetError::Operators {
+        return Err(WhiteBoxError::Operators {
             file: file.to_owned(),
             names: unknown
                 .iter()
@@ -36,7 +38,7 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, N
     }
     let mut graph = Builder::new(device).graph(&parsed, operators).map_err(unreadable)?;
     // The parser gives outputs names of its own.
-    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| unreadable(e.to_string()))?;
+    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
     for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {
         name.clone_from(&written.name);
     }
@@ -78,18 +80,20 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, String> {
+    fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, NetworkFault> {
         let [picture] = &parsed.inputs[..] else {
-            return Err(format!(
-                "it takes {} inputs, and one picture is what there is",
-                parsed.inputs.len()
-            ));
+            return Err(NetworkFault::Count {
+                what: "inputs",
+                expected: parsed.inputs.len(),
+                found: 1,
+            });
         };
         let input = self.named_place(&picture.name);
         let mut steps = Vec::new();
         for (node, operator) in parsed.nodes.iter().zip(operators) {
             let Some(operator) = operator else { continue };
-            let inputs: Result<Vec<Option<Place>>, String> = node.inputs().iter().map(|a| self.place(a)).collect();
+            let inputs: Result<Vec<Option<Place>>, NetworkFault> =
+                node.inputs().iter().map(|a| self.place(a)).collect();
             let outputs = node.outputs().iter().map(|a| self.named_place(&a.name)).collect();
             steps.push(Step {
                 name: node.name().to_owned(),
@@ -114,7 +118,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Where an argument's value will be; its constant is put there.
-    fn place(&mut self, argument: &Argument) -> Result<Option<Place>, String> {
+    fn place(&mut self, argument: &Argument) -> Result<Option<Place>, NetworkFault> {
         if argument.is_optional() {
             return Ok(None);
         }

@@ -14,24 +14,31 @@ use onnx_ir::unsqueeze::UnsqueezeConfig;
 
 use super::operator::{AnyOperator, Inputs, Moves, Numbers, Operator, axis_of};
 use super::value::{Floats, RANK, Value, Whole, bounded, broadcast, full};
+use crate::whitebox::NetworkFault;
 
 impl Value {
-    fn reshaped(self, shape: &[usize]) -> Result<Value, String> {
+    fn reshaped(self, shape: &[usize]) -> Result<Value, NetworkFault> {
         match self {
             Value::Floats(v) => v.reshaped(shape).map(Value::Floats),
             Value::Whole(v) if v.data.len() == shape.iter().product::<usize>() => Ok(Value::Whole(Whole {
                 shape: shape.to_vec(),
                 data: v.data,
             })),
-            Value::Whole(v) => Err(format!("numbers {:?} cannot become {shape:?}", v.shape)),
+            Value::Whole(v) => Err(NetworkFault::Reshape {
+                from: v.shape,
+                to: shape.to_vec(),
+            }),
         }
     }
 
     /// Some places of an axis, in an order of their own.
-    fn taken(self, axis: usize, places: &[usize]) -> Result<Value, String> {
+    fn taken(self, axis: usize, places: &[usize]) -> Result<Value, NetworkFault> {
         let side = self.shape().get(axis).copied().unwrap_or(0);
         if places.is_empty() || places.iter().any(|p| *p >= side) {
-            return Err(format!("it asks for places {places:?} of an axis of length {side}"));
+            return Err(NetworkFault::Indices {
+                indices: places.to_vec(),
+                length: side,
+            });
         }
         Ok(match self {
             Value::Floats(v) => Value::Floats(v.taken(axis, places)?),
@@ -41,7 +48,7 @@ impl Value {
 }
 
 impl Floats {
-    fn taken(self, axis: usize, places: &[usize]) -> Result<Floats, String> {
+    fn taken(self, axis: usize, places: &[usize]) -> Result<Floats, NetworkFault> {
         let (rank, axis) = (self.rank, self.axis(axis)?);
         let (first, last) = (places[0], places[places.len() - 1]);
         let step = places.get(1).map_or(1, |second| second.saturating_sub(first)).max(1);
@@ -77,11 +84,11 @@ impl Whole {
 struct Reshape(Numbers);
 
 impl Operator for Reshape {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let wanted = self.0.of(&inputs)?;
         let value = inputs.value(0)?;
         let old = value.shape();
-        let sides: Result<Vec<Option<usize>>, String> = wanted
+        let sides: Result<Vec<Option<usize>>, NetworkFault> = wanted
             .iter()
             .enumerate()
             .map(|(i, side)| match side {
@@ -90,10 +97,10 @@ impl Operator for Reshape {
                     .get(i)
                     .copied()
                     .map(Some)
-                    .ok_or_else(|| format!("{old:?} has no side {i} to keep")),
+                    .ok_or(NetworkFault::Malformed("it keeps a side that is not there")),
                 side => usize::try_from(*side)
                     .map(Some)
-                    .map_err(|_| format!("{side} is no side")),
+                    .map_err(|_| NetworkFault::Malformed("a side of it is less than nothing")),
             })
             .collect();
         let sides = sides?;
@@ -112,11 +119,14 @@ impl Operator for Reshape {
 struct Flatten(usize);
 
 impl Operator for Flatten {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let value = inputs.value(0)?;
         let shape = value.shape();
         if self.0 > shape.len() {
-            return Err(format!("a tensor {shape:?} has no axis {}", self.0));
+            return Err(NetworkFault::NoAxis {
+                rank: shape.len(),
+                axis: self.0 as i64,
+            });
         }
         let (rows, columns) = shape.split_at(self.0);
         let shape = [rows.iter().product(), columns.iter().product()];
@@ -132,11 +142,11 @@ impl Operator for Flatten {
 struct Squeeze(Option<Numbers>);
 
 impl Operator for Squeeze {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let axes = self.0.as_ref().map(|axes| axes.of(&inputs)).transpose()?;
         let value = inputs.value(0)?;
         let shape = value.shape();
-        let gone: Result<Vec<usize>, String> = match axes {
+        let gone: Result<Vec<usize>, NetworkFault> = match axes {
             Some(axes) => axes.iter().map(|a| axis_of(*a, shape.len())).collect(),
             None => Ok((0..shape.len()).filter(|i| shape[*i] == 1).collect()),
         };
@@ -157,17 +167,20 @@ impl Operator for Squeeze {
 struct Unsqueeze(Numbers);
 
 impl Operator for Unsqueeze {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let axes = self.0.of(&inputs)?;
         let value = inputs.value(0)?;
         let mut shape = value.shape();
         let rank = shape.len() + axes.len();
-        let new: Result<Vec<usize>, String> = axes.iter().map(|a| axis_of(*a, rank)).collect();
+        let new: Result<Vec<usize>, NetworkFault> = axes.iter().map(|a| axis_of(*a, rank)).collect();
         let mut new = new?;
         new.sort_unstable();
         for axis in new {
             if axis > shape.len() {
-                return Err(format!("axis {axis} cannot be put into {shape:?}"));
+                return Err(NetworkFault::NoAxis {
+                    rank: shape.len(),
+                    axis: axis as i64,
+                });
             }
             shape.insert(axis, 1);
         }
@@ -182,15 +195,12 @@ impl Operator for Unsqueeze {
 struct Transpose(Vec<usize>);
 
 impl Operator for Transpose {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let Floats { x, rank } = inputs.floats(0)?;
         let mut seen = self.0.clone();
         seen.sort_unstable();
         if seen != (0..rank).collect::<Vec<_>>() {
-            return Err(format!(
-                "{:?} is no order of the axes of a tensor of rank {rank}",
-                self.0
-            ));
+            return Err("its order of axes does not name each of them once".into());
         }
         let front = RANK - rank;
         let order: [usize; RANK] = std::array::from_fn(|i| match i.checked_sub(front) {
@@ -211,7 +221,7 @@ impl Operator for Transpose {
 struct Concat(usize);
 
 impl Operator for Concat {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let first = inputs
             .values
             .first()
@@ -219,20 +229,23 @@ impl Operator for Concat {
             .ok_or("it has no input")?;
         let shape = first.shape();
         if self.0 >= shape.len() {
-            return Err(format!("a tensor {shape:?} has no axis {}", self.0));
+            return Err(NetworkFault::NoAxis {
+                rank: shape.len(),
+                axis: self.0 as i64,
+            });
         }
         let fits = |v: &Value| {
             let other = v.shape();
             other.len() == shape.len() && (0..shape.len()).all(|i| i == self.0 || other[i] == shape[i])
         };
         if !inputs.values.iter().flatten().all(fits) {
-            return Err(format!("its inputs do not go together along axis {}", self.0));
+            return Err("its inputs do not go together along its axis".into());
         }
         if matches!(first, Value::Whole(_)) {
             return self.whole(&inputs);
         }
         let rank = shape.len();
-        let tensors: Result<Vec<_>, String> = (0..inputs.count()).map(|i| Ok(inputs.floats(i)?.x)).collect();
+        let tensors: Result<Vec<_>, NetworkFault> = (0..inputs.count()).map(|i| Ok(inputs.floats(i)?.x)).collect();
         let x = Tensor::cat(tensors?, RANK - rank + self.0);
         Ok(vec![Value::Floats(Floats { x, rank })])
     }
@@ -243,8 +256,8 @@ impl Operator for Concat {
 }
 
 impl Concat {
-    fn whole(&self, inputs: &Inputs) -> Result<Vec<Value>, String> {
-        let parts: Result<Vec<&Whole>, String> = (0..inputs.count()).map(|i| inputs.whole(i)).collect();
+    fn whole(&self, inputs: &Inputs) -> Result<Vec<Value>, NetworkFault> {
+        let parts: Result<Vec<&Whole>, NetworkFault> = (0..inputs.count()).map(|i| inputs.whole(i)).collect();
         let parts = parts?;
         let mut shape = parts[0].shape.clone();
         shape[self.0] = parts.iter().map(|p| p.shape[self.0]).sum();
@@ -270,7 +283,7 @@ struct Cut {
 }
 
 impl Operator for Cut {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let (starts, ends) = (self.starts.of(&inputs)?, self.ends.of(&inputs)?);
         let axes = match &self.axes {
             Some(axes) => axes.of(&inputs)?,
@@ -323,7 +336,7 @@ struct Split {
 }
 
 impl Operator for Split {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let sizes = self.sizes.as_ref().map(|sizes| sizes.of(&inputs)).transpose()?;
         let value = inputs.value(0)?;
         let side = *value
@@ -353,12 +366,12 @@ impl Operator for Split {
 struct Gather(usize);
 
 impl Operator for Gather {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let named = inputs.whole(1)?.clone();
         let value = inputs.value(0)?;
         let shape = value.shape();
         let side = *shape.get(self.0).ok_or("it selects from an axis that is not there")?;
-        let places: Result<Vec<usize>, String> = named.data.iter().map(|place| axis_of(*place, side)).collect();
+        let places: Result<Vec<usize>, NetworkFault> = named.data.iter().map(|place| axis_of(*place, side)).collect();
         let taken = value.taken(self.0, &places?)?;
         let shape = [&shape[..self.0], &named.shape, &shape[self.0 + 1..]].concat();
         Ok(vec![taken.reshaped(&shape)?])
@@ -373,7 +386,7 @@ impl Operator for Gather {
 struct Expand(Numbers);
 
 impl Operator for Expand {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let wanted = self.0.of(&inputs)?;
         let wanted: Vec<usize> = wanted.iter().map(|side| usize::try_from(*side).unwrap_or(1)).collect();
         let Floats { x, rank } = inputs.floats(0)?;
@@ -389,12 +402,12 @@ impl Operator for Expand {
 struct Tile(Numbers);
 
 impl Operator for Tile {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let times = self.0.of(&inputs)?;
         let Floats { x, rank } = inputs.floats(0)?;
         let times: Vec<usize> = times.iter().map(|t| usize::try_from(*t).unwrap_or(0)).collect();
         if times.len() != rank || times.contains(&0) {
-            return Err(format!("it repeats a tensor of rank {rank} {times:?} times"));
+            return Err("it does not say for each axis how often to repeat it".into());
         }
         let times = full(&times)?;
         bounded(

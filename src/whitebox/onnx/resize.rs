@@ -9,6 +9,7 @@ use onnx_ir::resize::{CoordinateTransformMode, NearestMode, ResizeConfig, Resize
 
 use super::operator::{AnyOperator, Inputs, Numbers, Operator, axis_of};
 use super::value::{Floats, RANK, Value, bounded};
+use crate::whitebox::NetworkFault;
 
 /// Rows and columns to another number, each by a matrix whose rows are the kernel's weights.
 struct Resize {
@@ -47,10 +48,10 @@ impl Resize {
     }
 
     /// New rows and columns, and by how much each is scaled.
-    fn target(&self, old: [usize; 2], inputs: &mut Inputs) -> Result<[(usize, f32); 2], String> {
+    fn target(&self, old: [usize; 2], inputs: &mut Inputs) -> Result<[(usize, f32); 2], NetworkFault> {
         let by_scale =
             |scales: [f32; 2]| std::array::from_fn(|i| ((old[i] as f32 * scales[i]).floor() as usize, scales[i]));
-        let by_side = |sides: &[i64]| -> Result<[(usize, f32); 2], String> {
+        let by_side = |sides: &[i64]| -> Result<[(usize, f32); 2], NetworkFault> {
             let last = sides.len().checked_sub(2).ok_or("its sizes are too few")?;
             let sides = [sides[last], sides[last + 1]].map(|side| usize::try_from(side).unwrap_or(0));
             Ok(std::array::from_fn(|i| (sides[i], sides[i] as f32 / old[i] as f32)))
@@ -104,7 +105,7 @@ impl Resize {
 }
 
 impl Operator for Resize {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let shape = inputs
             .values
             .first()
@@ -112,7 +113,7 @@ impl Operator for Resize {
             .map(Value::shape)
             .unwrap_or_default();
         let [_, _, rows, columns] = shape[..] else {
-            return Err(format!("it resizes a tensor {shape:?}, which is no picture"));
+            return Err(NetworkFault::Rank { shape, rank: 4 });
         };
         let [(new_rows, y), (new_columns, x)] = self.target([rows, columns], &mut inputs)?;
         if new_rows == 0 || new_columns == 0 || rows == 0 || columns == 0 {
@@ -146,7 +147,7 @@ enum Border {
 }
 
 impl Operator for Pad {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let pads = self.pads.of(&inputs)?;
         let axes = self.axes.as_ref().map(|axes| axes.of(&inputs)).transpose()?;
         let value = match self.value {
@@ -159,11 +160,15 @@ impl Operator for Pad {
         let Floats { x, rank } = inputs.floats(0)?;
         let axes = axes.unwrap_or_else(|| (0..rank as i64).collect());
         if pads.len() != 2 * axes.len() {
-            return Err(format!("it has {} paddings for {} axes", pads.len(), axes.len()));
+            return Err(NetworkFault::Count {
+                what: "paddings",
+                expected: 2 * axes.len(),
+                found: pads.len(),
+            });
         }
         let mut pairs = [(0, 0); RANK];
         for (i, axis) in axes.iter().enumerate() {
-            let side = |v: i64| usize::try_from(v).map_err(|_| "it pads by less than nothing".to_owned());
+            let side = |v: i64| usize::try_from(v).map_err(|_| NetworkFault::Malformed("it pads by less than nothing"));
             pairs[RANK - rank + axis_of(*axis, rank)?] = (side(pads[i])?, side(pads[i + axes.len()])?);
         }
         if pairs.iter().all(|pair| *pair == (0, 0)) {

@@ -8,6 +8,7 @@ use onnx_ir::{Node, TensorData, TensorDataExt};
 
 use super::operator::{AnyOperator, Inputs, Numbers, Operator};
 use super::value::{Floats, Value, Whole, bounded};
+use crate::whitebox::NetworkFault;
 
 /// The sides of a tensor, from one axis to another.
 struct Shape {
@@ -16,7 +17,7 @@ struct Shape {
 }
 
 impl Operator for Shape {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let shape = inputs.value(0)?.shape();
         let end = self.end.min(shape.len());
         let sides = shape.get(self.start..end).unwrap_or_default();
@@ -34,7 +35,7 @@ struct ConstantOfShape {
 }
 
 impl Operator for ConstantOfShape {
-    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let sides = self.shape.of(&inputs)?;
         let shape: Vec<usize> = sides.iter().map(|side| usize::try_from(*side).unwrap_or(0)).collect();
         let count = bounded(shape.iter().copied())?;
@@ -58,13 +59,13 @@ impl Operator for ConstantOfShape {
 struct Range([Numbers; 3]);
 
 impl Operator for Range {
-    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, String> {
+    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let number = |i: usize| {
             self.0[i]
                 .of(&inputs)?
                 .first()
                 .copied()
-                .ok_or("a bound of it is empty".to_owned())
+                .ok_or(NetworkFault::Malformed("a bound of it is empty"))
         };
         let (mut at, limit, step) = (number(0)?, number(1)?, number(2)?);
         if step == 0 || (limit - at) / step > 1 << 24 {

@@ -1,5 +1,6 @@
 //! What flows along the edges of a network: tensors, and the whole numbers that shapes are reckoned with.
 
+use crate::whitebox::NetworkFault;
 use burn::tensor::{Tensor, TensorData};
 use onnx_ir::TensorDataExt;
 
@@ -45,12 +46,12 @@ impl Value {
     }
 
     /// A constant of the file.
-    pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value, String> {
+    pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value, NetworkFault> {
         let shape = data.shape().to_vec();
         if data.dtype().is_float() {
             let values = data
                 .to_f32_vec()
-                .map_err(|e| format!("a constant of it cannot be read: {e}"))?;
+                .map_err(|e| NetworkFault::Framework(format!("a constant of it cannot be read: {e}")))?;
             return Floats::new(values, &shape, device).map(Value::Floats);
         }
         let data = data.iter::<i64>().collect();
@@ -59,7 +60,11 @@ impl Value {
 }
 
 impl Floats {
-    pub(super) fn new(values: Vec<f32>, shape: &[usize], device: &burn::tensor::Device) -> Result<Floats, String> {
+    pub(super) fn new(
+        values: Vec<f32>,
+        shape: &[usize],
+        device: &burn::tensor::Device,
+    ) -> Result<Floats, NetworkFault> {
         let x = Tensor::from_data(TensorData::new(values, full(shape)?), device);
         Ok(Floats { x, rank: shape.len() })
     }
@@ -69,17 +74,23 @@ impl Floats {
     }
 
     /// The framework's number of an axis of the ONNX tensor.
-    pub(super) fn axis(&self, axis: usize) -> Result<usize, String> {
+    pub(super) fn axis(&self, axis: usize) -> Result<usize, NetworkFault> {
         match axis < self.rank {
             true => Ok(RANK - self.rank + axis),
-            false => Err(format!("a tensor of rank {} has no axis {axis}", self.rank)),
+            false => Err(NetworkFault::NoAxis {
+                rank: self.rank,
+                axis: axis as i64,
+            }),
         }
     }
 
-    pub(super) fn reshaped(self, shape: &[usize]) -> Result<Floats, String> {
+    pub(super) fn reshaped(self, shape: &[usize]) -> Result<Floats, NetworkFault> {
         let wanted: usize = shape.iter().product();
         if self.x.shape().num_elements() != wanted {
-            return Err(format!("a tensor {:?} cannot become {shape:?}", self.shape()));
+            return Err(NetworkFault::Reshape {
+                from: self.shape(),
+                to: shape.to_vec(),
+            });
         }
         Ok(Floats {
             x: self.x.reshape(full(shape)?),
@@ -88,16 +99,15 @@ impl Floats {
     }
 
     /// With its own rank in its type; `R` must be that rank.
-    pub(super) fn of_rank<const R: usize>(self) -> Result<Tensor<R>, String> {
+    pub(super) fn of_rank<const R: usize>(self) -> Result<Tensor<R>, NetworkFault> {
         let shape = self.shape();
         let sides: [usize; R] = shape
-            .as_slice()
             .try_into()
-            .map_err(|_| format!("a tensor {shape:?} came where rank {R} belongs"))?;
+            .map_err(|shape| NetworkFault::Rank { shape, rank: R })?;
         Ok(self.x.reshape(sides))
     }
 
-    pub(super) fn from_rank<const R: usize>(x: Tensor<R>) -> Result<Floats, String> {
+    pub(super) fn from_rank<const R: usize>(x: Tensor<R>) -> Result<Floats, NetworkFault> {
         let shape = full(&x.dims())?;
         Ok(Floats {
             x: x.reshape(shape),
@@ -106,17 +116,20 @@ impl Floats {
     }
 
     /// The numbers, row-major.
-    pub(super) fn values(&self) -> Result<Vec<f32>, String> {
-        self.x.try_to_vec_as::<f32>().map_err(|e| e.to_string())
+    pub(super) fn values(&self) -> Result<Vec<f32>, NetworkFault> {
+        self.x
+            .try_to_vec_as::<f32>()
+            .map_err(|e| NetworkFault::Framework(e.to_string()))
     }
 }
 
 /// A shape with ones in front, [`RANK`] axes in all.
-pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], String> {
+pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], NetworkFault> {
     let mut sides = [1; RANK];
-    let from = RANK
-        .checked_sub(shape.len())
-        .ok_or_else(|| format!("a tensor {shape:?} has more than {RANK} axes"))?;
+    let from = RANK.checked_sub(shape.len()).ok_or_else(|| NetworkFault::TooManyAxes {
+        shape: shape.to_vec(),
+        most: RANK,
+    })?;
     sides[from..].copy_from_slice(shape);
     Ok(sides)
 }
@@ -125,23 +138,27 @@ pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], String> {
 const MOST_NUMBERS: usize = 1 << 28;
 
 /// How many numbers a tensor of these sides has.
-pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize, String> {
+pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize, NetworkFault> {
     let count = sides
         .into_iter()
         .try_fold(1_usize, |count, side| count.checked_mul(side));
     let count = count.filter(|count| *count <= MOST_NUMBERS);
-    count.ok_or_else(|| format!("a tensor of it would have more than {MOST_NUMBERS} numbers"))
+    count.ok_or(NetworkFault::TooLarge { most: MOST_NUMBERS })
 }
 
 /// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
-pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>, String> {
+pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>, NetworkFault> {
     let rank = a.len().max(b.len());
     let side = |shape: &[usize], i: usize| (i + shape.len()).checked_sub(rank).map_or(1, |i| shape[i]);
     (0..rank)
         .map(|i| match (side(a, i), side(b, i)) {
             (x, y) if x == y || y == 1 => Ok(x),
             (1, y) => Ok(y),
-            _ => Err(format!("tensors {a:?} and {b:?} do not broadcast")),
+            _ => Err(NetworkFault::Mismatch {
+                what: "tensors",
+                left: a.to_vec(),
+                right: b.to_vec(),
+            }),
         })
         .collect()
 }
