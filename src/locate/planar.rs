@@ -30,16 +30,16 @@ fn both(in_tag_mm: &[Point3<f64>; 4], corners_px: &[[f64; 2]; 4], camera: &Camer
 fn rotations(map: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
     let h = map / map[(2, 2)];
     let centre = Vector2::new(h[(0, 2)], h[(1, 2)]);
-    let slope = Matrix2::from_fn(|i, j| h[(i, j)] - h[(2, j)] * centre[i]);
+    let jacobian = Matrix2::from_fn(|i, j| h[(i, j)] - h[(2, j)] * centre[i]);
     let turn = towards(centre);
     let projected = Matrix2::from_fn(|i, j| turn[(i, j)] - centre[i] * turn[(2, j)]);
-    let stretch = projected.try_inverse()? * slope;
-    let size = stretch.svd(false, false).singular_values.max();
+    let scaled = projected.try_inverse()? * jacobian;
+    let size = scaled.svd(false, false).singular_values.max();
     if !(size.is_finite() && size > 0.0) {
         return None;
     }
     // The upper left of the rotation as seen along the ray, and what unit columns leave for the third row, up to its sign.
-    let upper = stretch / size;
+    let upper = scaled / size;
     let left = Matrix2::identity() - upper.transpose() * upper;
     let [b1, b2] = [left[(0, 0)], left[(1, 1)]].map(|v| v.max(0.0).sqrt());
     let b2 = if left[(0, 1)] < 0.0 { -b2 } else { b2 };
