@@ -87,7 +87,13 @@ mod tests {
         };
         let end = minimise(Valley(Vector2::new(-1.2, 1.0)), &limits);
         assert!((end.0 - Vector2::new(1.0, 1.0)).norm() < 1e-9, "{}", end.0);
-        let few = minimise(Valley(Vector2::new(-1.2, 1.0)), &Limits { most_trials: 3, ..limits });
+        let few = minimise(
+            Valley(Vector2::new(-1.2, 1.0)),
+            &Limits {
+                most_trials: 3,
+                ..limits
+            },
+        );
         assert!(few.cost() > end.cost());
     }
 }

@@ -66,7 +66,9 @@ impl Camera {
 
     /// The camera's numbers in the order of [`PARAMETERS`].
     pub fn parameters(&self) -> [f64; PARAMETERS] {
-        let mut all = [self.fx, self.fy, self.cx, self.cy, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let mut all = [
+            self.fx, self.fy, self.cx, self.cy, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        ];
         all[4..].copy_from_slice(self.distortion());
         all
     }

@@ -1,4 +1,4 @@
-//! Both poses that a square tag may have (IPPE: Collins & Bartoli, "Infinitesimal Plane-Based Pose Estimation", IJCV 2014).
+//! Both poses that a planar target, as a tag or a board, may have (IPPE: Collins & Bartoli, "Infinitesimal Plane-Based Pose Estimation", IJCV 2014).
 
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
@@ -6,21 +6,22 @@ use super::rays;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, homography, rigid};
 
-/// `T_camera_tag` of a square's two planar branches; none when its corners are on a line or the lens model does not reach them.
-/// `in_tag_mm`: its corners in its own frame, whose origin is the square's centre.
-pub fn planar_branches(in_tag_mm: &[Point3<f64>; 4], corners_px: &[[f64; 2]; 4], camera: &Camera) -> Vec<Rigid> {
-    both(in_tag_mm, corners_px, camera).map_or_else(Vec::new, Vec::from)
+/// `T_camera_plane` of the two branches of a planar target; none when its points are on a line or the lens model does not reach them.
+/// `in_plane_mm`: at least four points in the target's own frame, z = 0.
+pub fn planar_branches(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Vec<Rigid> {
+    both(in_plane_mm, seen_px, camera).map_or_else(Vec::new, Vec::from)
 }
 
-fn both(in_tag_mm: &[Point3<f64>; 4], corners_px: &[[f64; 2]; 4], camera: &Camera) -> Option<[Rigid; 2]> {
-    let seen = rays::at(corners_px, camera)?;
-    let plane = in_tag_mm.map(|p| [p.x, p.y]);
+fn both(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Option<[Rigid; 2]> {
+    let seen = rays::at(seen_px, camera)?;
+    // The branches differ in how the plane is tilted about the origin, which is where the points are.
+    let middle = in_plane_mm.iter().map(|p| p.coords).sum::<Vector3<f64>>() / in_plane_mm.len() as f64;
+    let centred: Vec<_> = in_plane_mm.iter().map(|p| p - middle).collect();
+    let plane: Vec<_> = centred.iter().map(|p| [p.x, p.y]).collect();
     let map = homography::fitted(&plane, &seen)?;
     let pose = |rotation| {
-        Some(rigid::from_matrix(
-            rotation,
-            rays::translation(&rotation, in_tag_mm, &seen)?,
-        ))
+        let translation = rays::translation(&rotation, &centred, &seen)? - rotation * middle;
+        Some(rigid::from_matrix(rotation, translation))
     };
     let [one, other] = rotations(&map)?;
     Some([pose(one)?, pose(other)?])

@@ -76,7 +76,9 @@ impl LeastSquares for Normal<'_> {
 
     fn stepped(&self, damping: f64) -> Option<Self> {
         let diagonal = Matrix6::from_diagonal(&self.information.diagonal());
-        let step = -(self.information + diagonal * damping).cholesky()?.solve(&self.gradient);
+        let step = -(self.information + diagonal * damping)
+            .cholesky()?
+            .solve(&self.gradient);
         Normal::at(stepped(&self.pose, &step), self.corners, self.camera, self.huber_px)
     }
 }

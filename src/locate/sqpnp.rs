@@ -114,7 +114,10 @@ impl LeastSquares for OnRotations<'_> {
         let information = jacobian.transpose() * self.form * jacobian;
         let damped = information + Matrix3::identity() * (damping * (information.trace() + f64::MIN_POSITIVE));
         let step = -(damped.try_inverse()? * gradient);
-        Some(OnRotations::at(Rotation3::new(step).into_inner() * self.rotation, self.form))
+        Some(OnRotations::at(
+            Rotation3::new(step).into_inner() * self.rotation,
+            self.form,
+        ))
     }
 }
 

@@ -145,7 +145,11 @@ impl Clipped {
         for length in lengths {
             squares += length.min(huber_px).powi(2);
             // Beyond the threshold, ψ has the threshold's length: it changes across its direction only.
-            derivative += if length > huber_px { huber_px / length / 2.0 } else { 1.0 };
+            derivative += if length > huber_px {
+                huber_px / length / 2.0
+            } else {
+                1.0
+            };
         }
         Some(Clipped {
             squares,

@@ -18,8 +18,8 @@ mod transfer;
 pub use crate::ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
 pub use cache::Cache;
 pub use compare::{
-    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare,
-    compare_with, pairs_needed, power,
+    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare, compare_with,
+    pairs_needed, power,
 };
 pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;

@@ -64,7 +64,13 @@ fn first_guess(samples: &[Sample], values: &[f64], band: f64) -> Option<Paramete
         let (count, sum) = far.fold((0, 0.0), |(n, sum), (_, v)| (n + 1, sum + v));
         (count > 0).then(|| sum / f64::from(count))
     };
-    Some(Parameters::from([0.0, 0.0, (band / 3.0).max(0.5), mean(-1.0)?, mean(1.0)?]))
+    Some(Parameters::from([
+        0.0,
+        0.0,
+        (band / 3.0).max(0.5),
+        mean(-1.0)?,
+        mean(1.0)?,
+    ]))
 }
 
 /// The normal equations of all pixels for one edge.
