@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::geometry::Rigid;
 
 /// Squared distance that stands for a corner without a pixel: behind the camera, or beyond the lens model. px².
-const NO_PIXEL: f64 = 1e8;
+pub(super) const NO_PIXEL: f64 = 1e8;
 
 /// The corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left.
 pub(super) fn corners_mm(size_mm: f64) -> [Point3<f64>; 4] {
