@@ -39,6 +39,7 @@ pub mod files;
 #[cfg(feature = "full")]
 pub mod frames;
 pub mod geometry;
+mod least_squares;
 pub mod locate;
 pub mod mesh;
 #[cfg(feature = "full")]

@@ -9,7 +9,6 @@ mod plain_view;
 mod planar;
 mod rays;
 mod refine;
-pub mod reprojection;
 mod solver;
 mod sqpnp;
 mod uncertainty;
@@ -23,7 +22,7 @@ use crate::scene::{Bin, Scene, Viewpoint};
 use crate::tags::SeenTag;
 use consensus::Consensus;
 use matches::{Corners, Match};
-use refine::NO_BEND;
+use refine::NO_HUBER;
 use solver::Candidate;
 
 pub use diagnosis::{Diagnosis, Examined};
@@ -162,6 +161,6 @@ fn found<'a>(
 fn finished(solver: Solver, best: &Candidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
     match solver {
         Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
-        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_BEND)?)),
+        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?)),
     }
 }

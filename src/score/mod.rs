@@ -14,13 +14,12 @@ mod run;
 pub mod shard;
 mod summary;
 mod transfer;
-mod wilson;
 
 pub use crate::ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
 pub use cache::Cache;
 pub use compare::{
-    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
-    compare_with, holm, interval_95, mcnemar_p, pairs_needed, power,
+    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare, compare_with,
+    pairs_needed, power,
 };
 pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;
@@ -31,7 +30,6 @@ pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability
 pub use run::{ScoreError, Scores, libraries, merge, observe, runtime, score};
 pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};
-pub use wilson::wilson_95;
 
 /// A detection counts for the model when their boxes overlap by at least this much.
 pub const MATCH_IOU: f64 = 0.5;
