@@ -686,3 +686,22 @@ fn a_capture_is_followed_and_finished_in_a_browser() {
     });
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
+
+/// Whoever opens the page when the source has ended sees the newest picture, as those do who watched.
+#[test]
+fn a_page_opened_after_the_last_frame_shows_it() {
+    let running = Running::start(&replay(), &[]);
+    wait_for(&mut running.client(), |state| state["source_ended"] == true);
+    let mut browser = Browser::start();
+    browser.open(&running.address);
+    let is_told = "document.getElementById('advice').textContent === 'Taken; all views are there'";
+    let preview = "document.getElementById('preview').textContent";
+    let shown = loop {
+        let shown = browser.value(&format!("{is_told} ? {preview} : null"));
+        if let Some(shown) = shown.as_str() {
+            break shown.to_owned();
+        }
+    };
+    assert!(!shown.contains("no "), "there is a photo, and the page says: {shown}");
+    browser.wait_for("document.querySelectorAll('#preview polygon.whole').length >= 3");
+}
