@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BASE_VARIANT, Contestant, NotScored, ScoredPhoto};
+use super::{BASE_VARIANT, EvaluatedDetector, NotScored, ScoredPhoto};
 use crate::session::Session;
 
 /// Every caution of a run, as sentences.
@@ -10,14 +10,14 @@ pub(super) fn cautions(
     photos: &[ScoredPhoto],
     not_scored: &[NotScored],
     sessions: &[Session],
-    contestants: &[Contestant],
+    detectors: &[EvaluatedDetector],
 ) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(no_base(photos));
     cautions.extend(copies(photos));
     cautions.extend(uneven_directions(photos));
     cautions.extend(left_out(not_scored));
-    cautions.extend(unknown_classes(sessions, contestants));
+    cautions.extend(unknown_classes(sessions, detectors));
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
     cautions.extend(guessed_cameras(photos, sessions));
@@ -78,11 +78,11 @@ fn left_out(not_scored: &[NotScored]) -> Option<String> {
 }
 
 /// A detector that knows some of the labels that count has fewer ways to find the model.
-fn unknown_classes(sessions: &[Session], contestants: &[Contestant]) -> Vec<String> {
+fn unknown_classes(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Vec<String> {
     let Some(classes) = sessions.first().map(|s| &s.scene.model.class) else {
         return Vec::new();
     };
-    let unknown = contestants.iter().filter_map(|c| {
+    let unknown = detectors.iter().filter_map(|c| {
         let unknown = c.manifest.unknown_classes(classes.labels());
         let quoted: Vec<String> = unknown.iter().map(|label| format!("`{label}`")).collect();
         let name = &c.manifest.name;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::cli::{CommandResult, Outcome, progress, sessions};
 use crate::detect::{Manifest, Recorded, Recording};
 use crate::photo::PhotoFile;
-use crate::score::Contestant;
+use crate::score::EvaluatedDetector;
 use crate::session::{Contents, Look, PhotoEntry, Session};
 use crate::workers;
 
@@ -65,7 +65,7 @@ fn page(session: &Session) -> Page {
     }
     notes.extend(copies(session, &looks));
     notes.extend(session.camera.as_ref().and_then(|c| Some(c.guess?.caution())));
-    let folder = Contestant::recordings_of(&session.folder);
+    let folder = EvaluatedDetector::recordings_of(&session.folder);
     for detector in Recording::names_in(&folder) {
         let opened = match Manifest::named(&detector) {
             Ok(manifest) => Recorded::open(&folder, &manifest).map(|recorded| recorded.recording),

@@ -85,9 +85,9 @@ fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared
                 @let d = of(r);
                 @let y = ROW * (i as f64 + 0.5);
                 @let is_shown = matches!(d.finding, Finding::Drop | Finding::Rise);
-                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (title(scores, r)) ", " (r.variant) }
+                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
                 g.drop {
-                    title { (title(scores, r)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
+                    title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
                     @if let Some(interval) = d.interval_95 {
                         line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
                     }
@@ -108,11 +108,6 @@ fn numbers(d: &Difference) -> String {
     format!("{:.2} → {:.2}, {}{interval}", d.base, d.other, number(d.drop, 2))
 }
 
-fn title<'a>(scores: &'a Scores, r: &'a Compared) -> &'a str {
-    let contestant = scores.contestants.iter().find(|c| c.manifest.name == r.detector);
-    contestant.map_or(&r.detector, |c| &c.manifest.title)
-}
-
 fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
     html! {
@@ -122,7 +117,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
                 tbody {
                     @for r in &comparison.results {
                         tr {
-                            td { (title(scores, r)) } td.text { (r.variant) } td { (r.pairs) }
+                            td { (scores.title(&r.detector)) } td.text { (r.variant) } td { (r.pairs) }
                             @for azimuth in &azimuths {
                                 td {
                                     @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {

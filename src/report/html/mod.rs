@@ -100,14 +100,14 @@ fn lead(scores: &Scores) -> String {
         model.scale,
         model.class,
         scores.photos.len(),
-        scores.contestants.len(),
+        scores.detectors.len(),
         counted(scores)
     )
 }
 
 fn recorded_banner(scores: &Scores) -> Markup {
     let recorded: Vec<&str> = scores
-        .contestants
+        .detectors
         .iter()
         .filter(|c| c.is_recorded())
         .map(|c| c.manifest.title.as_str())

@@ -11,10 +11,10 @@ const FEW: usize = 100;
 
 /// One diagram per detector.
 pub(super) fn diagrams(scores: &Scores) -> Markup {
-    let all = reliability(&scores.photos, &scores.contestants);
+    let all = reliability(&scores.photos, &scores.detectors);
     html! {
         div.small-charts {
-            @for (c, r) in scores.contestants.iter().zip(&all) {
+            @for (c, r) in scores.detectors.iter().zip(&all) {
                 figure { (diagram(&c.manifest.title, r)) figcaption { (c.manifest.title) br; small { (verdict(r)) } } }
             }
         }
