@@ -60,7 +60,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         ..Criteria::default()
     };
     let options = args.effort.options(&detectors)?;
-    let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?.judged_by(criteria);
+    let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
+    let scores = scores.judged_by(criteria).against(&args.base);
     let comparison = score::compare(&scores, &args.base, args.ap)?;
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);

@@ -8,6 +8,7 @@ use super::html::evaluation as page;
 use super::{ReportError, counted, latex};
 use crate::files;
 use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
+use crate::spelling;
 
 /// What the tables of an evaluation are made of.
 pub struct Evaluation<'a> {
@@ -83,7 +84,8 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
     let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
     let ap = evaluation.scores.criteria.ap.name();
     let mut lines = vec![format!(
-        "Table 1. AP@0.5 ({ap}) / mean confidence, {photos} photos a pattern"
+        "Table 1. AP@0.5 ({ap}) / mean confidence, {} a pattern",
+        spelling::count(photos, "photo")
     )];
     lines.extend(table(evaluation, &targets, |f| {
         format!("{:.2} / {:.2}", f.ap50, f.mean_confidence)

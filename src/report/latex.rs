@@ -1,6 +1,7 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
 
 use super::evaluation::Evaluation;
+use super::p_value;
 use crate::score::{
     BASE_VARIANT, Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, MATCH_IOU, Scores, Summary,
 };
@@ -117,7 +118,7 @@ fn compared_cells(scores: &Scores, r: &Compared) -> [String; 10] {
         drop_cell(&r.ap50),
         both(&r.hit_rate.rate, 2),
         drop_cell(&r.hit_rate.rate),
-        format!("{:.3}", r.hit_rate.mcnemar_p),
+        p_value(r.hit_rate.mcnemar_p).replace("= ", "").replace("< ", "$<$"),
         both(&r.mean_confidence, 2),
         drop_cell(&r.mean_confidence),
     ]

@@ -118,6 +118,15 @@ fn results_name(detector: &str) -> String {
     format!("coco_results_{detector}.json")
 }
 
+/// A p value with its sign, as behind `p`.
+fn p_value(p: f64) -> String {
+    if p < 0.001 {
+        "< 0.001".to_owned()
+    } else {
+        format!("= {p:.3}")
+    }
+}
+
 /// What another label on the model is called, with its confidence.
 fn other_label(photo: &ScoredPhoto, index: usize, detector: &EvaluatedDetector) -> Option<(&'static str, f64)> {
     let (label, confidence) = photo.outcomes[index].other?;

@@ -15,7 +15,7 @@ pub enum ScoreError {
     SessionTwice { folder: String },
     #[error("{file} has no recorded detections of {detector}")]
     NotRecorded { file: String, detector: String },
-    #[error("none of the {photos} photos could be scored; {file}, for one: {reason}")]
+    #[error("{}", nothing_scored(*photos, file, reason))]
     NothingScored {
         photos: usize,
         file: String,
@@ -27,4 +27,11 @@ pub enum ScoreError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Tags(#[from] StartError),
+}
+
+fn nothing_scored(photos: usize, file: &str, reason: &str) -> String {
+    match photos {
+        1 => format!("the only photo, {file}, could not be scored: {reason}"),
+        _ => format!("none of the {photos} photos could be scored; {file}, for one: {reason}"),
+    }
 }

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::{notes, number, round, shell};
-use crate::report::counted;
+use crate::report::{counted, p_value};
 use crate::score::{COMPARISON_DEFINITIONS, Compared, Comparison, Difference, Finding, Scores};
 
 const PLOT: f64 = 300.0;
@@ -94,7 +94,7 @@ fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared
                     circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
                 }
                 text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
-                    (numbers(d)) @if name == "hit rate" { (format!(", p = {:.3}", r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
+                    (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
                 }
             }
         }
@@ -123,7 +123,7 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
                                     @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
                                         Some(bin) => {
                                             (number(bin.hits.rate.drop, 2)) br;
-                                            small { @match bin.holm_p { Some(p) => { "p " (format!("{p:.3}")) } None => { "too few" } } }
+                                            small { @match bin.holm_p { Some(p) => { "p " (p_value(p)) } None => { "too few" } } }
                                         }
                                         None => { "–" }
                                     }

@@ -6,17 +6,18 @@ use super::{notes, number, shell};
 use crate::report::counted;
 use crate::report::evaluation::{Evaluation, SCOPE, interval, is_shown};
 use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures};
+use crate::spelling;
 
 /// The whole page.
 pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
     let model = &scores.sessions[0].scene.model;
     let lead = format!(
-        "{} patterns and “{BASE_VARIANT}” on the 1:{} model of a {}, {} rendered photos; AP@0.5: {}; counts as the model: {}.",
-        evaluation.patterns.len().saturating_sub(1),
+        "{} and “{BASE_VARIANT}” on the 1:{} model of a {}, {}; AP@0.5: {}; counts as the model: {}.",
+        spelling::count(evaluation.patterns.len().saturating_sub(1), "pattern"),
         model.scale,
         model.class,
-        scores.photos.len(),
+        spelling::count(scores.photos.len(), "rendered photo"),
         scores.criteria.ap.name(),
         counted(scores)
     );

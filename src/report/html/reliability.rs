@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::round;
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
+use crate::spelling;
 
 const SIDE: f64 = 180.0;
 /// With fewer detections the error says little.
@@ -33,7 +34,10 @@ fn verdict(r: &Reliability) -> String {
     match (r.expected_calibration_error, r.error_by_chance) {
         (Some(error), Some(chance)) => {
             let few = if count < FEW { ": few" } else { "" };
-            format!("ECE {error:.2} ({chance:.2} by chance), {count} detections{few}")
+            format!(
+                "ECE {error:.2} ({chance:.2} by chance), {}{few}",
+                spelling::count(count, "detection")
+            )
         }
         _ => format!("no detection from confidence {RELIABILITY_FLOOR} up"),
     }

@@ -7,6 +7,7 @@ use crate::detect::{Speed, Speeds};
 use crate::geometry::BoxPx;
 use crate::plot::{Axis, Scale, tick_label};
 use crate::score::Scores;
+use crate::spelling;
 
 const PLOT: (f64, f64) = (430.0, 250.0);
 const RADIUS: f64 = 4.5;
@@ -35,9 +36,9 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
         }
         div.scroll { (plot(scores, &timed)) }
         p.note {
-            "Median of " (speeds.photos) " photos of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
+            "Median of " (spelling::count(speeds.photos, "photo")) " of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
             "decoded photo to boxes; " (speeds.threads) " thread, " (speeds.machine) "; " (speeds.onnx_runtime) "."
-            @if untimed > 0 { " Without times, and not in the chart: " (untimed) " detectors." }
+            @if untimed > 0 { " Without times, and not in the chart: " (spelling::count(untimed, "detector")) "." }
         }
     }
 }
