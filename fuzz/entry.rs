@@ -14,7 +14,7 @@ use scaleproof::files::sha256_hex;
 use scaleproof::mesh::{Mesh, Placement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::palette::Palette;
-use scaleproof::photo::{Photo, PhotoFile};
+use scaleproof::photo::Photo;
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
 use scaleproof::score::shard::{self, Run, Shard, ShardId};
@@ -142,10 +142,8 @@ fn mesh(name: &str, bytes: &[u8]) {
 pub fn photo(bytes: &[u8]) {
     let path = file("photo", bytes);
     if let Ok(photo) = Photo::open(&path) {
-        let _ = Camera::guessed(photo.width(), photo.height(), &photo.lens);
-    }
-    if let Ok(photo) = PhotoFile::open(&path) {
-        let _ = photo.grey();
+        let _ = Camera::guessed(photo.width, photo.height, &photo.lens());
+        let _ = photo.luma();
         let wanted = [1, 2, 4, 8].map(|r| photo.reduction([photo.width / r, photo.height / r]));
         wanted.iter().for_each(|reduction| drop(photo.rgb(*reduction)));
     }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
 use scaleproof::detect::{Detection, Detector, Manifest, Runtime, WeightFolders};
-use scaleproof::photo::PhotoFile;
+use scaleproof::photo::Photo;
 use scaleproof::score::{self, Cache, EvaluatedDetector, Options, Scores};
 use scaleproof::session::Session;
 
@@ -383,7 +383,7 @@ fn a_reduced_photo_is_detected_as_the_whole_one() {
     let folder = tempfile::tempdir().unwrap();
     let (mut worst_score, mut worst_px) = (0.0_f64, 0.0_f64);
     for name in ["normal_000.jpg", "random_011.jpg"] {
-        let file = PhotoFile::open(&enlarged(name, folder.path())).unwrap();
+        let file = Photo::open(&enlarged(name, folder.path())).unwrap();
         let whole = file.rgb(1).unwrap();
         for manifest in Manifest::all().unwrap() {
             let path = weights.join(&manifest.weights.file);
@@ -436,13 +436,13 @@ fn damage_is_noticed_at_every_size() {
             copy[at] = next() as u8;
         }
         std::fs::write(&path, copy).unwrap();
-        let Ok(file) = PhotoFile::open(&path) else {
+        let Ok(file) = Photo::open(&path) else {
             refused.iter_mut().for_each(|count| *count += 1);
             continue;
         };
         refused[0] += u32::from(file.rgb(1).is_err());
         refused[1] += u32::from(file.rgb(4).is_err());
-        refused[2] += u32::from(file.grey().is_err());
+        refused[2] += u32::from(file.luma().is_err());
     }
     println!(
         "of 60 damaged photos, refused whole {}, at a quarter {}, as brightness {}",
@@ -457,14 +457,14 @@ fn a_large_photo_that_is_cut_or_turned_is_still_told() {
     let path = enlarged("normal_000.jpg", folder.path());
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    let error = PhotoFile::open(&path).unwrap_err().to_string();
+    let error = Photo::open(&path).unwrap_err().to_string();
     assert!(error.contains("ends in the middle"), "{error}");
     // Turned by EXIF: every size is upright.
     let exif: &[u8] = b"\xFF\xE1\x00\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
     std::fs::write(&path, [&bytes[..2], exif, &bytes[2..]].concat()).unwrap();
-    let file = PhotoFile::open(&path).unwrap();
+    let file = Photo::open(&path).unwrap();
     assert_eq!((file.width, file.height, file.turned_deg), (3000, 4000, 90));
-    assert_eq!(file.grey().unwrap().dimensions(), (3000, 4000));
+    assert_eq!(file.luma().unwrap().dimensions(), (3000, 4000));
     let (whole, small) = (file.rgb(1).unwrap(), file.rgb(4).unwrap());
     assert_eq!(small.dimensions(), (750, 1000));
     let shrunk = imageops::thumbnail(&whole, 750, 1000);

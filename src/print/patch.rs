@@ -13,7 +13,7 @@ use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, move
 use crate::files;
 use crate::geometry::length;
 use crate::pattern::world_aligned::Side;
-use crate::photo::{Budget, PhotoFile, open_png};
+use crate::photo::{Budget, Photo, open_png};
 
 /// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
 pub const MAX_PIXELS: u32 = 8192;
@@ -55,12 +55,12 @@ impl Picture {
         };
         let picture = match format {
             ImageFormat::Png => {
-                let decoder = open_png(&bytes, &Budget::FILE).map_err(damaged)?;
+                let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
                 check_size(decoder.dimensions())?;
                 DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))?
             }
             _ => {
-                let file = PhotoFile::of_bytes(path, bytes.clone(), Budget::FILE).map_err(|e| bad(e.to_string()))?;
+                let file = Photo::from_bytes(path, bytes.clone(), Budget::FILE).map_err(|e| bad(e.to_string()))?;
                 check_size((file.width, file.height))?;
                 file.rgb(1).map_err(|e| bad(e.to_string()))?.into()
             }

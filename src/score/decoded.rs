@@ -2,17 +2,17 @@
 
 use image::RgbImage;
 
-use crate::photo::{PhotoError, PhotoFile};
+use crate::photo::{Photo, PhotoError};
 
 /// The colours of a photo at the sizes that somebody asked for.
 pub(super) struct DecodedPhoto<'a> {
-    pub file: &'a PhotoFile,
+    pub file: &'a Photo,
     /// Each with the factor by which it is reduced.
     images: Vec<(u32, RgbImage)>,
 }
 
 impl DecodedPhoto<'_> {
-    pub fn of(file: &PhotoFile) -> DecodedPhoto<'_> {
+    pub fn of(file: &Photo) -> DecodedPhoto<'_> {
         DecodedPhoto {
             file,
             images: Vec::new(),

@@ -8,8 +8,8 @@ use super::error::ScoreError;
 use super::{DetectionSource, EvaluatedDetector, NotScored, preview};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
-use crate::locate::{self, Abstention, Located};
-use crate::photo::{PhotoError, PhotoFile};
+use crate::locate::{Located, locate_tags};
+use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
 use crate::session::{PhotoEntry, Session};
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
@@ -129,29 +129,23 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
         return Ok(PlacedModel { located: None, truth });
     }
     let camera = job.session.known_camera().map_err(LeftOutReason::of)?;
-    let fitted = camera.for_photo(seen.width, seen.height, seen.turned_deg);
-    let located = fitted.map_err(Abstention::from).and_then(|fitted| {
-        let located = locate::locate(&seen.tags, scene, &fitted.camera)?;
-        Ok((located, fitted.camera))
-    });
-    match (located, given) {
-        (located, Some(truth)) => Ok(PlacedModel {
-            located: located.ok().map(|(located, _)| located),
-            truth,
-        }),
-        (Ok((located, camera)), None) => {
-            let truth = job
-                .session
-                .outline
-                .box_in_photo(&located.pose, &camera)
-                .map_err(LeftOutReason::of)?;
-            Ok(PlacedModel {
-                located: Some(located),
-                truth,
-            })
-        }
-        (Err(abstention), None) => Err(LeftOutReason::of(abstention)),
+    let photo = locate_tags(
+        seen.tags.clone(),
+        (seen.width, seen.height),
+        seen.turned_deg,
+        scene,
+        camera,
+    );
+    if let Some(truth) = given {
+        let located = photo.result.ok();
+        return Ok(PlacedModel { located, truth });
     }
+    let (located, fitted) = photo.pose_and_camera().map_err(LeftOutReason::of)?;
+    let truth = job.session.outline.box_in_photo(&located.pose, &fitted.camera);
+    Ok(PlacedModel {
+        truth: truth.map_err(LeftOutReason::of)?,
+        located: Some(located),
+    })
 }
 
 /// What each thread owns.
@@ -211,35 +205,35 @@ impl<'a> Observer<'a> {
 
     /// Tags first: no detector looks at a photo that cannot be placed.
     fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
-        let file = PhotoFile::open(&job.session.photo_path(job.entry))?;
+        let photo = Photo::open(&job.session.photo_path(job.entry))?;
         let mut seen = Observation {
-            sha256: file.sha256.clone(),
-            width: file.width,
-            height: file.height,
-            turned_deg: file.turned_deg,
+            sha256: photo.sha256.clone(),
+            width: photo.width,
+            height: photo.height,
+            turned_deg: photo.turned_deg,
             tags: match job.needs_tags() {
-                true => self.tags(&file)?,
+                true => self.tags(&photo)?,
                 false => Vec::new(),
             },
             detections: Vec::new(),
             preview_jpeg: Vec::new(),
         };
         let place = place(job, &seen).map_err(Stop::Photo)?;
-        let mut decoded = DecodedPhoto::of(&file);
+        let mut decoded = DecodedPhoto::of(&photo);
         for index in 0..self.detectors.len() {
             seen.detections.push(self.detections(index, job, &mut decoded)?);
         }
         if preview::has_preview(job.id, self.photos) {
             let side_px = preview::longest_side_px(self.photos);
-            let key = self.key(&["preview", &file.sha256, &side_px.to_string()]);
+            let key = self.key(&["preview", &photo.sha256, &side_px.to_string()]);
             seen.preview_jpeg = self.kept(key, |_| Ok(preview::jpeg(&mut decoded, side_px)?))?;
         }
         Ok((seen, place))
     }
 
-    fn tags(&mut self, file: &PhotoFile) -> Result<Vec<SeenTag>, Stop> {
-        let key = self.key(&["tags", &file.sha256, &format!("{:?}", self.families)]);
-        self.kept(key, |own| Ok(own.tags.find(&file.grey()?)))
+    fn tags(&mut self, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
+        let key = self.key(&["tags", &photo.sha256, &format!("{:?}", self.families)]);
+        self.kept(key, |own| Ok(own.tags.find(&photo.luma()?)))
     }
 
     fn detections(

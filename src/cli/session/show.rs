@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::cli::{CommandResult, Outcome, progress, sessions};
 use crate::detect::{Manifest, Recorded, Recording};
-use crate::photo::PhotoFile;
+use crate::photo::Photo;
 use crate::score::EvaluatedDetector;
 use crate::session::{Contents, Look, PhotoEntry, Session};
 use crate::spelling;
@@ -96,7 +96,7 @@ fn page(session: &Session) -> Page {
 /// Reads every photo, as far as its header.
 fn looks(session: &Session) -> Vec<Look> {
     let bar = progress::photos("reading", session.photos.len());
-    let look = |photo: &PhotoEntry| match PhotoFile::open(&session.photo_path(photo)) {
+    let look = |photo: &PhotoEntry| match Photo::open(&session.photo_path(photo)) {
         Ok(file) => Ok(file.sha256),
         Err(e) => Err(e.to_string()),
     };

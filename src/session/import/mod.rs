@@ -209,8 +209,8 @@ fn checked(rows: Vec<Row>, request: &Request) -> Result<Vec<PhotoEntry>, ImportE
 
 /// The photo is there, as large as the file says, and the box is in it.
 fn check_picture(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
-    let photo::PhotoFile { width, height, .. } =
-        photo::PhotoFile::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
+    let photo::Photo { width, height, .. } =
+        photo::Photo::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
     if let Some([w, h]) = size.filter(|size| *size != [width, height]) {
         return Err(format!(
             "{} is {width}×{height} px upright and not {w}×{h}: the boxes are another picture's",
