@@ -24,6 +24,7 @@ pub mod draw;
 pub mod envelope;
 pub mod files;
 pub mod geometry;
+mod least_squares;
 pub mod locate;
 pub mod mesh;
 #[cfg(feature = "full")]

@@ -6,7 +6,8 @@ use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stder
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ImageBoxes, average_precision, holm, interval_95, mcnemar_p, pairs_needed, power};
+use scaleproof::score::{ImageBoxes, average_precision, pairs_needed, power};
+use scaleproof::statistics::{holm, interval_95, mcnemar_p};
 use serde_json::Value;
 
 /// Photos of each side in a simulated cluster.

@@ -3,8 +3,8 @@
 use super::fit::Fit;
 use super::ladder::{Rung, normal};
 use super::model::Model;
-use super::project::View;
 use super::sharpness::BLURRED_PX;
+use super::view::View;
 use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, LeftOut};
 
 /// Why there is no camera. Each is a sentence a photographer can act on.

@@ -8,10 +8,10 @@ mod ladder;
 mod model;
 mod outliers;
 mod page;
-mod project;
 mod sharpness;
 mod summary;
 mod uncertainty;
+mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub use page::page;
 pub use summary::json;
 pub use uncertainty::{Cell, Map};
 
-use project::View;
+use view::View;
 
 /// With fewer photos than this there is nothing to hold a camera against.
 pub const LEAST_PHOTOS: usize = 4;
@@ -232,7 +232,7 @@ fn sigmas(fit: &fit::Fit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
 
 fn photo_results(shots: &[BoardPhoto], fit: &fit::Fit, views: &[View], middle_mm: [f64; 2]) -> Vec<PhotoResult> {
     let residuals = fit.residuals(views);
-    let of = |((shot, pose), residuals_px): ((&BoardPhoto, &project::Pose), Vec<[f64; 2]>)| {
+    let of = |((shot, pose), residuals_px): ((&BoardPhoto, &crate::geometry::Rigid), Vec<[f64; 2]>)| {
         let squared: f64 = residuals_px.iter().map(|[x, y]| x * x + y * y).sum();
         let [x, y] = middle_mm;
         PhotoResult {
@@ -242,9 +242,7 @@ fn photo_results(shots: &[BoardPhoto], fit: &fit::Fit, views: &[View], middle_mm
             rms_px: (squared / residuals_px.len().max(1) as f64).sqrt(),
             residuals_px,
             tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
-            distance_mm: (ladder::transform(pose) * nalgebra::Point3::new(x, y, 0.0))
-                .coords
-                .norm(),
+            distance_mm: (pose * nalgebra::Point3::new(x, y, 0.0)).coords.norm(),
             edge_width_px: shot.edge_width_px,
         }
     };

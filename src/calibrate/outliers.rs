@@ -3,7 +3,7 @@
 use super::BoardPhoto;
 use super::fit::{self, Fit};
 use super::model::Model;
-use super::project::View;
+use super::view::View;
 use crate::statistics::upper_median;
 
 /// Judged by a model rich enough that a lens is no outlier.

@@ -10,7 +10,6 @@ mod plain_view;
 mod planar;
 mod rays;
 mod refine;
-pub mod reprojection;
 mod solver;
 mod sqpnp;
 mod uncertainty;
@@ -24,7 +23,7 @@ use crate::scene::{Bin, Scene, Viewpoint};
 use crate::tags::SeenTag;
 use consensus::Consensus;
 use matches::{Corners, Match};
-use refine::NO_BEND;
+use refine::NO_HUBER;
 use solver::Candidate;
 
 pub use diagnosis::Diagnosis;
@@ -164,6 +163,6 @@ fn found<'a>(
 fn finished(solver: Solver, best: &Candidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
     match solver {
         Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
-        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_BEND)?)),
+        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?)),
     }
 }

@@ -18,13 +18,12 @@ mod scores;
 pub mod shard;
 mod summary;
 mod transfer;
-mod wilson;
 
 pub use crate::ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
 pub use cache::Cache;
 pub use compare::{
-    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
-    compare_with, holm, interval_95, mcnemar_p, pairs_needed, power,
+    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare, compare_with,
+    pairs_needed, power,
 };
 pub use criteria::Criteria;
 pub use error::ScoreError;
@@ -38,7 +37,6 @@ pub use run::{merge, observe, score};
 pub use scores::Scores;
 pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};
-pub use wilson::wilson_95;
 
 /// A detection counts for the model when their boxes overlap by at least this much.
 pub const MATCH_IOU: f64 = 0.5;

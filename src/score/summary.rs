@@ -6,10 +6,9 @@ use serde::Serialize;
 
 use super::{
     ApDefinition, BASE_VARIANT, EvaluatedDetector, ImageBoxes, MATCH_IOU, Outcome, ScoredPhoto, average_precision_as,
-    wilson_95,
 };
 use crate::scene::{Bin, Bins};
-use crate::statistics::median;
+use crate::statistics::{median, wilson_95};
 
 /// A share of photos with its 95 % Wilson interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -1,21 +1,17 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
-mod bootstrap;
-mod exact;
 mod pairs;
 mod plan;
-mod student;
 
 use serde::Serialize;
 
-pub use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95};
-pub use exact::{holm, mcnemar_p};
 pub use pairs::Unpaired;
 pub use plan::{PlanError, pairs_needed, power};
 
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, Outcome, ScoredPhoto, Scores};
 use crate::ap::{ApDefinition, Ranked};
+use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, interval_95, mcnemar_p};
 use pairs::{Cluster, pair};
 
 /// A difference of this size must be excluded before "no difference shown" may be said.
