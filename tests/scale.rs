@@ -70,7 +70,7 @@ impl Set {
             &[onnx::Output::floats("output", &[1, 3549, 85], answer)],
         );
         std::fs::write(self.path("mine.onnx"), &network).unwrap();
-        let built_in = std::fs::read_to_string(common::home().join("detectors/yolox_nano.toml")).unwrap();
+        let built_in = std::fs::read_to_string(common::home().join("src/detect/manifests/yolox_nano.toml")).unwrap();
         let mine = built_in
             .replace("\"yolox_nano\"", "\"mine\"")
             .replace("yolox_nano.onnx", "mine.onnx")
