@@ -11,7 +11,7 @@ use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
 use scaleproof::detect::{Detection, Detector, Manifest, Runtime, WeightFolders};
 use scaleproof::photo::Photo;
-use scaleproof::score::{self, Cache, Contestant, Options, Scores};
+use scaleproof::score::{self, Cache, EvaluatedDetector, Options, Scores};
 use scaleproof::session::Session;
 
 use crate::tests::common::onnx;
@@ -141,15 +141,15 @@ fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) {
 fn a_kept_result_needs_no_detector() {
     let set = Set::new();
     let manifest = Manifest::open(&set.path("mine.toml")).unwrap();
-    let live = Contestant::live(manifest.clone(), &WeightFolders::new(None), &"car".parse().unwrap()).unwrap();
-    let without_weights = || Contestant::ran_elsewhere(manifest.clone(), &"car".parse().unwrap()).unwrap();
-    let run = |contestant: Contestant, cache: &str| -> Result<Scores, score::ScoreError> {
+    let live = EvaluatedDetector::live(manifest.clone(), &WeightFolders::new(None), &"car".parse().unwrap()).unwrap();
+    let without_weights = || EvaluatedDetector::ran_elsewhere(manifest.clone(), &"car".parse().unwrap()).unwrap();
+    let run = |detector: EvaluatedDetector, cache: &str| -> Result<Scores, score::ScoreError> {
         let options = Options {
             cache: Some(Cache::open(&set.path(cache), "").unwrap()),
             ..Options::default()
         };
         let session = Session::open(set.folder.path()).unwrap();
-        score::score(vec![session], vec![contestant], &options, || {})
+        score::score(vec![session], vec![detector], &options, || {})
     };
     let error = run(without_weights(), "empty").unwrap_err().to_string();
     assert!(error.contains("mine.onnx is not a model"), "{error}");

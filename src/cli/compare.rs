@@ -52,15 +52,16 @@ const MOST_LISTED: usize = 20;
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.recorded)?;
-    let contestants = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = Criteria {
         ap: args.ap,
         ..Criteria::default()
     };
-    let options = args.effort.options(&contestants)?;
-    let scores = score_command::score_with_progress(opened.sessions, contestants, &options)?.judged_by(criteria);
+    let options = args.effort.options(&detectors)?;
+    let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
+    let scores = scores.judged_by(criteria).against(&args.base);
     let comparison = score::compare(&scores, &args.base, args.ap)?;
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);

@@ -238,13 +238,7 @@ fn reaches_out(b: BoxPx, width: u32, height: u32) -> bool {
 
 /// A path as a file in `folder` may name it: relative to the folder when it lies below, else whole.
 fn seen_from(folder: &Path, path: &Path) -> Result<PathBuf, FileError> {
-    let whole = |p: &Path| {
-        std::fs::canonicalize(p).map_err(|e| FileError::Read {
-            path: p.to_owned(),
-            reason: files::plain(&e),
-        })
-    };
-    let (folder, path) = (whole(folder)?, whole(path)?);
+    let (folder, path) = (files::whole_path(folder)?, files::whole_path(path)?);
     Ok(path.strip_prefix(&folder).map(Path::to_owned).unwrap_or(path))
 }
 
