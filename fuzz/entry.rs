@@ -205,7 +205,7 @@ pub fn frames(bytes: &[u8]) {
     std::fs::write(FOLDER.join("frames.json"), bytes).expect("the temporary folder takes files");
     let Ok(set) = FrameSet::open(&FOLDER) else { return };
     for frame in set.list.frames.iter().take(2) {
-        let _ = set.check_pictures(frame);
+        let _ = set.check_images(frame);
     }
 }
 

@@ -21,7 +21,7 @@ use scaleproof::pattern::world_aligned::Side;
 use scaleproof::scene::{Scene, TagFamily, Viewpoint};
 use scaleproof::simulate::looking_at;
 use scaleproof::surrogate::projection::{Grid, Sampling, world};
-use scaleproof::surrogate::renderer::{Kind, PerPixel, Renderer, Shot};
+use scaleproof::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use scaleproof::tags::TagImage;
 
 const BLACK: [u8; 3] = [0x20, 0x20, 0x20];
@@ -520,7 +520,7 @@ fn masks_positions_and_the_background_are_the_reference_s() {
     let camera = set.list.camera();
     for view in views(&set.list.frames) {
         let frame = view[0];
-        set.check_pictures(frame).unwrap();
+        set.check_images(frame).unwrap();
         let inverse = reference(frame).pose().inverse();
         let eye = inverse * Point3::origin();
         let met = |x: f64, y: f64| {
@@ -600,15 +600,15 @@ fn renderer_models_foretell_the_colour_they_have_not_seen() {
     let world = World::new();
     for view in views(&set.list.frames) {
         let mask = set.paint_mask(view[0]).unwrap();
-        let shots: Vec<Shot> = view
+        let shots: Vec<FlatImage> = view
             .iter()
             .filter(|f| f.flat_rgb() != Some(GREY))
-            .map(|f| Shot {
+            .map(|f| FlatImage {
                 flat_rgb: f.flat_rgb().unwrap(),
-                picture: set.rgb(f).unwrap(),
+                image: set.rgb(f).unwrap(),
             })
             .collect();
-        let model = PerPixel::fit(Kind::AffineCurve, &shots).unwrap();
+        let model = PerPixel::fit(ClosedForm::AffineCurve, &shots).unwrap();
         let [width, height] = set.list.size_px;
         let predicted = model.predict(&vec![light::linear_of(GREY); set.list.pixels()]);
         let predicted = RgbImage::from_fn(width, height, |x, y| {
@@ -864,7 +864,7 @@ fn the_rasteriser_sees_what_blender_saw() {
     for view in views(&set.list.frames) {
         let frame = view[0];
         let size = [width, height].map(|px| (px * factor) as usize);
-        let raster = Raster::picture(&mesh, &frame.pose(), &fine(set.list.camera, factor), size).unwrap();
+        let raster = Raster::image(&mesh, &frame.pose(), &fine(set.list.camera, factor), size).unwrap();
         let is_paint = |t: usize| paint.contains(&mesh.triangles()[t].material);
         let mut shares = vec![[0.0; 2]; set.list.pixels()];
         let points = set.surface(frame).unwrap().unwrap();
@@ -945,7 +945,7 @@ fn a_box_hides_what_is_behind_it() {
     };
     let (here, there) = (pose(60.0), pose(100.0));
     let size = [480, 360];
-    let raster = Raster::picture(&mesh, &here, &pinhole, size).unwrap();
+    let raster = Raster::image(&mesh, &here, &pinhole, size).unwrap();
     let beside = Raster::whole(&mesh, &there, &pinhole, size).unwrap();
     let eye = here.inverse() * Point3::origin();
     let other_eye = there.inverse() * Point3::origin();

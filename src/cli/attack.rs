@@ -89,7 +89,7 @@ fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> Co
 fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     for frame in &set.list.frames {
-        set.check_pictures(frame)?;
+        set.check_images(frame)?;
     }
     let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
     match args.json {

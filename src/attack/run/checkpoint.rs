@@ -1,4 +1,4 @@
-//! What a run that goes on needs, in one file; floats come back bit for bit. The file begins with the SHA-256 of the rest, as hex: a damaged one would
+//! What a resumed run needs, in one file; floats come back bit for bit. The file begins with the SHA-256 of the rest, as hex: a damaged one would
 //! go on to another pattern.
 
 use std::path::Path;

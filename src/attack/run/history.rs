@@ -1,8 +1,8 @@
-//! What happened on the way, and several ways on one chart.
+//! The history of a run, and several on one chart.
 
 use serde::{Deserialize, Serialize};
 
-use super::judge::Judgement;
+use super::judge::HeldOutFigures;
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 
 /// The name of the file in the folder of a run.
@@ -12,7 +12,7 @@ pub const FILE: &str = "history.json";
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     pub step: u32,
-    /// Pictures looked at so far, those of judging not counted.
+    /// Images looked at so far, those of judging not counted.
     pub queries: u64,
     /// On this machine, judging included.
     pub wall_s: f64,
@@ -20,10 +20,10 @@ pub struct Entry {
     pub loss: Option<f64>,
     /// Mean over the minibatch and the detectors, where the method knows it.
     pub confidence: Option<f64>,
-    pub held_out: Option<Judgement>,
+    pub held_out: Option<HeldOutFigures>,
 }
 
-/// One method's way.
+/// The history of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct History {
     pub scaleproof: String,
@@ -37,7 +37,7 @@ pub struct History {
 }
 
 impl History {
-    pub fn last_judged(&self) -> Option<(&Entry, Judgement)> {
+    pub fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
         self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
     }
 }

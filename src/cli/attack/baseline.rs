@@ -9,11 +9,11 @@ use clap::Subcommand;
 use super::on_frames::{OnFrames, Opened, cells_of};
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::baseline::patches::{Patch, is_seen, paint};
-use crate::attack::baseline::{self, Oracle, genetic};
+use crate::attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use crate::attack::baseline::{self, BlackBox, genetic};
 use crate::attack::run::checkpoint;
 use crate::attack::run::history::Entry;
-use crate::attack::run::judge::{Judgement, judge, judge_pictures};
+use crate::attack::run::judge::{HeldOutFigures, judge, judge_images};
 use crate::attack::run::{Rgb, RunError, of_pattern, srgb};
 use crate::cli::print::patch::{self, PlaceArgs};
 use crate::files;
@@ -116,7 +116,7 @@ pub fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
     refuse_other_results(on)?;
     let opened = on.open()?;
-    let judgement = judge(&opened.stage, &opened.detectors, cells)?;
+    let judgement = judge(&opened.view_set, &opened.detectors, cells)?;
     on.write(&opened, (method, cells, vec![judged(judgement)]), out)?;
     Ok(Outcome::Done)
 }
@@ -130,7 +130,7 @@ fn refuse_other_results(on: &OnFrames) -> Result<(), String> {
     }
 }
 
-fn judged(judgement: Judgement) -> Entry {
+fn judged(judgement: HeldOutFigures) -> Entry {
     Entry {
         step: 0,
         queries: 0,
@@ -148,20 +148,20 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
     }
     let opened = on.open()?;
-    let config = baseline::Config {
+    let config = baseline::SearchConfig {
         method,
         cells: on.cells,
         tile_mm: on.tile_mm,
         queries: args.queries,
         seed: on.seed,
-        laying: on.laying.into(),
+        mapping: on.mapping,
         eot: on.eot(),
         frames_sha256: opened.frames_sha256.clone(),
         detectors: opened.named.clone(),
     };
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
     let on_query = |asked: u64| bar.set_position(asked);
-    let mut oracle = Oracle::begin(&opened.stage, &opened.detectors, &config, &on.output, &on_query)?;
+    let mut oracle = BlackBox::begin(&opened.view_set, &opened.detectors, &config, &on.output, &on_query)?;
     let cells: Result<Vec<Rgb>, Box<dyn Error>> = match method {
         #[cfg(feature = "attack")]
         "camou" => camou(on.device.device, &mut oracle, &config),
@@ -175,7 +175,11 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
 }
 
 #[cfg(feature = "attack")]
-fn camou(device: DeviceKind, oracle: &mut Oracle, config: &baseline::Config) -> Result<Vec<Rgb>, Box<dyn Error>> {
+fn camou(
+    device: DeviceKind,
+    oracle: &mut BlackBox,
+    config: &baseline::SearchConfig,
+) -> Result<Vec<Rgb>, Box<dyn Error>> {
     Ok(baseline::camou::search(oracle, config, &device.open()?)?)
 }
 
@@ -187,7 +191,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let opened = args.on.open()?;
     check_seen(&opened, &patches)?;
     let picture = |view: usize| painted(&opened, view, &patches, base);
-    let judgement = judge_pictures(&opened.stage, &opened.detectors, picture)?;
+    let judgement = judge_images(&opened.view_set, &opened.detectors, picture)?;
     let history = args.on.history(&opened, "patches", vec![judged(judgement)]);
     let (path, content) = args.on.history_file(&history)?;
     files::write_atomically(&path, &content)?;
@@ -201,11 +205,11 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// A patch that no view shows would be judged as the plain model.
-fn check_seen(opened: &Opened, patches: &[Patch]) -> Result<(), Box<dyn Error>> {
+fn check_seen(opened: &Opened, patches: &[PlacedPatch]) -> Result<(), Box<dyn Error>> {
     for (i, patch) in patches.iter().enumerate() {
         let mut is_shown = false;
-        for view in opened.stage.judged() {
-            is_shown |= is_seen(&opened.set, &opened.stage.views[view].frame, patch)? != Some(false);
+        for view in opened.view_set.judged() {
+            is_shown |= is_seen(&opened.set, &opened.view_set.views[view].frame, patch)? != Some(false);
         }
         if !is_shown {
             return Err(format!(
@@ -219,20 +223,20 @@ fn check_seen(opened: &Opened, patches: &[Patch]) -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-fn painted(opened: &Opened, view: usize, patches: &[Patch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
-    let frame = &opened.stage.views[view].frame;
+fn painted(opened: &Opened, view: usize, patches: &[PlacedPatch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
+    let frame = &opened.view_set.views[view].frame;
     let paint = paint(&opened.set, frame, patches, base)?;
     let paint = paint.ok_or_else(|| RunError::NoPositions {
         view: frame.name.clone(),
     })?;
-    Ok(opened.stage.painted(view, &paint))
+    Ok(opened.view_set.painted(view, &paint))
 }
 
-fn placed(places: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(crate::print::patch::check)?;
-    let of = |patch: crate::print::patch::Patch| Patch {
-        picture: patch.picture.pixels().clone(),
+    let of = |patch: crate::print::patch::Patch| PlacedPatch {
+        image: patch.picture.pixels().clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm.into(),

@@ -10,8 +10,8 @@ use super::{CommandResult, Outcome, progress};
 use crate::files;
 use crate::frames::views;
 use crate::frames::{FrameSet, LIST};
-use crate::surrogate::chart::{Row, draw, draw_training, measure, table};
-use crate::surrogate::renderer::Learned;
+use crate::surrogate::chart::{SurrogateFigures, draw, draw_training, measure, table};
+use crate::surrogate::renderer::NeuralRenderer;
 
 /// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
@@ -44,7 +44,7 @@ struct Numbers<'a> {
     frames_sha256: String,
     made_by: &'a str,
     references: &'a [String],
-    rows: &'a [Row],
+    rows: &'a [SurrogateFigures],
 }
 
 pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
@@ -56,7 +56,7 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         .collect::<Result<Vec<_>, _>>()?;
     let bar = progress::frames("measuring", views(&set.list.frames).len());
     let networks = networks(args)?;
-    let networks: Vec<&dyn Learned> = networks.iter().map(AsRef::as_ref).collect();
+    let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
     let rows = measure(&set, &references, &networks, || bar.inc(1))?;
     bar.finish_and_clear();
     let numbers = Numbers {
@@ -85,17 +85,17 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 #[cfg(feature = "attack")]
-fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, Box<dyn std::error::Error>> {
+fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn NeuralRenderer>>, Box<dyn std::error::Error>> {
     use crate::surrogate::dtn::file;
     let device = args.on.device.open()?;
     let open = |path: &PathBuf| {
         let network = file::load(path)?.network(device.clone())?;
-        Ok(Box::new(network) as Box<dyn Learned>)
+        Ok(Box::new(network) as Box<dyn NeuralRenderer>)
     };
     args.network.iter().map(open).collect()
 }
 
 #[cfg(not(feature = "attack"))]
-fn networks(_: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, std::convert::Infallible> {
+fn networks(_: &ChartArgs) -> Result<Vec<Box<dyn NeuralRenderer>>, std::convert::Infallible> {
     Ok(Vec::new())
 }

@@ -13,7 +13,7 @@ use super::render::hex;
 use crate::files;
 use crate::frames::light;
 use crate::frames::views;
-use crate::frames::{Frame, FrameSet, LIST, Paint, encode_rgb};
+use crate::frames::{Frame, FramePaint, FrameSet, LIST, encode_rgb};
 use crate::surrogate::additive::Additive;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
@@ -82,7 +82,7 @@ fn frame(of: &Frame, rgb: [u8; 3], number: usize) -> Frame {
         rgb: format!("rgb/{name}.png"),
         name,
         linear: None,
-        paint: Paint::FlatRgb(rgb),
+        paint: FramePaint::FlatRgb(rgb),
         ..of.clone()
     }
 }

@@ -5,11 +5,12 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::device::OnDevice;
-use super::on_frames::{Laying, OnFrames, Opened, PATTERN};
+use super::on_frames::{OnFrames, Opened, PATTERN};
 use super::run::{Settings, optimise};
 use super::{CommandResult, Outcome};
 use crate::attack::run::judge::judge;
-use crate::attack::run::{Drawn, Rgb, of_pattern, srgb};
+use crate::attack::run::view_set::TextureMapping;
+use crate::attack::run::{ColourPenalty, Rgb, of_pattern, srgb};
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
 use crate::pattern::Pattern;
@@ -38,14 +39,14 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         class: "car".parse()?,
         cells: CELLS,
         tile_mm: TILE_MM,
-        laying: Laying::World,
+        mapping: TextureMapping::default(),
         device: OnDevice::default(),
         json: false,
         seed: 1,
         output: args.output.clone(),
     };
     let opened = on.open()?;
-    let (views, held_out) = (opened.stage.views.len(), opened.stage.judged().len());
+    let (views, held_out) = (opened.view_set.views.len(), opened.view_set.judged().len());
     writeln!(
         out,
         "1. {} views of the model become a pattern against {DETECTOR}; {held_out} are held out",
@@ -54,11 +55,11 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let settings = Settings {
         steps: 60,
         batch: 5,
-        rate: 0.05,
+        learning_rate: 0.05,
         floor: 0.001,
         smooth: 0.0,
-        printable: Drawn::default(),
-        palette: Drawn::default(),
+        printable: ColourPenalty::default(),
+        palette: ColourPenalty::default(),
         range: [0, 255],
     };
     let config = settings.config(&on, &opened);
@@ -94,7 +95,7 @@ fn table(opened: &Opened, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<
         "pattern", "AP@0.5", "hit rate", "mean confidence"
     )?;
     for (name, cells) in [("grey", grey.as_slice()), ("random", &random), ("attack", cells)] {
-        let judged = judge(&opened.stage, &opened.detectors, cells)?;
+        let judged = judge(&opened.view_set, &opened.detectors, cells)?;
         writeln!(
             out,
             "{name:<10} {:>7.2} {:>9.2} {:>16.2}",

@@ -4,15 +4,15 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
 use super::device::OnDevice;
 use super::progress;
-use crate::attack::run::eot::Eot;
+use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::{self, Entry, History};
-use crate::attack::run::stage::Stage;
-use crate::attack::run::{Rgb, stage, to_picture};
+use crate::attack::run::view_set::{TextureMapping, ViewSet};
+use crate::attack::run::{Rgb, to_image};
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
@@ -57,8 +57,8 @@ pub struct OnFrames {
     pub tile_mm: f64,
     /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
     /// (DTA)
-    #[arg(long, value_enum, default_value_t = Laying::World)]
-    pub laying: Laying,
+    #[arg(long = "laying", default_value = "world", value_parser = texture_mapping())]
+    pub mapping: TextureMapping,
     #[command(flatten)]
     pub device: OnDevice,
     /// One JSON object instead of the text
@@ -72,25 +72,16 @@ pub struct OnFrames {
     pub output: PathBuf,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Laying {
-    World,
-    Repeated,
-}
-
-impl From<Laying> for stage::Laying {
-    fn from(laying: Laying) -> Self {
-        match laying {
-            Laying::World => Self::World,
-            Laying::Repeated => Self::Repeated,
-        }
-    }
+fn texture_mapping() -> impl TypedValueParser<Value = TextureMapping> {
+    let by_name = |name: String| TextureMapping::ALL.into_iter().find(|mapping| mapping.name() == name);
+    PossibleValuesParser::new(TextureMapping::ALL.map(TextureMapping::name))
+        .map(move |name| by_name(name).unwrap_or_default())
 }
 
 /// Frames and detectors, opened.
 pub struct Opened {
     pub set: FrameSet,
-    pub stage: Stage,
+    pub view_set: ViewSet,
     pub detectors: Vec<Box<dyn WhiteBox>>,
     /// Names, with the beginning of the weights' hashes.
     pub named: Vec<String>,
@@ -110,10 +101,10 @@ impl OnFrames {
         };
         let views = crate::frames::views(&set.list.frames).len();
         let bar = progress::frames("reading views", views);
-        let stage = Stage::open(&set, grid, self.laying.into(), || bar.inc(1));
+        let view_set = ViewSet::open(&set, grid, self.mapping, || bar.inc(1));
         bar.finish_and_clear();
         Ok(Opened {
-            stage: stage?,
+            view_set: view_set?,
             frames_sha256: files::sha256_hex(&files::read(&self.frames.join(LIST))?),
             set,
             detectors,
@@ -123,9 +114,9 @@ impl OnFrames {
 
     /// The usual transformations; those of the pattern's phase and size where the laying leaves them open.
     pub fn eot(&self) -> Eot {
-        match self.laying {
-            Laying::World => Eot::USUAL,
-            Laying::Repeated => Eot {
+        match self.mapping {
+            TextureMapping::World => Eot::USUAL,
+            TextureMapping::Repeated => Eot {
                 shift_tiles: 0.5,
                 tile_scale: 0.25,
                 ..Eot::USUAL
@@ -141,7 +132,7 @@ impl OnFrames {
         out: &mut dyn Write,
     ) -> Result<(), Box<dyn Error>> {
         let history = self.history(opened, method, entries);
-        let png = png(&to_picture(cells, self.cells))?;
+        let png = png(&to_image(cells, self.cells))?;
         let path = self.output.join(PATTERN);
         let card = self.card(opened, &history, &png)?.to_file(&path)?;
         files::replace_all_atomically(&[(path.clone(), png), card, self.history_file(&history)?])?;
@@ -223,7 +214,7 @@ pub fn say_judgement(
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
     if let Some((entry, judgement)) = history.last_judged() {
-        let which = if opened.stage.holds_out() {
+        let which = if opened.view_set.holds_out() {
             "it was not made with"
         } else {
             "it was made with (too few to hold any out)"
@@ -240,11 +231,11 @@ pub fn say_judgement(
             entry.wall_s
         )?;
     }
-    if opened.stage.unseen > 0 {
+    if opened.view_set.unseen > 0 {
         writeln!(
             out,
             "left out, as the model's paint is not seen: {}",
-            counted(opened.stage.unseen, "view")
+            counted(opened.view_set.unseen, "view")
         )?;
     }
     Ok(())

@@ -13,7 +13,7 @@ use crate::envelope;
 use crate::files;
 use crate::frames::LIST;
 use crate::frames::light;
-use crate::frames::photos::{LeftOut, Made, MadeView, Paper, Request, Shot, make};
+use crate::frames::photos::{FlatPhoto, LeftOutPhoto, PhotoFrames, PhotoFramesRequest, PhotoView, TagPaper, make};
 use crate::locate::{Abstention, Warning, locate};
 use crate::mesh::Mesh;
 use crate::photo::Photo;
@@ -66,7 +66,7 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     check_output(args, &sessions)?;
     let mesh = common_mesh(&sessions)?;
     check_variants(&flats, &sessions)?;
-    let request = Request {
+    let request = PhotoFramesRequest {
         materials: mesh.materials_named(&args.material)?,
         mesh,
         target_mm: sessions[0].scene.model.target_mm(),
@@ -107,8 +107,8 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// `--json`.
-fn summary(list: &Path, made: &Made, not_located: &[LeftOut]) -> Value {
-    let view = |view: &MadeView| {
+fn summary(list: &Path, made: &PhotoFrames, not_located: &[LeftOutPhoto]) -> Value {
+    let view = |view: &PhotoView| {
         let others = view.others.iter().map(|(photo, turn_deg, light_factors)| {
             json!({ "photo": photo, "turn_deg": turn_deg, "light_factors": light_factors })
         });
@@ -230,8 +230,8 @@ struct Job<'a> {
 /// The photos with a pose, those without one, and what to know before believing the poses.
 #[derive(Default)]
 struct Located {
-    shots: Vec<Shot>,
-    left_out: Vec<LeftOut>,
+    shots: Vec<FlatPhoto>,
+    left_out: Vec<LeftOutPhoto>,
     notes: BTreeSet<String>,
 }
 
@@ -263,7 +263,7 @@ fn located(sessions: &[Session], flats: &[Flat]) -> Result<Located, Box<dyn Erro
                 located.shots.push(shot);
                 located.notes.extend(notes);
             }
-            Err(reason) => located.left_out.push(LeftOut {
+            Err(reason) => located.left_out.push(LeftOutPhoto {
                 what: job.entry.file.clone(),
                 reason,
             }),
@@ -273,7 +273,7 @@ fn located(sessions: &[Session], flats: &[Flat]) -> Result<Located, Box<dyn Erro
 }
 
 /// A photo with its pose and its cautions, or why it is left out.
-fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<(Shot, Vec<String>), String> {
+fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<(FlatPhoto, Vec<String>), String> {
     let session = job.session;
     let file = session.photo_path(job.entry);
     let photo = Photo::open(&file).map_err(|e| e.to_string())?;
@@ -294,14 +294,14 @@ fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<(Shot, Vec<String>), St
         .iter()
         .zip(paper_levels(&photo.rgb, &seen))
         .filter_map(|(tag, level)| {
-            (tag.is_whole && trusted(tag.id)).then_some(Paper {
+            (tag.is_whole && trusted(tag.id)).then_some(TagPaper {
                 family: tag.family,
                 id: tag.id,
                 level: level?,
             })
         });
     let notes = fitted.cautions();
-    let shot = Shot {
+    let shot = FlatPhoto {
         flat_rgb: job.rgb,
         // Photos of another session may be of the same place only where both name it.
         place: job.entry.place.clone().unwrap_or_else(|| session.name.clone()),
@@ -327,7 +327,7 @@ fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[Flat]) -> String {
     text + &format!(" --size-px {}", args.size_px)
 }
 
-fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
+fn say(made: &PhotoFrames, out: &mut dyn Write) -> std::io::Result<()> {
     for view in &made.views {
         let others = view.others.iter().map(|(name, turn_deg, gain)| {
             let [r, g, b] = gain;
@@ -353,7 +353,7 @@ fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
     say_left_out(&made.left_out, out)
 }
 
-fn say_left_out(left_out: &[LeftOut], out: &mut dyn Write) -> std::io::Result<()> {
+fn say_left_out(left_out: &[LeftOutPhoto], out: &mut dyn Write) -> std::io::Result<()> {
     let mut lines = left_out.iter();
     lines.try_for_each(|left| writeln!(out, "left out: {}: {}", left.what, left.reason))
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use super::on_frames::{OnFrames, Opened};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::history::Entry;
-use crate::attack::run::{Attack, Config, Drawn, Rgb};
+use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb};
 use crate::files;
 use crate::pattern::palette::Palette;
 use crate::print::printer::PrinterFile;
@@ -72,9 +72,13 @@ pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Runs the attack with a bar that shows where it stands.
-pub fn optimise(on: &OnFrames, opened: &Opened, config: &Config) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+pub fn optimise(
+    on: &OnFrames,
+    opened: &Opened,
+    config: &AttackConfig,
+) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
     let bar = progress::steps("attacking", config.steps as usize);
-    let attack = Attack::begin(&opened.stage, &opened.detectors, config, &on.output)?;
+    let attack = Attack::begin(&opened.view_set, &opened.detectors, config, &on.output)?;
     let finished = attack.run(&on.output, |done, entry| {
         bar.set_position(u64::from(done));
         if let Some(confidence) = entry.confidence {
@@ -89,25 +93,25 @@ pub fn optimise(on: &OnFrames, opened: &Opened, config: &Config) -> Result<(Vec<
 pub struct Settings {
     pub steps: u32,
     pub batch: u32,
-    pub rate: f64,
+    pub learning_rate: f64,
     pub floor: f64,
     pub smooth: f64,
-    pub printable: Drawn,
-    pub palette: Drawn,
+    pub printable: ColourPenalty,
+    pub palette: ColourPenalty,
     pub range: [u8; 2],
 }
 
 impl Settings {
-    pub fn config(self, on: &OnFrames, opened: &Opened) -> Config {
-        Config {
+    pub fn config(self, on: &OnFrames, opened: &Opened) -> AttackConfig {
+        AttackConfig {
             cells: on.cells,
             tile_mm: on.tile_mm,
             steps: self.steps,
             batch: self.batch,
-            rate: self.rate,
+            learning_rate: self.learning_rate,
             floor: self.floor,
             seed: on.seed,
-            laying: on.laying.into(),
+            mapping: on.mapping,
             eot: on.eot(),
             smooth: self.smooth,
             printable: self.printable,
@@ -143,7 +147,7 @@ impl RunArgs {
         Ok(Settings {
             steps: self.steps,
             batch: self.batch,
-            rate: self.rate,
+            learning_rate: self.rate,
             floor: self.floor,
             smooth: self.smooth,
             printable: self.printable()?,
@@ -152,9 +156,9 @@ impl RunArgs {
         })
     }
 
-    fn printable(&self) -> Result<Drawn, Box<dyn Error>> {
+    fn printable(&self) -> Result<ColourPenalty, Box<dyn Error>> {
         let Some(path) = &self.printer else {
-            return Ok(Drawn::default());
+            return Ok(ColourPenalty::default());
         };
         let Some(colours) = PrinterFile::load(path)?.colours else {
             return Err(format!(
@@ -163,17 +167,17 @@ impl RunArgs {
             )
             .into());
         };
-        Ok(Drawn {
+        Ok(ColourPenalty {
             weight: self.nps,
             rgb: colours.patches.iter().map(|patch| patch.measured_rgb).collect(),
         })
     }
 
-    fn palette(&self) -> Result<Drawn, Box<dyn Error>> {
+    fn palette(&self) -> Result<ColourPenalty, Box<dyn Error>> {
         let Some(path) = &self.palette else {
-            return Ok(Drawn::default());
+            return Ok(ColourPenalty::default());
         };
-        Ok(Drawn {
+        Ok(ColourPenalty {
             weight: self.palette_weight,
             rgb: Palette::load(path)?.paints().iter().map(|paint| paint.rgb).collect(),
         })

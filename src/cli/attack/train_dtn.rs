@@ -13,8 +13,8 @@ use crate::frames::FrameSet;
 use crate::frames::light;
 use crate::frames::views;
 use crate::surrogate::dtn::data::TrainingSet;
-use crate::surrogate::dtn::run::{Budget, train};
-use crate::surrogate::dtn::training::{Plan, Trainer};
+use crate::surrogate::dtn::run::{TrainingBudget, train};
+use crate::surrogate::dtn::training::{Trainer, TrainingPlan};
 use crate::surrogate::dtn::{Architecture, DtnError, Encoder, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
@@ -94,9 +94,9 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         set.split
     )?;
     let (budget, length) = match args.seconds {
-        Some(seconds) => (Budget::Seconds(seconds), seconds.ceil() as u64),
+        Some(seconds) => (TrainingBudget::Seconds(seconds), seconds.ceil() as u64),
         None => (
-            Budget::Epochs(args.epochs),
+            TrainingBudget::Epochs(args.epochs),
             args.epochs.saturating_mul(Trainer::steps_an_epoch(&set)),
         ),
     };
@@ -173,8 +173,8 @@ fn references(args: &TrainArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
     args.reference.iter().map(|text| hex(text)).collect()
 }
 
-fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<Plan, Box<dyn Error>> {
-    Ok(Plan {
+fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<TrainingPlan, Box<dyn Error>> {
+    Ok(TrainingPlan {
         architecture: Architecture {
             encoder: args.encoder,
             depth: usize::from(args.depth),
@@ -187,7 +187,7 @@ fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<Plan, Box<dyn Error>> {
 }
 
 /// What a plan says otherwise than another.
-fn described(plan: &Plan, other: &Plan) -> String {
+fn described(plan: &TrainingPlan, other: &TrainingPlan) -> String {
     let mut words = Vec::new();
     if plan.architecture != other.architecture {
         words.push(plan.architecture.name());
