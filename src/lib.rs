@@ -39,6 +39,7 @@ pub mod files;
 #[cfg(feature = "full")]
 pub mod frames;
 pub mod geometry;
+mod least_squares;
 pub mod locate;
 pub mod mesh;
 #[cfg(feature = "full")]
@@ -63,3 +64,15 @@ pub mod tags;
 #[cfg(feature = "full")]
 pub mod whitebox;
 pub mod workers;
+
+/// What fuzzing and the tests call.
+#[cfg(any(test, fuzzing))]
+#[doc(hidden)]
+#[path = "../fuzz/entry.rs"]
+pub mod fuzz_entry;
+// The tests of whole rooms see what is not public, under the name that programs use.
+#[cfg(any(test, fuzzing))]
+extern crate self as scaleproof;
+#[cfg(test)]
+#[path = "../tests/mod.rs"]
+mod tests;

@@ -2,7 +2,7 @@
 //! what must be refused.
 #![cfg(feature = "attack")]
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 

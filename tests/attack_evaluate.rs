@@ -2,9 +2,8 @@
 //! tables against figures by hand, resume, and what is refused.
 #![cfg(unix)]
 
-mod common;
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common;
+use crate::tests::common::onnx;
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;

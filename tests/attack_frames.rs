@@ -1,7 +1,7 @@
 //! Frames: the stored ones are whole, damaged ones are refused; what is asked of Blender is what print has; a render is gone on with
 //! after it stopped (with a program that stands in for Blender); frames of another engine.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -1,6 +1,6 @@
 //! Models of a view: light adds up, renderer models, projections; against direct renders, finite differences and each other.
 
-mod common;
+use crate::tests::common;
 
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! Detectors that gradients pass: outputs against ONNX Runtime, gradients against finite differences, confidences against scoring.
 #![cfg(feature = "attack")]
 
-mod common;
+use crate::tests::common;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -17,10 +17,8 @@ use scaleproof::whitebox::WhiteBox;
 use scaleproof::whitebox::detector::OnnxDetector;
 use scaleproof::whitebox::onnx::OnnxNetwork;
 
-#[path = "common/onnx.rs"]
-mod onnx;
-#[path = "attack_onnx/parity.rs"]
-mod parity;
+use crate::tests::common::onnx;
+pub(super) mod parity;
 
 const CAR: usize = 2;
 

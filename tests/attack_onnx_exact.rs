@@ -1,10 +1,9 @@
-//! The networks that gradients pass, in 64 bits: what differs from ONNX Runtime then is not our rounding. A program of its own, since the
+//! The networks that gradients pass, in 64 bits: what differs from ONNX Runtime then is not our rounding. A process of its own, since the
 //! precision is one for the whole process.
 #![cfg(feature = "attack")]
 
-mod common;
-#[path = "attack_onnx/parity.rs"]
-mod parity;
+use crate::tests::attack_onnx::parity;
+use crate::tests::common;
 
 use burn::tensor::{Device, FloatDType};
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
@@ -13,6 +12,23 @@ use scaleproof::whitebox::onnx::OnnxNetwork;
 
 #[test]
 fn outputs_in_64_bits_are_those_of_onnx_runtime() {
+    let this = std::env::current_exe().unwrap();
+    let mut command = std::process::Command::new(this);
+    command.args([
+        "--exact",
+        "tests::attack_onnx_exact::in_64_bits",
+        "--ignored",
+        "--nocapture",
+    ]);
+    let output = command.output().unwrap();
+    print!("{}", common::stdout(&output));
+    assert!(output.status.success(), "{}", common::stderr(&output));
+    assert!(common::stdout(&output).contains("1 passed"));
+}
+
+#[test]
+#[ignore = "run by the test above, in a process of its own"]
+fn in_64_bits() {
     let mut device = Device::flex();
     device.configure(FloatDType::F64).unwrap();
     for (name, file, side) in FOLLOWED {

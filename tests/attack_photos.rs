@@ -1,7 +1,7 @@
 //! Frames from photos: a session that the test renders itself (two boxes on a ground with tags, lens distortion, another exposure for every
 //! photo) against direct renders from the reference's true pose; what the rasteriser sees against Blender; refusals.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -306,7 +306,7 @@ fn picture(light: &[[f64; 3]], [width, height]: [u32; 2], exposure: [f64; 3]) ->
 }
 
 fn session(name: &str, model: &str, width_px: u32, photos: &[Taken]) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("attack_photos").join(name);
+    let folder = common::kept("attack_photos").join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     let write = |name: &str, text: String| std::fs::write(folder.join(name), text).unwrap();

@@ -1,6 +1,6 @@
 //! The attack, its baselines and their files, against a detector made up in the test whose gradient is known.
 
-mod common;
+use crate::tests::common;
 
 use std::cell::Cell;
 use std::path::Path;

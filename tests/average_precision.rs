@@ -1,6 +1,6 @@
 //! AP and recall against pycocotools: this project's own cases (see `data/make_ap_cases.py`) and the shared oracle.
 
-mod common;
+use crate::tests::common;
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Calibration against known cameras: the stored board photos, synthetic corners, and printed boards photographed by a simulated lens.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof::board::Definition;
-use scaleproof::calibrate::{Calibration, CalibrationError, Model, SeenCorner, Shot, calibrate};
+use scaleproof::calibrate::{BoardPhoto, Calibration, CalibrationError, Model, SeenCorner, calibrate};
 use scaleproof::camera::Camera;
 use scaleproof::workers;
 
@@ -113,6 +113,69 @@ fn stored_photos_give_the_true_camera() {
     if let Some(session) = shared("sessions/board") {
         assert_finds_the_camera(&session);
     }
+}
+
+/// The camera file of some photos of the stored board.
+fn camera_of(photos: &[PathBuf], to: &Path) -> String {
+    let more = ["-o", to.to_str().unwrap()];
+    let output = run(&board_file("charuco_9x7_22mm.toml"), photos, &more);
+    assert!(output.status.success(), "{}", stderr(&output));
+    std::fs::read_to_string(to).unwrap()
+}
+
+/// A camera file is for the sensor's own frame, whichever way EXIF says that the camera was held, and `locate` turns it with each photo.
+#[test]
+fn boards_turned_by_exif_give_the_camera_that_locate_turns() {
+    let folder = tempfile::tempdir().unwrap();
+    let stored = photos(&home().join("captures/board"));
+    let plain = camera_of(&stored, &folder.path().join("plain.yaml"));
+    let yaml = folder.path().join("turned.yaml");
+    for orientations in [[3, 3], [6, 6], [8, 6], [1, 3]] {
+        let turned: Vec<PathBuf> = stored
+            .iter()
+            .enumerate()
+            .map(|(i, photo)| {
+                let copy = folder.path().join(photo.file_name().unwrap());
+                let bytes = common::oriented(&std::fs::read(photo).unwrap(), orientations[i % 2]);
+                std::fs::write(&copy, bytes).unwrap();
+                copy
+            })
+            .collect();
+        assert_eq!(camera_of(&turned, &yaml), plain, "{orientations:?}");
+        let photo = folder.path().join("photo.jpg");
+        let stored = std::fs::read(skyline().join("normal_000.jpg")).unwrap();
+        std::fs::write(&photo, common::oriented(&stored, orientations[0])).unwrap();
+        let mut locate = program();
+        locate
+            .args(["locate", "--json", "--scene"])
+            .arg(skyline().join("scene.toml"));
+        let output = locate.arg("--camera").arg(&yaml).arg(&photo).output().unwrap();
+        let line: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        let truth = &common::read_json(&skyline().join("truth.json"))["photos"][0];
+        for (key, limit) in [("azimuth_deg", 0.1), ("pitch_deg", 0.1), ("distance_mm", 2.0)] {
+            let off = line[key].as_f64().unwrap() - truth[key].as_f64().unwrap();
+            assert!(off.abs() < limit, "{orientations:?}: {key} is off by {off}");
+        }
+    }
+}
+
+/// Corners are measured on the luma that the JPEG stores, as tags are.
+#[test]
+fn the_colours_of_photos_change_no_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let stored = photos(&home().join("captures/board"));
+    let cameras = [0, 1].map(|i| {
+        let copies: Vec<PathBuf> = stored
+            .iter()
+            .map(|photo| {
+                let copy = folder.path().join(photo.file_name().unwrap());
+                std::fs::write(&copy, &common::tinted_twice(photo)[i]).unwrap();
+                copy
+            })
+            .collect();
+        camera_of(&copies, &folder.path().join("camera.yaml"))
+    });
+    assert_eq!(cameras[0], cameras[1]);
 }
 
 #[test]
@@ -277,7 +340,7 @@ fn any_pose(random: &mut Random) -> Isometry3<f64> {
 }
 
 /// The board's corners as a camera sees them, with noise of `sigma_px` on each axis; corners outside the picture are not seen.
-fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, random: &mut Random) -> Shot {
+fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, random: &mut Random) -> BoardPhoto {
     let mut corners = Vec::new();
     for (id, [x, y]) in charuco().corners_mm().into_iter().enumerate() {
         let Some([u, v]) = camera.project(&(pose * Point3::new(x, y, 0.0))) else {
@@ -288,15 +351,16 @@ fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, ra
             corners.push(SeenCorner { id, px });
         }
     }
-    Shot {
+    BoardPhoto {
         file: format!("{number:02}.jpg"),
         size: (1280, 960),
+        turned_deg: 0,
         corners,
         edge_width_px: None,
     }
 }
 
-fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<Shot> {
+fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<BoardPhoto> {
     let random = &mut Random::new(seed);
     let any = |i| {
         let pose = any_pose(random);
@@ -305,7 +369,7 @@ fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<Shot> {
     (0..count).map(any).filter(|s| s.corners.len() >= 20).collect()
 }
 
-fn found(shots: Vec<Shot>) -> Calibration {
+fn found(shots: Vec<BoardPhoto>) -> Calibration {
     calibrate(shots, Vec::new(), &charuco()).unwrap()
 }
 
@@ -373,7 +437,7 @@ fn the_stated_uncertainty_is_the_real_one() {
 fn photos_that_leave_the_focal_length_open_are_refused() {
     let camera = lens(&[-0.1]);
     let random = &mut Random::new(5);
-    let mut set = |tilts: &dyn Fn(usize) -> [f64; 2]| -> Vec<Shot> {
+    let mut set = |tilts: &dyn Fn(usize) -> [f64; 2]| -> Vec<BoardPhoto> {
         let at = |i: usize| {
             [
                 20.0 * (i % 3) as f64 - 20.0,
@@ -402,7 +466,7 @@ fn photos_that_leave_the_focal_length_open_are_refused() {
     }
     // One direction of tilt, however strong: the centre and the focal length cannot be told apart.
     let turned = &mut Random::new(6);
-    let parallel: Vec<Shot> = (0..12)
+    let parallel: Vec<BoardPhoto> = (0..12)
         .map(|i| {
             let at = [
                 15.0 * (i % 5) as f64 - 30.0,

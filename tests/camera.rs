@@ -1,6 +1,6 @@
 //! Camera files: each format against other readers and round trips, `camera`, and cameras that must fit another photo.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -1,10 +1,8 @@
 //! The colour chart: rendered by poppler, printed and photographed by simulation, read back; and patterns checked with what was
 //! read.
 
-mod common;
-#[path = "print_template/render.rs"]
-mod render;
-#[path = "colour/simulate.rs"]
+use crate::tests::common;
+use crate::tests::print_template::render;
 mod simulate;
 
 use std::path::{Path, PathBuf};
@@ -44,7 +42,7 @@ fn stored(picture: &RgbImage, quality: u8, folder: &Path) -> PathBuf {
 }
 
 fn read_file(path: &Path) -> Result<Reading, ChartError> {
-    read(&Photo::open(path).unwrap(), &mut AprilTagC::new(&FAMILIES).unwrap())
+    read(&Photo::open(path).unwrap(), &mut AprilTagC::new(&FAMILIES).unwrap()).unwrap()
 }
 
 fn taken(sheet: &RgbImage, printer: &Printer, view: &View) -> Result<Reading, ChartError> {

@@ -1,16 +1,11 @@
 //! The documentation, held against the project: links lead somewhere, commands run, options exist, examples are read, keys are those that
 //! are written.
 
-mod common;
-#[path = "docs/examples.rs"]
+use crate::tests::common;
 mod examples;
-#[path = "docs/help.rs"]
 mod help;
-#[path = "docs/markdown.rs"]
 mod markdown;
-#[path = "docs/scratch.rs"]
 mod scratch;
-#[path = "docs/shell.rs"]
 mod shell;
 
 use std::collections::BTreeSet;
@@ -59,7 +54,7 @@ fn is_guide(page: &Page) -> bool {
 
 /// What is said of the program as it is: the change log also says what it was, and the fonts were made by other programs.
 fn is_current(page: &Page) -> bool {
-    page.name != "CHANGELOG.md" && !page.name.starts_with("assets/")
+    page.name != "CHANGELOG.md" && !page.name.starts_with("src/print/fonts/")
 }
 
 fn assert_none(faults: &[String]) {

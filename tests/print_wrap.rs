@@ -1,8 +1,7 @@
 //! Prints the panels of models, renders them with poppler, and reads the colours where the model's surface is.
 
-mod common;
-#[path = "print_template/render.rs"]
-mod render;
+use crate::tests::common;
+use crate::tests::print_template::render;
 
 use std::path::{Path, PathBuf};
 

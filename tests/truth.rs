@@ -1,6 +1,6 @@
 //! Truth boxes: box, hull and mesh against pictures drawn here, against the exact truth of the stored session, and bad input.
 
-mod common;
+use crate::tests::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
 use nalgebra::{Point3, Rotation3, Vector3};

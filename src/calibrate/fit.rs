@@ -2,16 +2,23 @@
 //!
 //! Own code, for what OpenCV's `calibrateCamera` does not give: the covariance of all camera numbers together, any model of the
 //! ladder, and refits without some photos. The normal equations are solved by the Schur complement over the poses
-//! (Triggs et al. 2000, "Bundle Adjustment: A Modern Synthesis", section 6.1); projection and derivatives are OpenCV's.
+//! (Triggs et al. 2000, "Bundle Adjustment: A Modern Synthesis", section 6.1).
 
-use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Point3, SMatrix, SVector, Vector2, Vector6};
 
 use super::model::{self, ALL, Model};
-use super::project::{Pose, View, project, starting_poses};
+use super::view::View;
+use crate::camera::projection::{by_step, project_unchecked};
+use crate::geometry::{Rigid, rigid::stepped};
+use crate::least_squares::{LeastSquares, Limits, minimise};
 
-const STEPS: usize = 60;
 /// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
-const SETTLED: f64 = 1e-9;
+const LIMITS: Limits = Limits {
+    first_damping: 1e-3,
+    most_trials: 100,
+    relative_gain: 1e-9,
+    absolute_gain: 0.0,
+};
 /// So many of the best starting focal lengths are followed.
 const FOLLOWED: usize = 2;
 
@@ -21,66 +28,27 @@ pub struct Fit {
     pub model: Model,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6.
     pub camera: [f64; ALL],
-    /// One per view.
-    pub poses: Vec<Pose>,
+    /// `T_camera_board`, one per view.
+    pub poses: Vec<Rigid>,
     /// Sum of squared distances, px².
     pub cost: f64,
 }
 
-/// Fits a model from a start. `None` when no step leads anywhere finite.
-pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Pose>) -> Option<Fit> {
-    let cost = cost(views, &camera, &poses)?;
-    let mut best = Fit {
+/// Fits a model from a start. `None` when the start has no finite residuals.
+pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<Fit> {
+    let start = Fit {
         model,
         camera,
         poses,
-        cost,
+        cost: f64::INFINITY,
     };
-    let mut damping = 1e-3;
-    for _ in 0..STEPS {
-        let normal = Normal::of(&best, views)?;
-        let Some(next) = improved(&best, &normal, views, &mut damping) else {
-            break;
-        };
-        let gain = (best.cost - next.cost) / best.cost.max(1e-30);
-        best = next;
-        if gain < SETTLED {
-            break;
-        }
-    }
-    Some(best)
+    Some(minimise(Normal::at(start, views)?, &LIMITS).fit)
 }
 
-/// The pose of one view under a camera that is held, in least squares, from a start.
-pub fn pose(view: &View, camera: &[f64; ALL], start: Pose) -> Option<Pose> {
-    let mut pose = start;
-    let mut at = squared(view, camera, &pose)?;
-    let mut damping = 1e-3;
-    for _ in 0..STEPS {
-        let (projected, residuals) = residuals(view, camera, &pose)?;
-        let j = &projected.by_pose;
-        let (h, g) = (j.transpose() * j, j.transpose() * residuals);
-        let mut found = None;
-        while found.is_none() && damping < 1e9 {
-            let mut damped = h.clone();
-            (0..6).for_each(|i| damped[(i, i)] *= 1.0 + damping);
-            let step = damped.cholesky()?.solve(&g);
-            let next: Pose = std::array::from_fn(|i| pose[i] + step[i]);
-            found = squared(view, camera, &next).filter(|c| *c < at).map(|c| (next, c));
-            damping = if found.is_some() {
-                damping / 10.0
-            } else {
-                damping * 10.0
-            };
-        }
-        let Some((next, cost)) = found else { break };
-        let gain = (at - cost) / at.max(1e-30);
-        (pose, at) = (next, cost);
-        if gain < SETTLED {
-            break;
-        }
-    }
-    Some(pose)
+/// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
+pub fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
+    let found = minimise(PoseNormal::at(start, view, camera)?, &LIMITS);
+    Some((found.pose, found.block.cost))
 }
 
 /// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
@@ -89,7 +57,7 @@ pub fn first(size: (u32, u32), views: &[View]) -> Option<Fit> {
     let longer = f64::from(size.0.max(size.1));
     let start = |share: &f64| {
         let camera = model::start(size, share * longer);
-        let poses: Vec<Pose> = views.iter().map(|v| best_start(v, &camera)).collect::<Option<_>>()?;
+        let poses: Vec<Rigid> = views.iter().map(|v| best_start(v, &camera)).collect::<Option<_>>()?;
         Some((cost(views, &camera, &poses)?, camera, poses))
     };
     let mut starts: Vec<_> = BY_LONGER_SIDE.iter().filter_map(start).collect();
@@ -102,36 +70,24 @@ pub fn first(size: (u32, u32), views: &[View]) -> Option<Fit> {
 }
 
 /// The better branch of a planar view, refined.
-pub fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Pose> {
-    starting_poses(view, camera)
-        .into_iter()
-        .filter_map(|start| {
-            let refined = pose(view, camera, start)?;
-            Some((squared(view, camera, &refined)?, refined))
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, pose)| pose)
+fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
+    let starts = view.starting_poses(camera).into_iter();
+    let refined = starts.filter_map(|start| pose(view, camera, start));
+    refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
 }
 
 impl Fit {
     /// Seen minus projected, px, of each corner of each view.
     pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
-        views
-            .iter()
-            .zip(&self.poses)
-            .map(|(view, pose)| {
-                let all = residuals(view, &self.camera, pose).map(|(_, r)| r);
-                all.map_or_else(Vec::new, |r| r.as_slice().chunks(2).map(|p| [p[0], p[1]]).collect())
-            })
-            .collect()
+        let of = |(view, pose)| residuals(view, &self.camera, pose).collect();
+        views.iter().zip(&self.poses).map(of).collect()
     }
 
     /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
     pub fn covariance(&self, model: Model, views: &[View]) -> Option<DMatrix<f64>> {
         let seen_as = Fit { model, ..self.clone() };
-        let normal = Normal::of(&seen_as, views)?;
-        let (reduced, _) = normal.reduced(0.0)?;
+        let (reduced, _) = Normal::at(seen_as, views)?.reduced(0.0)?;
         let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
         let free = numbers
             .checked_sub(model.parameters() + 6 * views.len())
@@ -150,132 +106,170 @@ impl Fit {
     }
 }
 
-/// The normal equations in blocks: camera × camera, camera × pose, pose × pose.
-struct Normal {
-    camera: DMatrix<f64>,
-    by_camera: DVector<f64>,
-    views: Vec<ViewBlock>,
-}
-
-struct ViewBlock {
-    cross: DMatrix<f64>,
+/// The normal equations of one view: camera × camera, camera × pose, pose × pose.
+struct Block {
+    camera: SMatrix<f64, ALL, ALL>,
+    by_camera: SVector<f64, ALL>,
+    cross: SMatrix<f64, ALL, 6>,
     pose: Matrix6<f64>,
     by_pose: Vector6<f64>,
+    /// px².
+    cost: f64,
 }
 
-impl Normal {
-    fn of(at: &Fit, views: &[View]) -> Option<Normal> {
-        let parameters = at.model.parameters();
-        let mut normal = Normal {
-            camera: DMatrix::zeros(parameters, parameters),
-            by_camera: DVector::zeros(parameters),
-            views: Vec::with_capacity(views.len()),
+impl Block {
+    /// `None` when the residuals are not finite.
+    fn at(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
+        let mut block = Block {
+            camera: SMatrix::zeros(),
+            by_camera: SVector::zeros(),
+            cross: SMatrix::zeros(),
+            pose: Matrix6::zeros(),
+            by_pose: Vector6::zeros(),
+            cost: 0.0,
         };
-        for (view, pose) in views.iter().zip(&at.poses) {
-            let (projected, residuals) = residuals(view, &at.camera, pose)?;
-            let (j, k) = (gathered(at.model, &projected.by_camera), &projected.by_pose);
-            normal.camera += j.transpose() * &j;
-            normal.by_camera += j.transpose() * &residuals;
-            let (h, g) = (k.transpose() * k, k.transpose() * &residuals);
-            normal.views.push(ViewBlock {
-                cross: j.transpose() * k,
-                pose: Matrix6::from_fn(|r, c| h[(r, c)]),
-                by_pose: Vector6::from_fn(|r, _| g[r]),
-            });
+        for (point, [u, v]) in view.points().zip(&view.seen_px) {
+            let p = pose * point;
+            let at = project_unchecked(camera, &p);
+            let residual = Vector2::new(u - at.pixel[0], v - at.pixel[1]);
+            let by_pose = by_step(&at.by_point, &p);
+            block.camera += at.by_camera.transpose() * at.by_camera;
+            block.by_camera += at.by_camera.transpose() * residual;
+            block.cross += at.by_camera.transpose() * by_pose;
+            block.pose += by_pose.transpose() * by_pose;
+            block.by_pose += by_pose.transpose() * residual;
+            block.cost += residual.norm_squared();
         }
-        Some(normal)
+        block.cost.is_finite().then_some(block)
     }
 
-    /// The Schur complement over the poses and its right-hand side, the diagonals raised by `damping` (Marquardt 1963).
+    fn damped_pose(&self, damping: f64) -> Matrix6<f64> {
+        let mut h = self.pose;
+        (0..6).for_each(|i| h[(i, i)] *= 1.0 + damping);
+        h
+    }
+}
+
+/// One pose under a camera that is held.
+struct PoseNormal<'a> {
+    pose: Rigid,
+    block: Block,
+    view: &'a View,
+    camera: &'a [f64; ALL],
+}
+
+impl<'a> PoseNormal<'a> {
+    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseNormal<'a>> {
+        Some(PoseNormal {
+            pose,
+            block: Block::at(view, camera, &pose)?,
+            view,
+            camera,
+        })
+    }
+}
+
+impl LeastSquares for PoseNormal<'_> {
+    fn cost(&self) -> f64 {
+        self.block.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let step = self.block.damped_pose(damping).cholesky()?.solve(&self.block.by_pose);
+        PoseNormal::at(stepped(&self.pose, &step), self.view, self.camera)
+    }
+}
+
+/// Camera and poses: the camera's part summed over the views, by the parameters of the model.
+struct Normal<'a> {
+    fit: Fit,
+    camera: DMatrix<f64>,
+    by_camera: DVector<f64>,
+    blocks: Vec<Block>,
+    /// From the parameters of the model to the numbers they set.
+    parameters: DMatrix<f64>,
+    views: &'a [View],
+}
+
+impl<'a> Normal<'a> {
+    fn at(fit: Fit, views: &'a [View]) -> Option<Normal<'a>> {
+        let parameters = fit.model.parameters_to_numbers();
+        let of = |(view, pose)| Block::at(view, &fit.camera, pose);
+        let blocks: Vec<Block> = views.iter().zip(&fit.poses).map(of).collect::<Option<_>>()?;
+        let camera: SMatrix<f64, ALL, ALL> = blocks.iter().map(|b| b.camera).sum();
+        let by_camera: SVector<f64, ALL> = blocks.iter().map(|b| b.by_camera).sum();
+        Some(Normal {
+            camera: parameters.transpose() * camera * &parameters,
+            by_camera: parameters.transpose() * by_camera,
+            fit: Fit {
+                cost: blocks.iter().map(|b| b.cost).sum(),
+                ..fit
+            },
+            blocks,
+            parameters,
+            views,
+        })
+    }
+
+    /// The Schur complement over the poses and its right-hand side, the diagonals raised by `damping`.
     fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let (mut s, mut b) = (self.camera.clone(), self.by_camera.clone());
         (0..s.nrows()).for_each(|i| s[(i, i)] *= 1.0 + damping);
-        for view in &self.views {
-            let through = &view.cross * view.damped_inverse(damping)?;
-            s -= &through * view.cross.transpose();
-            b -= &through * view.by_pose;
+        for block in &self.blocks {
+            let cross = self.parameters.transpose() * block.cross;
+            let through = &cross * block.damped_pose(damping).cholesky()?.inverse();
+            s -= &through * cross.transpose();
+            b -= through * block.by_pose;
         }
         Some((s, b))
     }
 }
 
-impl ViewBlock {
-    fn damped_inverse(&self, damping: f64) -> Option<Matrix6<f64>> {
-        let mut h = self.pose;
-        (0..6).for_each(|i| h[(i, i)] *= 1.0 + damping);
-        Some(h.cholesky()?.inverse())
+impl LeastSquares for Normal<'_> {
+    fn cost(&self) -> f64 {
+        self.fit.cost
     }
-}
 
-/// One accepted step, or `None` when no damping gives a smaller cost.
-fn improved(at: &Fit, normal: &Normal, views: &[View], damping: &mut f64) -> Option<Fit> {
-    while *damping < 1e9 {
-        let next = stepped(at, normal, *damping).and_then(|(camera, poses)| {
-            let cost = cost(views, &camera, &poses)?;
-            (cost < at.cost).then_some(Fit {
-                model: at.model,
-                camera,
-                poses,
-                cost,
-            })
-        });
-        if next.is_some() {
-            *damping = (*damping / 10.0).max(1e-12);
-            return next;
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let (s, b) = self.reduced(damping)?;
+        let change = &self.parameters * s.cholesky()?.solve(&b);
+        let camera: [f64; ALL] = std::array::from_fn(|i| self.fit.camera[i] + change[i]);
+        if camera[0] <= 0.0 || camera[1] <= 0.0 || camera.iter().any(|v| !v.is_finite()) {
+            return None;
         }
-        *damping *= 10.0;
+        let moved = |(pose, block): (&Rigid, &Block)| {
+            let right = block.by_pose - block.cross.transpose() * &change;
+            let step = block
+                .damped_pose(damping)
+                .cholesky()?
+                .solve(&Vector6::from_column_slice(right.as_slice()));
+            Some(stepped(pose, &step))
+        };
+        let poses = self.fit.poses.iter().zip(&self.blocks).map(moved);
+        let fit = Fit {
+            camera,
+            poses: poses.collect::<Option<_>>()?,
+            ..self.fit.clone()
+        };
+        Normal::at(fit, self.views)
     }
-    None
 }
 
-fn stepped(at: &Fit, normal: &Normal, damping: f64) -> Option<([f64; ALL], Vec<Pose>)> {
-    let (s, b) = normal.reduced(damping)?;
-    let step = s.cholesky()?.solve(&b);
-    let mut camera = at.camera;
-    for (slots, change) in at.model.slots().iter().zip(step.iter()) {
-        slots.iter().for_each(|slot| camera[*slot] += change);
-    }
-    if camera[0] <= 0.0 || camera[1] <= 0.0 || camera.iter().any(|v| !v.is_finite()) {
-        return None;
-    }
-    let poses: Option<Vec<Pose>> = at
-        .poses
-        .iter()
-        .zip(&normal.views)
-        .map(|(pose, view)| {
-            let right = view.by_pose - to_vector6(&(view.cross.transpose() * &step));
-            let change = view.damped_inverse(damping)? * right;
-            Some(std::array::from_fn(|i| pose[i] + change[i]))
-        })
-        .collect();
-    Some((camera, poses?))
-}
-
-fn to_vector6(v: &DVector<f64>) -> Vector6<f64> {
-    Vector6::from_fn(|r, _| v[r])
-}
-
-/// The derivatives by the parameters of a model: the sum over the numbers each parameter sets.
-pub(super) fn gathered(model: Model, by_camera: &DMatrix<f64>) -> DMatrix<f64> {
-    let slots = model.slots();
-    DMatrix::from_fn(by_camera.nrows(), slots.len(), |r, p| {
-        slots[p].iter().map(|slot| by_camera[(r, *slot)]).sum()
-    })
-}
-
-fn residuals(view: &View, camera: &[f64; ALL], pose: &Pose) -> Option<(super::project::Projected, DVector<f64>)> {
-    let projected = project(&view.board_mm, camera, pose)?;
-    let seen = view.seen_px.iter().flatten();
-    let residuals = DVector::from_iterator(projected.px.len(), seen.zip(&projected.px).map(|(s, p)| s - p));
-    Some((projected, residuals))
+/// Seen minus projected, px, of each corner.
+fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
+    let of = move |(point, seen): (Point3<f64>, &[f64; 2])| {
+        let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
+        [seen[0] - x, seen[1] - y]
+    };
+    view.points().zip(&view.seen_px).map(of)
 }
 
 /// Sum of squared distances of one view, px².
-pub fn squared(view: &View, camera: &[f64; ALL], pose: &Pose) -> Option<f64> {
-    let sum = residuals(view, camera, pose)?.1.norm_squared();
+pub fn squared(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
+    let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
     sum.is_finite().then_some(sum)
 }
 
-fn cost(views: &[View], camera: &[f64; ALL], poses: &[Pose]) -> Option<f64> {
+fn cost(views: &[View], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
     views.iter().zip(poses).map(|(v, p)| squared(v, camera, p)).sum()
 }

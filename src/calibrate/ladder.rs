@@ -4,8 +4,8 @@ use nalgebra::{Point3, Vector3};
 
 use super::fit::{self, Fit};
 use super::model::{ALL, Model};
-use super::project::{Pose, View};
-use crate::geometry::{Rigid, rigid};
+use super::view::View;
+use crate::geometry::Rigid;
 
 /// At most so many folds; each leaves whole photos out.
 const MOST_FOLDS: usize = 10;
@@ -86,11 +86,11 @@ fn held_out(whole: &Fit, views: &[View]) -> Option<Vec<f64>> {
     Some(errors)
 }
 
-fn foretold(view: &View, camera: &[f64; ALL], start: Pose) -> Option<f64> {
+fn foretold(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<f64> {
     let (even, odd) = (view.half(0), view.half(1));
     let mut sum = 0.0;
     for (known, judged) in [(&even, &odd), (&odd, &even)] {
-        sum += fit::squared(judged, camera, &fit::pose(known, camera, start)?)?;
+        sum += fit::squared(judged, camera, &fit::pose(known, camera, start)?.0)?;
     }
     Some(sum / view.seen_px.len() as f64)
 }
@@ -123,19 +123,12 @@ pub fn compare(rungs: &mut [Rung], chosen: usize, middle_mm: [f64; 2]) {
 }
 
 /// From a point of the board to the camera, board frame, mm.
-fn camera_from(pose: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
-    transform(pose).inverse() * Point3::origin() - Point3::new(x, y, 0.0)
-}
-
-/// `T_camera_board`.
-pub fn transform(pose: &Pose) -> Rigid {
-    let [a, b, c, x, y, z] = *pose;
-    rigid::from_rotation_vector([a, b, c], [x, y, z])
+fn camera_from(pose: &Rigid, [x, y]: [f64; 2]) -> Vector3<f64> {
+    pose.inverse() * Point3::origin() - Point3::new(x, y, 0.0)
 }
 
 /// The board's normal in the camera frame, towards the camera.
-pub fn normal(pose: &Pose) -> Vector3<f64> {
-    let t = transform(pose);
-    let n = t.rotation * Vector3::z();
-    if n.dot(&t.translation.vector) > 0.0 { -n } else { n }
+pub fn normal(pose: &Rigid) -> Vector3<f64> {
+    let n = pose.rotation * Vector3::z();
+    if n.dot(&pose.translation.vector) > 0.0 { -n } else { n }
 }

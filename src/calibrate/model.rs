@@ -1,9 +1,12 @@
 //! The ladder of camera models, from the smallest up.
 
+use nalgebra::DMatrix;
+
 use crate::camera::Camera;
+use crate::camera::projection::PARAMETERS;
 
 /// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
-pub const ALL: usize = 12;
+pub const ALL: usize = PARAMETERS;
 
 /// What of a camera is fitted; what is not is 0, and the principal point the picture's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -58,6 +61,14 @@ impl Model {
             Model::PlumbBob => &TWO[..9],
             Model::Rational => &TWO[..],
         }
+    }
+
+    /// The matrix that takes the fit's parameters to the numbers of [`ALL`].
+    pub(super) fn parameters_to_numbers(self) -> DMatrix<f64> {
+        let slots = self.slots();
+        DMatrix::from_fn(ALL, slots.len(), |slot, p| {
+            f64::from(u8::from(slots[p].contains(&slot)))
+        })
     }
 
     /// How many numbers are fitted.

@@ -1,10 +1,11 @@
 //! How far a projection may be off, cell by cell of the picture.
 
-use nalgebra::{DMatrix, Matrix2, Matrix3};
+use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix2xX, Point3};
 
-use super::fit::{self, Fit};
-use super::model::ALL;
-use super::project::{direction, project};
+use super::fit::Fit;
+use super::model;
+use crate::camera::Camera;
+use crate::camera::projection::{by_step, project_unchecked};
 
 /// Cells of the map across the longer side of the picture.
 const CELLS: u32 = 16;
@@ -44,7 +45,8 @@ pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) ->
             [at(column, columns, w), at(row, rows, h)]
         })
         .collect();
-    let derivatives: Vec<Option<Derivatives>> = middles.iter().map(|px| Derivatives::at(fit, *px)).collect();
+    let camera = model::camera((width, height), &fit.camera);
+    let derivatives: Vec<_> = middles.iter().map(|px| Derivatives::at(fit, &camera, *px)).collect();
     let turn = implied_turn(derivatives.iter().flatten(), covariance.nrows());
     let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| Cell {
         px,
@@ -62,45 +64,33 @@ pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) ->
 
 /// Of one pixel: by the parameters of the model (2 × p) and by a turn of the camera (2 × 3).
 struct Derivatives {
-    by_camera: DMatrix<f64>,
-    by_turn: DMatrix<f64>,
+    by_camera: Matrix2xX<f64>,
+    by_turn: Matrix2x3<f64>,
 }
 
 impl Derivatives {
-    fn at(fit: &Fit, px: [f64; 2]) -> Option<Derivatives> {
-        let seen = direction(&fit.camera, px)?;
-        let projected = at_depth_one(seen, &fit.camera)?;
+    fn at(fit: &Fit, camera: &Camera, px: [f64; 2]) -> Option<Derivatives> {
+        let [x, y] = camera.point_at(px)?;
+        let direction = Point3::new(x, y, 1.0);
+        let at = project_unchecked(&fit.camera, &direction);
         Some(Derivatives {
-            by_camera: fit::gathered(fit.model, &projected.by_camera),
-            by_turn: projected.by_pose.columns(0, 3).into_owned(),
+            by_camera: at.by_camera * fit.model.parameters_to_numbers(),
+            by_turn: by_step(&at.by_point, &direction).fixed_columns::<3>(0).into_owned(),
         })
     }
 
     fn sigma_px(&self, turn: &DMatrix<f64>, covariance: &DMatrix<f64>) -> f64 {
-        let m = &self.by_camera - &self.by_turn * turn;
-        let v = &m * covariance * m.transpose();
-        let v = Matrix2::from_fn(|r, c| v[(r, c)]);
+        let m = &self.by_camera - self.by_turn * turn;
+        let v: Matrix2<f64> = &m * covariance * m.transpose();
         v.symmetric_eigenvalues().max().max(0.0).sqrt()
     }
-}
-
-/// The derivatives of a direction's pixel: by the camera, and by a turn about the camera's centre.
-fn at_depth_one([x, y]: [f64; 2], camera: &[f64; ALL]) -> Option<super::project::Projected> {
-    // The plane z = 0 of the board frame, put at depth 1: its point (x, y) is the direction (x, y, 1).
-    let mut projected = project(&[[x, y]], camera, &[0.0, 0.0, 0.0, 0.0, 0.0, 1.0])?;
-    // OpenCV's turn is about the board's origin, so the turn about the camera is put together from the shifts: δX = ω × X.
-    let by_shift = projected.by_pose.columns(3, 3).into_owned();
-    let cross = Matrix3::new(0.0, 1.0, -y, -1.0, 0.0, x, y, -x, 0.0);
-    let by_turn = by_shift * DMatrix::from_fn(3, 3, |r, c| cross[(r, c)]);
-    projected.by_pose.columns_mut(0, 3).copy_from(&by_turn);
-    Some(projected)
 }
 
 /// The turn (3 × p) that best undoes each parameter's change over the picture.
 fn implied_turn<'a>(all: impl Iterator<Item = &'a Derivatives>, parameters: usize) -> Option<DMatrix<f64>> {
     let (mut h, mut g) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, parameters));
     for d in all {
-        h += d.by_turn.transpose() * &d.by_turn;
+        h += d.by_turn.transpose() * d.by_turn;
         g += d.by_turn.transpose() * &d.by_camera;
     }
     Some(h.cholesky()?.solve(&g))

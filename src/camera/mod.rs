@@ -7,13 +7,12 @@ mod kalibr;
 mod marks;
 mod mrcal;
 mod opencv_yaml;
+pub mod projection;
 mod ray;
 mod ros_yaml;
 mod yaml;
 
 use std::path::PathBuf;
-
-use nalgebra::Point3;
 
 use crate::files;
 
@@ -129,16 +128,6 @@ impl Camera {
         }
     }
 
-    /// The pixel of a point in the camera frame (mm, x right, y down, z forward). `None` behind the camera and where the
-    /// distortion model folds back on itself, since a pixel there would be a lie.
-    pub fn project(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
-        if p.z <= 0.0 {
-            return None;
-        }
-        let [x, y] = self.distortion.apply(p.x / p.z, p.y / p.z)?;
-        Some([self.fx * x + self.cx, self.fy * y + self.cy])
-    }
-
     /// The angle in degrees that one pixel covers at the centre of the picture.
     pub fn deg_per_px(&self) -> f64 {
         (2.0 / (self.fx + self.fy)).atan().to_degrees()
@@ -149,43 +138,15 @@ impl Distortion {
     fn new(coefficients: [f64; 8]) -> Distortion {
         Distortion {
             coefficients,
-            valid_radius: valid_radius(&coefficients),
+            valid_radius: projection::valid_radius(&coefficients),
         }
     }
-
-    /// Distorts normalised coordinates (depth 1).
-    fn apply(&self, x: f64, y: f64) -> Option<[f64; 2]> {
-        let [_, _, p1, p2, ..] = self.coefficients;
-        let r2 = x * x + y * y;
-        if r2.sqrt() > self.valid_radius {
-            return None;
-        }
-        let radial = radial_factor(&self.coefficients, r2);
-        Some([
-            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
-        ])
-    }
-}
-
-fn radial_factor([k1, k2, _, _, k3, k4, k5, k6]: &[f64; 8], r2: f64) -> f64 {
-    (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)))
-}
-
-/// The first radius at which the distorted radius stops growing, searched up to 80° off the axis.
-fn valid_radius(coefficients: &[f64; 8]) -> f64 {
-    const STEP: f64 = 0.01;
-    let furthest = 80f64.to_radians().tan();
-    let distorted = |r: f64| r * radial_factor(coefficients, r * r);
-    let mut r = 0.0;
-    while r < furthest && distorted(r + STEP) > distorted(r) {
-        r += STEP;
-    }
-    r
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
+
     use super::*;
 
     #[test]

@@ -1,8 +1,9 @@
 //! From a pixel back to the direction that it looks in.
 
-use nalgebra::{Matrix2, Point3, Vector2};
+use nalgebra::Vector2;
 
 use super::Camera;
+use super::projection::distort;
 
 /// Newton steps; five are enough for lenses that are no fisheyes.
 const STEPS: usize = 50;
@@ -18,7 +19,6 @@ impl Camera {
     /// The point at depth 1 that a pixel shows, by Newton's method from the pinhole's answer; `None` where the lens model ends.
     pub fn point_at(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         let target = Vector2::new((pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy);
-        let distorted = |p: Vector2<f64>| self.distortion.apply(p.x, p.y).map(Vector2::from);
         let mut found = target;
         for _ in 0..STEPS {
             // What lies beyond the lens model is brought back to its edge.
@@ -26,17 +26,12 @@ impl Camera {
             if radius > self.widest_radius() {
                 found *= 0.999 * self.widest_radius() / radius;
             }
-            let at = distorted(found)?;
-            let [u, v] = self.project(&Point3::new(found.x, found.y, 1.0))?;
-            if (u - pixel[0]).hypot(v - pixel[1]) < EXACT_PX {
+            let (at, by_xy) = distort(self.distortion(), found.x, found.y);
+            let off = target - Vector2::from(at);
+            if (self.fx * off.x).hypot(self.fy * off.y) < EXACT_PX {
                 return Some(found.into());
             }
-            const H: f64 = 1e-6;
-            // Inwards, so that the lens model answers there too.
-            let [hx, hy] = [found.x, found.y].map(|c| if c > 0.0 { -H } else { H });
-            let along_x = (distorted(found + Vector2::new(hx, 0.0))? - at) / hx;
-            let along_y = (distorted(found + Vector2::new(0.0, hy))? - at) / hy;
-            found += Matrix2::from_columns(&[along_x, along_y]).try_inverse()? * (target - at);
+            found += by_xy.try_inverse()? * off;
         }
         None
     }
@@ -45,6 +40,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Point3;
     use proptest::prelude::*;
 
     proptest! {

@@ -7,8 +7,7 @@ use nalgebra::{Matrix6, SMatrix, SVector};
 
 use super::doubt::{self, Abstention};
 use super::matches::{Corners, Ignored, IgnoredTag, Match};
-use super::refine::{self, NO_BEND};
-use super::reprojection::pixel_by_pose;
+use super::refine::{self, NO_HUBER};
 use super::solver::{Candidate, Solver, largest_first};
 use super::uncertainty::pooled;
 use crate::camera::Camera;
@@ -120,7 +119,7 @@ fn is_same(a: &Match, b: &Match) -> bool {
 fn settle(mut pose: Rigid, mut kept: Vec<bool>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
     while is_majority(&kept) {
         let members = chosen(matches, &kept);
-        pose = refine::refine(&pose, &Corners::of(&members), camera, NO_BEND)?;
+        pose = refine::refine(&pose, &Corners::of(&members), camera, NO_HUBER)?;
         let disagreement = disagreement(&pose, &members, camera)?;
         let worst = (0..members.len()).max_by(|a, b| disagreement[*a].total_cmp(&disagreement[*b]))?;
         if disagreement[worst] <= 1.0 {
@@ -145,7 +144,7 @@ fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<
     let squares: f64 = seen.iter().map(|l| l.residual.norm_squared()).sum();
     let freedom = 8.0 * (seen.len() as f64 - 1.0) - 6.0;
     let of = |l: &Linear| {
-        let kept = SMatrix::<f64, 8, 8>::identity() - l.slope * covariance * l.slope.transpose();
+        let kept = SMatrix::<f64, 8, 8>::identity() - l.jacobian * covariance * l.jacobian.transpose();
         // A tag that the others say nothing about cannot be tested: it does not agree.
         kept.cholesky().map_or(f64::INFINITY, |c| {
             let deleted = l.residual.dot(&c.solve(&l.residual));
@@ -166,7 +165,7 @@ fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camer
         let Some(l) = Linear::of(pose, m, camera) else {
             return false;
         };
-        let expected = SMatrix::<f64, 8, 8>::identity() + l.slope * covariance * l.slope.transpose();
+        let expected = SMatrix::<f64, 8, 8>::identity() + l.jacobian * covariance * l.jacobian.transpose();
         let square = expected.cholesky().map(|c| l.residual.dot(&c.solve(&l.residual)));
         is_member || square.is_some_and(|square| square <= allowed_px2)
     };
@@ -183,21 +182,21 @@ fn allowed_px2(squares: f64, freedom: f64, camera: &Camera) -> f64 {
 /// The eight coordinates of a tag near a pose: residuals, and their derivatives by a step of the pose.
 struct Linear {
     residual: SVector<f64, 8>,
-    slope: SMatrix<f64, 8, 6>,
+    jacobian: SMatrix<f64, 8, 6>,
 }
 
 impl Linear {
     fn of(pose: &Rigid, m: &Match, camera: &Camera) -> Option<Linear> {
-        let (mut residual, mut slope) = (SVector::<f64, 8>::zeros(), SMatrix::<f64, 8, 6>::zeros());
+        let (mut residual, mut jacobian) = (SVector::<f64, 8>::zeros(), SMatrix::<f64, 8, 6>::zeros());
         for (i, (point, [u, v])) in m.tag.corners_mm().iter().zip(m.corners_px).enumerate() {
-            let ([x, y], by_pose) = pixel_by_pose(camera, pose, point)?;
+            let ([x, y], by_pose) = camera.project_by_pose(pose, point)?;
             (residual[2 * i], residual[2 * i + 1]) = (x - u, y - v);
-            slope.fixed_view_mut::<2, 6>(2 * i, 0).copy_from(&by_pose);
+            jacobian.fixed_view_mut::<2, 6>(2 * i, 0).copy_from(&by_pose);
         }
         residual
             .iter()
             .all(|r: &f64| r.is_finite())
-            .then_some(Linear { residual, slope })
+            .then_some(Linear { residual, jacobian })
     }
 
     fn of_all(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<Linear>> {
@@ -207,7 +206,7 @@ impl Linear {
 
 /// (JᵀJ)⁻¹ over some tags.
 fn total(seen: &[Linear]) -> Option<Matrix6<f64>> {
-    let information: Matrix6<f64> = seen.iter().map(|l| l.slope.transpose() * l.slope).sum();
+    let information: Matrix6<f64> = seen.iter().map(|l| l.jacobian.transpose() * l.jacobian).sum();
     Some(information.cholesky()?.inverse())
 }
 

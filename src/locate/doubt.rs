@@ -4,9 +4,10 @@ use nalgebra::Point3;
 
 use super::matches::Match;
 use super::solver::Candidate;
-use super::uncertainty::{Sigma, upper_tail};
+use super::uncertainty::Sigma;
 use crate::camera::{Camera, SizeError};
 use crate::geometry::{Rigid, angle};
+use crate::statistics::normal::upper_tail;
 
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -5,11 +5,11 @@ pub mod diagnosis;
 mod doubt;
 mod factor;
 mod matches;
+mod photo;
 mod plain_view;
 mod planar;
 mod rays;
 mod refine;
-pub mod reprojection;
 mod solver;
 mod sqpnp;
 mod uncertainty;
@@ -23,13 +23,14 @@ use crate::scene::{Bin, Scene, Viewpoint};
 use crate::tags::SeenTag;
 use consensus::Consensus;
 use matches::{Corners, Match};
-use refine::NO_BEND;
+use refine::NO_HUBER;
 use solver::Candidate;
 
-pub use diagnosis::{Diagnosis, Examined};
+pub use diagnosis::Diagnosis;
 pub use doubt::Abstention;
 pub use factor::spread;
 pub use matches::{Ignored, IgnoredTag};
+pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
 pub use planar::planar_branches;
 pub use solver::Solver;
 pub use sqpnp::sqpnp;
@@ -162,6 +163,6 @@ fn found<'a>(
 fn finished(solver: Solver, best: &Candidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
     match solver {
         Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
-        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_BEND)?)),
+        _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?)),
     }
 }

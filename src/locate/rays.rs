@@ -5,12 +5,8 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use crate::camera::Camera;
 
 /// The points at depth 1 that pixels show; `None` where the lens model does not reach one.
-pub(super) fn at<const N: usize>(pixels: &[[f64; 2]; N], camera: &Camera) -> Option<[[f64; 2]; N]> {
-    let mut points = [[0.0; 2]; N];
-    for (point, pixel) in points.iter_mut().zip(pixels) {
-        *point = camera.point_at(*pixel)?;
-    }
-    Some(points)
+pub(super) fn at(pixels: &[[f64; 2]], camera: &Camera) -> Option<Vec<[f64; 2]>> {
+    pixels.iter().map(|pixel| camera.point_at(*pixel)).collect()
 }
 
 /// The rows of (1, 0, −u) and (0, 1, −v), squared and added: what a point (X, Y, Z) leaves of (X − uZ)² + (Y − vZ)².

@@ -3,79 +3,84 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::matches::Corners;
-use super::reprojection::{pixel_by_pose, stepped};
 use crate::camera::Camera;
-use crate::geometry::Rigid;
+use crate::geometry::{Rigid, rigid::stepped};
+use crate::least_squares::{LeastSquares, Limits, minimise};
+
+/// A Huber threshold that no residual reaches: plain least squares.
+pub(super) const NO_HUBER: f64 = f64::INFINITY;
+
+/// A step that moves all corners together by less than 1e-7 px is the last.
+const LIMITS: Limits = Limits {
+    first_damping: 1e-4,
+    most_trials: 50,
+    relative_gain: 0.0,
+    absolute_gain: 1e-14,
+};
 
 /// The normal equations of all corners at one pose.
-pub(super) struct Normal {
+pub(super) struct Normal<'a> {
+    pose: Rigid,
     /// JᵀWJ by (ω, υ) of [`stepped`].
     pub information: Matrix6<f64>,
     /// JᵀWr.
     gradient: Vector6<f64>,
-    /// Σ 2ρ(|r|), px²: the sum of squares as long as no residual is longer than the bend.
+    /// Σ 2ρ(|r|), px²: the sum of squares as long as no residual is longer than the threshold.
     cost: f64,
+    corners: &'a Corners,
+    camera: &'a Camera,
+    huber_px: f64,
 }
 
-/// A bend that no residual reaches: plain least squares.
-pub(super) const NO_BEND: f64 = f64::INFINITY;
+/// The pose at the minimum near `start`. Residuals longer than `huber_px` count linearly instead of squared (Huber 1964).
+/// `None` when a corner has no pixel at the start.
+pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Rigid> {
+    let start = Normal::at(*start, corners, camera, huber_px)?;
+    Some(minimise(start, &LIMITS).pose)
+}
 
-const MAX_ROUNDS: usize = 50;
-/// Steps that move all corners together by less than this are the end, px².
-const STILL_PX2: f64 = 1e-14;
+impl<'a> Normal<'a> {
+    /// `None` when a corner has no pixel or a number is not finite.
+    pub(super) fn at(pose: Rigid, corners: &'a Corners, camera: &'a Camera, huber_px: f64) -> Option<Normal<'a>> {
+        let (mut information, mut gradient, mut cost) = (Matrix6::zeros(), Vector6::zeros(), 0.0);
+        for (point, [u, v]) in corners.model_mm.iter().zip(&corners.image_px) {
+            let ([x, y], jacobian) = camera.project_by_pose(&pose, point)?;
+            let residual = nalgebra::Vector2::new(x - u, y - v);
+            let length = residual.norm();
+            let is_outlying = length > huber_px;
+            let weight = if is_outlying { huber_px / length } else { 1.0 };
+            information += weight * jacobian.transpose() * jacobian;
+            gradient += weight * jacobian.transpose() * residual;
+            cost += if is_outlying {
+                2.0 * huber_px * length - huber_px * huber_px
+            } else {
+                length * length
+            };
+        }
+        cost.is_finite().then_some(Normal {
+            pose,
+            information,
+            gradient,
+            cost,
+            corners,
+            camera,
+            huber_px,
+        })
+    }
+}
 
-/// The pose at the minimum near `start`. Residuals longer than `bend_px` count linearly instead of squared (Huber 1964).
-/// `None` when a corner has no pixel at the start, or when the corners leave the pose open.
-pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, bend_px: f64) -> Option<Rigid> {
-    let mut pose = *start;
-    let mut normal = normal_equations(&pose, corners, camera, bend_px)?;
-    let mut damping = 1e-4;
-    for _ in 0..MAX_ROUNDS {
-        let diagonal = Matrix6::from_diagonal(&normal.information.diagonal());
-        let step = -(normal.information + diagonal * damping)
+impl LeastSquares for Normal<'_> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let diagonal = Matrix6::from_diagonal(&self.information.diagonal());
+        let step = -(self.information + diagonal * damping)
             .cholesky()?
-            .solve(&normal.gradient);
-        let next = stepped(&pose, &step);
-        match normal_equations(&next, corners, camera, bend_px).filter(|n| n.cost <= normal.cost) {
-            Some(better) => {
-                let moved_px2 = step.dot(&(normal.information * step));
-                (pose, normal) = (next, better);
-                damping = (damping / 10.0).max(1e-12);
-                if moved_px2 < STILL_PX2 {
-                    break;
-                }
-            }
-            None => damping *= 10.0,
-        }
-        if damping > 1e8 {
-            break;
-        }
+            .solve(&self.gradient);
+        Normal::at(stepped(&self.pose, &step), self.corners, self.camera, self.huber_px)
     }
-    Some(pose)
-}
-
-/// `None` when a corner has no pixel or a number is not finite.
-pub(super) fn normal_equations(pose: &Rigid, corners: &Corners, camera: &Camera, bend_px: f64) -> Option<Normal> {
-    let (mut information, mut gradient, mut cost) = (Matrix6::zeros(), Vector6::zeros(), 0.0);
-    for (point, [u, v]) in corners.model_mm.iter().zip(&corners.image_px) {
-        let ([x, y], slope) = pixel_by_pose(camera, pose, point)?;
-        let residual = nalgebra::Vector2::new(x - u, y - v);
-        let length = residual.norm();
-        let is_bent = length > bend_px;
-        let weight = if is_bent { bend_px / length } else { 1.0 };
-        information += weight * slope.transpose() * slope;
-        gradient += weight * slope.transpose() * residual;
-        cost += if is_bent {
-            2.0 * bend_px * length - bend_px * bend_px
-        } else {
-            length * length
-        };
-    }
-    cost.is_finite().then_some(Normal {
-        information,
-        gradient,
-        cost,
-    })
 }
 
 /// Distance between each seen corner and its projection, px; `None` when a corner has no pixel.

@@ -3,7 +3,7 @@
 
 use super::matches::{Corners, Match};
 use super::planar::planar_branches;
-use super::refine::{self, NO_BEND};
+use super::refine::{self, NO_HUBER};
 use super::sqpnp::sqpnp;
 use crate::camera::Camera;
 use crate::geometry::Rigid;
@@ -57,7 +57,7 @@ impl Solver {
     pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<Candidate> {
         let corners = Corners::of(matches);
         let refined = |starts: Vec<Rigid>| {
-            let refined = |start| refine::refine(start, &corners, camera, NO_BEND);
+            let refined = |start| refine::refine(start, &corners, camera, NO_HUBER);
             starts.iter().filter_map(refined).collect()
         };
         let poses: Vec<Rigid> = match self {

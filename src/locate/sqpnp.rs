@@ -10,14 +10,12 @@ use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, SVector, SymmetricEigen, Vec
 use super::rays;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, rigid};
+use crate::least_squares::{LeastSquares, Limits, minimise};
 
 type Form = SMatrix<f64, 9, 9>;
 type Nine = SVector<f64, 9>;
 
 const FEWEST_POINTS: usize = 3;
-const STEPS: usize = 30;
-/// Steps that turn by less than this are the end, radians.
-const STILL: f64 = 1e-12;
 
 /// `T_camera_model` with the least Σ (X − uZ)² + (Y − vZ)² over all points, in front of the camera. Pixels that the lens model does not reach
 /// are left out; `None` when fewer than three are left or they leave the pose open.
@@ -81,29 +79,46 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
 
 /// The minimum of the form on the rotations near a start.
 fn minimum(start: Matrix3<f64>, form: &Form) -> Matrix3<f64> {
-    let (mut rotation, mut least) = (start, cost(&start, form));
-    let mut damping = 1e-6;
-    for _ in 0..STEPS {
-        let turned = |axis| numbers(&(Vector3::<f64>::ith_axis(axis).cross_matrix() * rotation));
-        let slope = SMatrix::<f64, 9, 3>::from_columns(&[0, 1, 2].map(turned));
-        let gradient = slope.transpose() * form * numbers(&rotation);
-        let information = slope.transpose() * form * slope;
-        let damped = information + Matrix3::identity() * (damping * (information.trace() + f64::MIN_POSITIVE));
-        let Some(inverse) = damped.try_inverse() else { break };
-        let step = -(inverse * gradient);
-        let next = Rotation3::new(step).into_inner() * rotation;
-        let next_cost = cost(&next, form);
-        if next_cost < least {
-            (rotation, least) = (next, next_cost);
-            damping = (damping / 10.0).max(1e-12);
-        } else {
-            damping *= 10.0;
-        }
-        if step.norm() < STILL || damping > 1e6 {
-            break;
-        }
+    let limits = Limits {
+        first_damping: 1e-6,
+        most_trials: 30,
+        relative_gain: 0.0,
+        absolute_gain: 0.0,
+    };
+    rays::nearest_rotation(&minimise(OnRotations::at(start, form), &limits).rotation)
+}
+
+/// The form at a rotation.
+struct OnRotations<'a> {
+    rotation: Matrix3<f64>,
+    cost: f64,
+    form: &'a Form,
+}
+
+impl OnRotations<'_> {
+    fn at(rotation: Matrix3<f64>, form: &Form) -> OnRotations<'_> {
+        let cost = cost(&rotation, form);
+        OnRotations { rotation, cost, form }
     }
-    rays::nearest_rotation(&rotation)
+}
+
+impl LeastSquares for OnRotations<'_> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let turned = |axis| numbers(&(Vector3::<f64>::ith_axis(axis).cross_matrix() * self.rotation));
+        let jacobian = SMatrix::<f64, 9, 3>::from_columns(&[0, 1, 2].map(turned));
+        let gradient = jacobian.transpose() * self.form * numbers(&self.rotation);
+        let information = jacobian.transpose() * self.form * jacobian;
+        let damped = information + Matrix3::identity() * (damping * (information.trace() + f64::MIN_POSITIVE));
+        let step = -(damped.try_inverse()? * gradient);
+        Some(OnRotations::at(
+            Rotation3::new(step).into_inner() * self.rotation,
+            self.form,
+        ))
+    }
 }
 
 fn cost(rotation: &Matrix3<f64>, form: &Form) -> f64 {

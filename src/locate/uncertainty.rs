@@ -7,12 +7,12 @@ use nalgebra::{Matrix3, Matrix6, Point3};
 use serde::{Deserialize, Serialize};
 
 use super::matches::Corners;
-use super::refine::{self, NO_BEND};
-use super::reprojection::step_between;
+use super::refine::{self, NO_HUBER, Normal};
 use super::solver::Candidate;
 use crate::camera::Camera;
-use crate::geometry::{Rigid, angle::turn};
+use crate::geometry::{Rigid, angle::turn, rigid::step_between};
 use crate::scene::{Bin, Bins, Viewpoint};
+use crate::statistics::normal::between;
 
 /// Corner noise that is expected before a residual was seen, px per axis, and how many residuals that expectation weighs: eight
 /// numbers of a lone tag less six of its pose are too few to know the noise from.
@@ -21,7 +21,7 @@ const EXPECTATION_WEIGHT: f64 = 4.0;
 
 /// Residuals longer than this many times the noise count linearly. At 2 the estimate is as good as least squares (98 %) where the
 /// noise is normal, and better where it has tails.
-const BEND: f64 = 2.0;
+const HUBER_SIGMAS: f64 = 2.0;
 
 /// Standard deviations of a viewpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ pub struct Sigma {
 /// How far a pose may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {
-    /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`super::reprojection::stepped`].
+    /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`crate::geometry::rigid::stepped`].
     pub covariance: Matrix6<f64>,
     /// Corner noise, px per axis.
     pub noise_px: f64,
@@ -100,20 +100,20 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
     let mut pose = *start;
     let mut noise_px = EXPECTED_NOISE_PX;
     for _ in 0..6 {
-        let bent = Bent::of(&pose, corners, camera, BEND * noise_px)?;
-        // Of normal residuals, bending leaves this share of the squares: 1 - exp(-BEND²/2).
-        let kept = 1.0 - (-BEND * BEND / 2.0f64).exp();
-        noise_px = pooled(bent.squares / kept, bent.freedom).sqrt();
-        pose = refine::refine(&pose, corners, camera, BEND * noise_px)?;
+        let clipped = Clipped::of(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
+        // Of normal residuals, Huber's ψ leaves this share of the squares: 1 - exp(-HUBER_SIGMAS²/2).
+        let kept = 1.0 - (-HUBER_SIGMAS * HUBER_SIGMAS / 2.0f64).exp();
+        noise_px = pooled(clipped.squares / kept, clipped.freedom).sqrt();
+        pose = refine::refine(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
     }
-    Some((pose, at(&pose, corners, camera, BEND * noise_px)?))
+    Some((pose, at(&pose, corners, camera, HUBER_SIGMAS * noise_px)?))
 }
 
-/// How far a pose may be off that minimises residuals with this bend, px ([`NO_BEND`]: least squares).
-pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, bend_px: f64) -> Option<Uncertainty> {
-    let bent = Bent::of(pose, corners, camera, bend_px)?;
-    let variance = pooled(bent.squares, bent.freedom) / (bent.slope * bent.slope);
-    let information = refine::normal_equations(pose, corners, camera, NO_BEND)?.information;
+/// How far a pose may be off that minimises residuals with this Huber threshold, px ([`NO_HUBER`]: least squares).
+pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
+    let clipped = Clipped::of(pose, corners, camera, huber_px)?;
+    let variance = pooled(clipped.squares, clipped.freedom) / (clipped.derivative * clipped.derivative);
+    let information = Normal::at(*pose, corners, camera, NO_HUBER)?.information;
     Some(Uncertainty {
         covariance: information.cholesky()?.inverse() * variance,
         noise_px: variance.sqrt(),
@@ -126,30 +126,34 @@ pub(super) fn pooled(squares: f64, freedom: f64) -> f64 {
     (EXPECTATION_WEIGHT * EXPECTED_NOISE_PX * EXPECTED_NOISE_PX + squares) / (EXPECTATION_WEIGHT + freedom)
 }
 
-/// Residuals after Huber's function ψ with its bend at some length.
-struct Bent {
+/// Residuals after Huber's function ψ.
+struct Clipped {
     /// Σ ψ², px².
     squares: f64,
     /// Mean derivative of ψ per axis.
-    slope: f64,
+    derivative: f64,
     /// Coordinates less the pose's six.
     freedom: f64,
 }
 
-impl Bent {
-    fn of(pose: &Rigid, corners: &Corners, camera: &Camera, bend_px: f64) -> Option<Bent> {
+impl Clipped {
+    fn of(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Clipped> {
         let residuals = refine::residuals_px(pose, corners, camera)?;
         let count = residuals.len() as f64;
         let lengths = residuals.iter().map(|[x, y]| x.hypot(*y));
-        let (mut squares, mut slope) = (0.0, 0.0);
+        let (mut squares, mut derivative) = (0.0, 0.0);
         for length in lengths {
-            squares += length.min(bend_px).powi(2);
-            // Beyond the bend, ψ has the bend's length: it changes across its direction only.
-            slope += if length > bend_px { bend_px / length / 2.0 } else { 1.0 };
+            squares += length.min(huber_px).powi(2);
+            // Beyond the threshold, ψ has the threshold's length: it changes across its direction only.
+            derivative += if length > huber_px {
+                huber_px / length / 2.0
+            } else {
+                1.0
+            };
         }
-        Some(Bent {
+        Some(Clipped {
             squares,
-            slope: slope / count,
+            derivative: derivative / count,
             freedom: 2.0 * count - 6.0,
         })
     }
@@ -179,16 +183,6 @@ fn edges(centres: &[f64], centre: f64) -> (f64, f64) {
         below.fold(f64::NEG_INFINITY, f64::max),
         above.fold(f64::INFINITY, f64::min),
     )
-}
-
-/// The probability that a normal variable lies between two values.
-fn between(from: f64, to: f64, mean: f64, sigma: f64) -> f64 {
-    upper_tail((from - mean) / sigma) - upper_tail((to - mean) / sigma)
-}
-
-/// The probability that a standard normal variable is above z.
-pub(super) fn upper_tail(z: f64) -> f64 {
-    libm::erfc(z / std::f64::consts::SQRT_2) / 2.0
 }
 
 #[cfg(test)]

@@ -3,35 +3,40 @@
 mod cache;
 mod caution;
 mod compare;
-mod contestant;
 mod criteria;
+mod decoded;
+mod error;
+mod evaluated;
 mod observe;
 mod outcome;
 mod photo;
 mod preview;
+mod record;
 mod reliability;
 mod run;
+mod scores;
 pub mod shard;
 mod summary;
 mod transfer;
-mod wilson;
 
 pub use crate::ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
 pub use cache::Cache;
 pub use compare::{
-    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, Interval, PlanError, Unpaired, compare,
-    compare_with, holm, interval_95, mcnemar_p, pairs_needed, power,
+    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare, compare_with,
+    pairs_needed, power,
 };
-pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;
-pub use observe::{Observation, Options};
+pub use error::ScoreError;
+pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors, runtime};
+pub use observe::{LeftOutReason, Observation, Options, libraries};
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto, TagMark};
+pub use record::{RecordError, check_recordings, record};
 pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
-pub use run::{ScoreError, Scores, libraries, merge, observe, runtime, score};
+pub use run::{merge, observe, score};
+pub use scores::Scores;
 pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};
-pub use wilson::wilson_95;
 
 /// A detection counts for the model when their boxes overlap by at least this much.
 pub const MATCH_IOU: f64 = 0.5;

@@ -4,10 +4,9 @@ use nalgebra::{Matrix2x3, Matrix2x6, Matrix3, Point3, Vector2, Vector3};
 
 use crate::camera::Camera;
 use crate::geometry::Rigid;
-use crate::locate::reprojection::pixel_by_point;
 
 /// Squared distance that stands for a corner without a pixel: behind the camera, or beyond the lens model. px².
-const NO_PIXEL: f64 = 1e8;
+pub(super) const NO_PIXEL: f64 = 1e8;
 
 /// The corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left.
 pub(super) fn corners_mm(size_mm: f64) -> [Point3<f64>; 4] {
@@ -43,7 +42,7 @@ pub(super) struct Linear {
 /// Chain rule over `P = T_camera_tag · x`: dP is `t + ω × P` for the photo and `R (t + ω × x)` for the tag.
 pub(super) fn linear(camera_tag: &Rigid, corner: &Point3<f64>, seen_px: &[f64; 2], camera: &Camera) -> Option<Linear> {
     let p = camera_tag * corner;
-    let ([x, y], by_point) = pixel_by_point(camera, &p)?;
+    let ([x, y], by_point) = camera.project_by_point(&p)?;
     let side_by_side = |m: Matrix2x3<f64>, at: &Point3<f64>| {
         let turned = m * -skew(&at.coords);
         Matrix2x6::from_fn(|r, c| if c < 3 { m[(r, c)] } else { turned[(r, c - 3)] })

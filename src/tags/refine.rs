@@ -10,7 +10,7 @@ use image::GrayImage;
 use super::Square;
 use super::edge::{self, Edge, Sample};
 
-/// A stretch of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
+/// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
 const REACH_PX: f64 = 64.0;
 
 /// Half width of the band of pixels about an edge.
@@ -83,17 +83,17 @@ fn lines_of_side(
     if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
         return None;
     }
-    let stretch = |start: f64, end: f64| {
+    let segment = |start: f64, end: f64| {
         let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
-        Stretch::between(at(start), at(end)).fit(grey, band)
+        EdgeSegment::between(at(start), at(end)).fit(grey, band)
     };
     if length <= 2.0 * REACH_PX {
-        let line = stretch(skip, length - skip)?;
+        let line = segment(skip, length - skip)?;
         return Some((line, line));
     }
     Some((
-        stretch(skip, skip + REACH_PX)?,
-        stretch(length - skip - REACH_PX, length - skip)?,
+        segment(skip, skip + REACH_PX)?,
+        segment(length - skip - REACH_PX, length - skip)?,
     ))
 }
 
@@ -110,14 +110,14 @@ pub(super) fn cell_px(square: &Square, side: usize, cells: f64) -> f64 {
 
 /// How far inwards an edge lies from the line between two points near it, px; `None` when none is seen in the band about it.
 pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
-    let stretch = Stretch::between(from, to);
-    Some(edge::fit(&stretch.samples(grey, band)?, band)?.offset)
+    let segment = EdgeSegment::between(from, to);
+    Some(edge::fit(&segment.samples(grey, band)?, band)?.offset)
 }
 
 /// How blurred the edge is from one point near it to the other: the standard deviation in px, or infinity where none is seen in the band about
 /// the way between them. `None` when the band leaves the picture.
 pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
-    let samples = Stretch::between(from, to).samples(grey, band)?;
+    let samples = EdgeSegment::between(from, to).samples(grey, band)?;
     Some(edge::fit(&samples, band).map_or(f64::INFINITY, |edge| edge.blur))
 }
 
@@ -154,17 +154,17 @@ fn inward_normal(direction: [f64; 2]) -> [f64; 2] {
     [-direction[1], direction[0]]
 }
 
-/// The first guess of an edge.
-struct Stretch {
+/// Part of a side, the first guess of an edge.
+struct EdgeSegment {
     middle: [f64; 2],
     direction: [f64; 2],
     half: f64,
 }
 
-impl Stretch {
-    fn between(from: [f64; 2], to: [f64; 2]) -> Stretch {
+impl EdgeSegment {
+    fn between(from: [f64; 2], to: [f64; 2]) -> EdgeSegment {
         let length = distance(from, to);
-        Stretch {
+        EdgeSegment {
             middle: [0, 1].map(|k| (to[k] + from[k]) / 2.0),
             direction: [0, 1].map(|k| (to[k] - from[k]) / length),
             half: length / 2.0,
@@ -182,9 +182,9 @@ impl Stretch {
         })
     }
 
-    /// Every pixel of a band about the stretch; `None` when the band leaves the picture.
+    /// Every pixel of a band about the segment; `None` when the band leaves the picture.
     fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<Sample>> {
-        let Stretch {
+        let EdgeSegment {
             middle,
             direction,
             half,

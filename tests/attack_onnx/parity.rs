@@ -8,7 +8,7 @@ use ort::session::builder::GraphOptimizationLevel;
 use scaleproof::detect::{Manifest, Runtime};
 use scaleproof::whitebox::onnx::OnnxNetwork;
 
-use crate::common::{home, shared};
+use crate::tests::common::{home, shared};
 
 /// Name, shape and numbers of an output.
 pub type Answered = (String, Vec<usize>, Vec<f32>);

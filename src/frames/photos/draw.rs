@@ -152,14 +152,14 @@ impl<'a> Canvas<'a> {
     fn light(&self, photo: &FlatPhoto) -> Result<LightImage, PhotosError> {
         let decoded = Photo::open(&photo.file)?;
         let (width, height) = (photo.camera.width, photo.camera.height);
-        if decoded.rgb.dimensions() != (width, height) {
+        if (decoded.width, decoded.height) != (width, height) {
             return Err(PhotosError::Changed {
                 photo: photo.file.clone(),
             });
         }
         let reduction = photo.camera.fx.min(photo.camera.fy) / self.fine_pinhole().focal_length_px;
         Ok(LightImage::new(
-            &decoded.rgb,
+            &decoded.rgb(1)?,
             (reduction as usize).clamp(1, width.min(height) as usize),
         ))
     }

@@ -1,5 +1,7 @@
 //! How many pairs of photos show a drop of the hit rate.
 
+use statrs::distribution::{Binomial, Discrete};
+
 /// Why no number can be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
@@ -58,7 +60,8 @@ impl Tails {
     fn new(most: usize, base_rate: f64, drop: f64, alpha: f64) -> Tails {
         let other = base_rate - drop;
         let (base_alone, other_alone) = (base_rate * (1.0 - other), (1.0 - base_rate) * other);
-        let discordant = base_alone + other_alone;
+        // A sum of probabilities that rounding may take above 1.
+        let discordant = (base_alone + other_alone).min(1.0);
         let share = base_alone / discordant;
         let significant = (0..=most).map(|n| {
             let fair = binomial(n, 0.5);
@@ -90,20 +93,17 @@ impl Tails {
     }
 }
 
-/// Chances of 0 to n successes.
+/// The probabilities of 0 to `n` successes; not finite when `p` is no probability.
 fn binomial(n: usize, p: f64) -> Vec<f64> {
-    let log_choose =
-        |k: usize| libm::lgamma(n as f64 + 1.0) - libm::lgamma(k as f64 + 1.0) - libm::lgamma((n - k) as f64 + 1.0);
-    let times_log = |k: usize, p: f64| if k == 0 { 0.0 } else { k as f64 * p.ln() };
-    (0..=n)
-        .map(|k| (log_choose(k) + times_log(k, p) + times_log(n - k, 1.0 - p)).exp())
-        .collect()
+    let distribution = Binomial::new(p, n as u64);
+    let chance = |k| distribution.as_ref().map_or(f64::NAN, |b| b.pmf(k));
+    (0..=n as u64).map(chance).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::score::compare::mcnemar_p;
+    use crate::statistics::mcnemar_p;
 
     /// All hits against none: six pairs give p = 2 / 2⁶, five do not reach 0.05.
     #[test]

@@ -3,8 +3,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::student;
+use super::normal;
 
 /// Resamplings of the clusters behind each interval.
 pub const DRAWS: usize = 2000;
@@ -56,6 +57,29 @@ pub fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<In
 /// The share of draws beyond each end: that of a normal beyond t·√(n/(n−1)), with Student's t for n − 1 degrees of freedom.
 fn expanded_tail(clusters: usize) -> f64 {
     let n = clusters as f64;
-    let z = student::two_sided_95(clusters - 1) * (n / (n - 1.0)).sqrt();
-    libm::erfc(z / std::f64::consts::SQRT_2) / 2.0
+    normal::upper_tail(students_t_95(n - 1.0) * (n / (n - 1.0)).sqrt())
+}
+
+/// The t that 95 % of Student's distribution lies within, either side of 0; infinite for degrees of freedom that do not exist.
+fn students_t_95(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_printed_table() {
+        for (freedom, t) in [
+            (1.0, 12.706),
+            (2.0, 4.303),
+            (5.0, 2.571),
+            (15.0, 2.131),
+            (40.0, 2.021),
+            (95.0, 1.985),
+        ] {
+            assert!((students_t_95(freedom) - t).abs() < 6e-4, "{freedom}");
+        }
+    }
 }

@@ -1,4 +1,13 @@
-//! Medians.
+//! Medians, distributions, intervals and exact tests.
+
+mod bootstrap;
+pub mod normal;
+mod paired;
+mod wilson;
+
+pub use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95};
+pub use paired::{holm, mcnemar_p};
+pub use wilson::wilson_95;
 
 /// The middle value, or the mean of the middle two; `None` of nothing.
 pub fn median(values: &[f64]) -> Option<f64> {
