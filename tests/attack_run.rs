@@ -852,3 +852,36 @@ fn bad_arguments_are_one_sentence() {
     }
     assert!(!out.path().join("x").exists(), "nothing half-written");
 }
+
+#[test]
+fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
+    use scaleproof::attack::result::{CONFIG, PATTERN, write};
+    use scaleproof::attack::setup::Setup;
+    let texture = (CELLS, 240.0, TextureMapping::World);
+    let setup = Setup::open(stored(), texture, Default::default(), || {}).unwrap();
+    let history = setup.history("dta", 1, Vec::new());
+    let (cells, config) = (random_cells(1), config(2));
+    let write = |folder: &Path, config| write(folder, (&cells, CELLS), &history, config);
+    let names = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    // Where one file finds no place, none is written.
+    let blocked = tempfile::tempdir().unwrap();
+    std::fs::create_dir(blocked.path().join(CONFIG)).unwrap();
+    assert!(write(blocked.path(), Some(&config)).is_err());
+    assert_eq!(names(blocked.path()), [CONFIG]);
+
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(
+        write(folder.path(), Some(&config)).unwrap(),
+        folder.path().join(PATTERN)
+    );
+    let all = [CONFIG, "history.json", "pattern.json", PATTERN];
+    assert_eq!(names(folder.path()), all);
+    // A pattern that the attack did not make has no settings of it.
+    write(folder.path(), None).unwrap();
+    assert_eq!(names(folder.path()), all[1..]);
+}

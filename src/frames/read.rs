@@ -34,6 +34,14 @@ impl FrameSet {
         Ok(set)
     }
 
+    /// SHA-256 of `frames.json`.
+    ///
+    /// # Errors
+    /// A list that cannot be read any more.
+    pub fn sha256(&self) -> Result<String, FramesError> {
+        Ok(files::sha256_hex(&files::read(&self.folder.join(LIST))?))
+    }
+
     pub fn rgb(&self, frame: &Frame) -> Result<RgbImage, FramesError> {
         self.image(&frame.rgb, "rgb image", ColorType::Rgb8)
             .map(image::DynamicImage::into_rgb8)

@@ -35,7 +35,7 @@ pub struct Checkpoint {
 /// # Errors
 /// Only if the encoder fails.
 pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
-    let text = serde_json::to_string(settings).map_err(|e| RunError::Encode { reason: e.to_string() })?;
+    let text = serde_json::to_string(settings)?;
     Ok(files::sha256_hex(text.as_bytes()))
 }
 

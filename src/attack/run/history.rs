@@ -1,8 +1,12 @@
 //! The history of a run, and several on one chart.
 
+use std::path::{Path, PathBuf};
+
 use serde::{Deserialize, Serialize};
 
+use super::RunError;
 use super::judge::HeldOutFigures;
+use crate::files;
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 
 /// The name of the file in the folder of a run.
@@ -37,6 +41,36 @@ pub struct History {
 }
 
 impl History {
+    /// The history in the folder of a result.
+    ///
+    /// # Errors
+    /// None there, or a damaged one.
+    pub fn load(folder: &Path) -> Result<Self, RunError> {
+        let path = folder.join(FILE);
+        serde_json::from_str(&files::read_text(&path)?).map_err(|e| RunError::NotAHistory {
+            path,
+            reason: e.to_string(),
+        })
+    }
+
+    /// The history as a file of the folder.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), RunError> {
+        Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
+    }
+
+    /// Two histories stand on one chart only when both were made with the same frames and detectors.
+    pub fn is_comparable(&self, other: &Self) -> bool {
+        self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors
+    }
+
+    /// Images looked at in all.
+    pub fn queries(&self) -> u64 {
+        self.entries.last().map_or(0, |e| e.queries)
+    }
+
     pub fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
         self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
     }

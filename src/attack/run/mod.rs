@@ -46,6 +46,7 @@ const JUDGED_TIMES: u32 = 12;
 
 /// Why there is no pattern.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     #[error(transparent)]
     Frames(#[from] FramesError),
@@ -56,7 +57,7 @@ pub enum RunError {
     #[error("the view of {view}: {reason}")]
     Fit { view: String, reason: FitError },
     #[error(
-        "{view} does not say where its paint is on the model: make the frames with attack render, or lay the pattern with --laying repeated"
+        "{view} does not say where its paint is on the model: make the frames with attack render, or repeat the pattern over a plane that faces the camera"
     )]
     NoPositions { view: String },
     #[error("the paint is seen in none of the views: point the camera at the model")]
@@ -76,8 +77,16 @@ pub enum RunError {
     OtherRun { path: PathBuf },
     #[error("{path} is damaged: remove it, and the run begins anew", path = path.display())]
     Damaged { path: PathBuf },
+    #[error("{path} is no history of a pattern ({reason}): make it again", path = path.display())]
+    NotAHistory { path: PathBuf, reason: String },
     #[error("the run could not be saved ({reason})")]
     Encode { reason: String },
+}
+
+impl From<serde_json::Error> for RunError {
+    fn from(e: serde_json::Error) -> Self {
+        Self::Encode { reason: e.to_string() }
+    }
 }
 
 /// Colours that cells are attracted to, by the distance to the nearest.

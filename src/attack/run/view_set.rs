@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use super::augmentation::{Augmentation, AugmentedImage, rolled};
+use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
 use super::{Rgb, RunError};
 use crate::frames::light;
 use crate::frames::views;
@@ -36,6 +36,18 @@ impl TextureMapping {
         match self {
             Self::World => "world",
             Self::Repeated => "repeated",
+        }
+    }
+
+    /// The usual augmentation, with the shift and size of the texture where this mapping leaves them open.
+    pub fn usual_eot(self) -> Eot {
+        match self {
+            Self::World => Eot::USUAL,
+            Self::Repeated => Eot {
+                shift_tiles: 0.5,
+                tile_scale: 0.25,
+                ..Eot::USUAL
+            },
         }
     }
 }

@@ -8,8 +8,8 @@ use serde::Serialize;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::files;
+use crate::frames::FrameSet;
 use crate::frames::views;
-use crate::frames::{FrameSet, LIST};
 use crate::surrogate::chart::{SurrogateFigures, draw, draw_training, measure, table};
 use crate::surrogate::renderer::NeuralRenderer;
 
@@ -61,7 +61,7 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     bar.finish_and_clear();
     let numbers = Numbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
-        frames_sha256: files::sha256_hex(&files::read(&args.frames.join(LIST))?),
+        frames_sha256: set.sha256()?,
         made_by: &set.list.made_by,
         references: &args.reference,
         rows: &rows,

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::on_frames::{OnFrames, Opened};
+use super::on_frames::OnFrames;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::history::Entry;
 use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb};
-use crate::files;
+use crate::attack::setup::Setup;
 use crate::pattern::palette::Palette;
 use crate::print::printer::PrinterFile;
 
@@ -62,23 +62,17 @@ pub struct RunArgs {
 
 pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let settings = args.settings()?;
-    let opened = args.on.open()?;
-    let config = settings.config(&args.on, &opened);
-    let (cells, entries) = optimise(&args.on, &opened, &config)?;
-    args.on.write(&opened, ("dta", &cells, entries), out)?;
-    let text = serde_json::to_string_pretty(&config)?;
-    files::replace_atomically(&args.on.output.join("config.json"), text.as_bytes())?;
+    let setup = args.on.open()?;
+    let config = settings.config(&args.on, &setup);
+    let (cells, entries) = optimise(&args.on, &setup, &config)?;
+    args.on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
     Ok(Outcome::Done)
 }
 
 /// Runs the attack with a bar that shows where it stands.
-pub fn optimise(
-    on: &OnFrames,
-    opened: &Opened,
-    config: &AttackConfig,
-) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+pub fn optimise(on: &OnFrames, setup: &Setup, config: &AttackConfig) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
     let bar = progress::steps("attacking", config.steps as usize);
-    let attack = Attack::begin(&opened.view_set, &opened.detectors, config, &on.output)?;
+    let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
     let finished = attack.run(&on.output, |done, entry| {
         bar.set_position(u64::from(done));
         if let Some(confidence) = entry.confidence {
@@ -102,7 +96,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    pub fn config(self, on: &OnFrames, opened: &Opened) -> AttackConfig {
+    pub fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
         AttackConfig {
             cells: on.cells,
             tile_mm: on.tile_mm,
@@ -112,13 +106,13 @@ impl Settings {
             floor: self.floor,
             seed: on.seed,
             mapping: on.mapping,
-            eot: on.eot(),
+            eot: on.mapping.usual_eot(),
             smooth: self.smooth,
             printable: self.printable,
             palette: self.palette,
             range: self.range,
-            frames_sha256: opened.frames_sha256.clone(),
-            detectors: opened.named.clone(),
+            frames_sha256: setup.frames_sha256.clone(),
+            detectors: setup.detector_names.clone(),
         }
     }
 }

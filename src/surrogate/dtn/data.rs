@@ -10,7 +10,7 @@ use super::{Architecture, DtnError};
 use crate::files;
 use crate::frames::light;
 use crate::frames::views;
-use crate::frames::{Coverage, Frame, FrameSet, LIST};
+use crate::frames::{Coverage, Frame, FrameSet};
 use crate::surrogate::additive::Additive;
 
 /// Between the paint and the window's edge, where the convolutions see the padding.
@@ -270,7 +270,7 @@ impl TrainingSet {
         let mut known = String::new();
         let mut all = Vec::new();
         for set in folders.iter().chain(validation) {
-            known += &files::sha256_hex(&files::read(&set.folder.join(LIST))?);
+            known += &set.sha256()?;
         }
         for set in folders {
             all.extend(read(set, width_px, references, &on_view)?);
