@@ -1,5 +1,6 @@
 //! `scaleproof attack`: frames, the models that predict them, and patterns against detectors.
 
+mod advice;
 mod baseline;
 mod chart;
 mod colours;
@@ -60,6 +61,10 @@ struct CheckArgs {
 
 /// Runs `scaleproof attack …`.
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    run_one(args, out).map_err(advice::advised)
+}
+
+fn run_one(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Render(args) => render::run(&args, out),
         What::Import(args) => import::run(&args, out),

@@ -22,8 +22,7 @@ pub enum AdditiveError {
     #[error(transparent)]
     Frames(#[from] FramesError),
     #[error(
-        "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more, as in --flat 000000 \
-         808080 ffffff"
+        "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more"
     )]
     TooFew { view: String, found: usize },
 }

@@ -19,17 +19,13 @@ pub enum SurrogateChartError {
     Frames(#[from] FramesError),
     #[error(transparent)]
     Fit(#[from] FitError),
-    #[error(
-        "the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours with --reference"
-    )]
+    #[error("the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours")]
     NoReference { frame: String, colour: String },
-    #[error("the network {network} starts from {wanted}, which is not among the references; add it with --reference")]
+    #[error("the network {network} starts from {wanted}, which is not among the references; add it")]
     OtherReference { network: String, wanted: String },
     #[error("the network {network}: {reason}")]
     Network { network: String, reason: String },
-    #[error(
-        "no view has a flat colour besides the references, so there is nothing to predict: render one more, as in --flat 000000 808080 ffffff c83214"
-    )]
+    #[error("no view has a flat colour besides the references, so there is nothing to predict: render one more")]
     NothingToPredict,
 }
 

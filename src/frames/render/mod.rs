@@ -59,7 +59,7 @@ pub enum RenderError {
     },
     #[error(
         "the model is not whole in the image at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm, so it would be judged by a part; move \
-         the camera away, or widen --field-of-view-deg"
+         the camera away, or widen the field of view"
     )]
     CutOff {
         azimuth_deg: f64,

@@ -42,12 +42,12 @@ pub enum DtnError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(
-        "{folder}: no view has paint, the reference colour {colour} and another flat colour; render flat colours (attack render --flat), or name \
-         another reference with --reference", folder = folder.display()
+        "{folder}: no view has paint, the reference colour {colour} and another flat colour; render flat colours, or name another \
+         reference", folder = folder.display()
     )]
     NoViews { folder: PathBuf, colour: String },
     #[error(
-        "{folder}: its images are {found} pixels wide, and {asked} is not a whole part of that; give another --width-px", folder = folder.display()
+        "{folder}: its images are {found} pixels wide, and {asked} is not a whole part of that; give another width", folder = folder.display()
     )]
     Width { folder: PathBuf, found: u32, asked: u32 },
     #[error("{path} is no network of this program; give a file that attack train-dtn wrote", path = path.display())]
@@ -61,7 +61,7 @@ pub enum DtnError {
         asked: String,
     },
     #[error(
-        "training broke down at step {step}: the loss is no number any more; what was saved before stands. Train again with another --seed, and \
+        "training broke down at step {step}: the loss is no number any more; what was saved before stands. Train again with another seed, and \
          look at the frames with attack check"
     )]
     NotFinite { step: u64 },
