@@ -5,8 +5,16 @@
 //! their images with the weights of Lagrange's interpolation, the same for all pixels. This is exact for a diffuse paint under a
 //! coat up to the degree n − 1, and holds before clipping only, which is why frames keep linear light.
 
-use crate::frames::light;
-use crate::frames::{Frame, FrameSet, FramesError};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+
+use crate::files;
+use crate::frames::{Frame, FramePaint, FrameSet, FramesError, encode_rgb, light, views};
+
+/// Files with their contents, not yet written.
+type Files = Vec<(PathBuf, Vec<u8>)>;
 
 /// Images of one view in several flat colours, in linear light.
 #[derive(Debug, Clone)]
@@ -98,6 +106,48 @@ impl Additive {
     pub fn rgb(&self, rgb: [u8; 3]) -> Vec<[u8; 3]> {
         let linear = self.light(rgb);
         linear.iter().map(|p| light::rgb_of(p.map(f64::from))).collect()
+    }
+}
+
+/// Frames of every view in other flat colours, as files of `output`, and how many frames they are.
+///
+/// # Errors
+/// A view with fewer than three colours, images that cannot be read.
+pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<(Files, usize), AdditiveError> {
+    let mut list = set.list.clone();
+    list.frames.clear();
+    list.made_by = format!("attack colours (of: {})", set.list.made_by);
+    let (mut new, mut copied) = (Files::new(), BTreeSet::new());
+    for view in views(&set.list.frames) {
+        let additive = Additive::of_view(set, &view)?;
+        for (key, file) in view[0].files() {
+            if !matches!(key, "rgb" | "linear" | "pattern") && copied.insert(file) {
+                let copy = files::read(&set.folder.join(file)).map_err(FramesError::from)?;
+                new.push((output.join(file), copy));
+            }
+        }
+        for rgb in colours {
+            let frame = in_colour(view[0], *rgb, list.frames.len());
+            let pixels = additive.rgb(*rgb).into_iter().flatten().collect();
+            let [width, height] = set.list.size_px;
+            let image = RgbImage::from_raw(width, height, pixels).unwrap_or_default();
+            new.push((output.join(&frame.rgb), encode_rgb(&image)?));
+            list.frames.push(frame);
+        }
+    }
+    new.push(list.to_file(output)?);
+    Ok((new, list.frames.len()))
+}
+
+/// The same view in another colour.
+fn in_colour(of: &Frame, rgb: [u8; 3], number: usize) -> Frame {
+    let name = format!("{number:05}_{}", light::to_hex(rgb));
+    Frame {
+        rgb: format!("rgb/{name}.png"),
+        name,
+        linear: None,
+        paint: FramePaint::FlatRgb(rgb),
+        ..of.clone()
     }
 }
 

@@ -328,6 +328,29 @@ pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option
     (paint.get(), all.get().unwrap_or(0.0))
 }
 
+/// The figures as JSON, with what they were measured on.
+///
+/// # Errors
+/// A list of frames that cannot be read any more.
+pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
+    #[derive(Serialize)]
+    struct Numbers<'a> {
+        scaleproof: &'static str,
+        frames_sha256: String,
+        made_by: &'a str,
+        references: &'a [String],
+        rows: &'a [SurrogateFigures],
+    }
+    let numbers = Numbers {
+        scaleproof: env!("CARGO_PKG_VERSION"),
+        frames_sha256: set.sha256()?,
+        made_by: &set.list.made_by,
+        references,
+        rows,
+    };
+    serde_json::to_string_pretty(&numbers).map_err(|e| FramesError::Encode { reason: e.to_string() })
+}
+
 /// Lines of text, the most accurate first.
 pub fn table(rows: &[SurrogateFigures]) -> String {
     let mut sorted: Vec<&SurrogateFigures> = rows.iter().collect();

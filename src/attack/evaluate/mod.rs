@@ -16,7 +16,8 @@ use crate::files::{self, FileError};
 use crate::frames::FramesError;
 use crate::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender};
 use crate::geometry::BoxPx;
-use crate::scene::{Classes, Scene, Viewpoint};
+use crate::scene::{Classes, Viewpoint};
+use crate::session::{self, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +28,8 @@ pub enum EvaluateError {
     Frames(#[from] FramesError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
     #[error(
         "{name:?} cannot name a pattern here: use letters, digits, '-', '_' and '.', each name once, and not `normal`, which is the plain model"
     )]
@@ -105,10 +108,26 @@ impl RenderedSet {
         photos
     }
 
-    /// The scene of the photos: the model, without tags, and a bin for each viewpoint.
-    pub fn scene(&self, name: &str, class: &Classes, scale: f64) -> Scene {
+    /// Writes the session of the photos: the scene, which is the model (name, class, scale) without tags and with a bin for each viewpoint,
+    /// then the list that names it.
+    ///
+    /// # Errors
+    /// A folder that takes no files.
+    pub fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
         let request = self.plan.request();
-        scene::of(&request.mesh, &request.viewpoints, (name, class, scale))
+        let scene = scene::of(&request.mesh, &request.viewpoints, model);
+        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
+        let photos = self.photos().into_iter().map(|photo| PhotoEntry {
+            file: photo.file.to_string_lossy().into_owned(),
+            variant: photo.variant,
+            place: Some(photo.place),
+            taken: None,
+            box_xyxy_px: Some(photo.box_xyxy_px),
+            viewpoint: Some(photo.viewpoint),
+        });
+        let path = folder.join("session.json");
+        let text = session::text(&path, "scene.toml", None, photos.collect())?;
+        Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 
     /// Renders what `folder` still lacks. `python` is called only when something is missing; `on_photo` is called with the photos done so far, those

@@ -3,14 +3,12 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use serde::Serialize;
-
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::files;
 use crate::frames::FrameSet;
 use crate::frames::views;
-use crate::surrogate::chart::{SurrogateFigures, draw, draw_training, measure, table};
+use crate::surrogate::chart::{draw, draw_training, measure, numbers, table};
 use crate::surrogate::renderer::NeuralRenderer;
 
 /// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
@@ -37,16 +35,6 @@ pub struct ChartArgs {
     json: bool,
 }
 
-/// The numbers, with what they were measured on.
-#[derive(Serialize)]
-struct Numbers<'a> {
-    scaleproof: &'static str,
-    frames_sha256: String,
-    made_by: &'a str,
-    references: &'a [String],
-    rows: &'a [SurrogateFigures],
-}
-
 pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     let references = args
@@ -59,14 +47,7 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
     let rows = measure(&set, &references, &networks, || bar.inc(1))?;
     bar.finish_and_clear();
-    let numbers = Numbers {
-        scaleproof: env!("CARGO_PKG_VERSION"),
-        frames_sha256: set.sha256()?,
-        made_by: &set.list.made_by,
-        references: &args.reference,
-        rows: &rows,
-    };
-    let json = serde_json::to_string_pretty(&numbers)?;
+    let json = numbers(&set, &args.reference, &rows)?;
     let mut new = vec![
         (args.output.join("renderers.json"), json.clone().into_bytes()),
         (args.output.join("renderers.svg"), draw(&rows).into_bytes()),

@@ -17,7 +17,7 @@ use crate::pattern::Pattern;
 use crate::report;
 use crate::scene::Classes;
 use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with, evaluated_detectors};
-use crate::session::{self, PhotoEntry, Session};
+use crate::session::Session;
 
 /// Judge patterns on the model: render them anew at the paper's viewpoints under other lights, and score the detectors on the photos
 ///
@@ -211,25 +211,10 @@ impl EvaluateArgs {
         }
     }
 
-    /// The scene, then the list of photos that names it.
+    /// The scene and the list of photos.
     fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
         let mesh = self.mesh_file()?;
-        let name = mesh
-            .file_stem()
-            .map(|s| s.to_string_lossy().into_owned())
-            .unwrap_or_default();
-        let scene = evaluation.scene(&name, &self.class, self.model.load()?.scale);
-        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
-        let photos = evaluation.photos().into_iter().map(|photo| PhotoEntry {
-            file: photo.file.to_string_lossy().into_owned(),
-            variant: photo.variant,
-            place: Some(photo.place),
-            taken: None,
-            box_xyxy_px: Some(photo.box_xyxy_px),
-            viewpoint: Some(photo.viewpoint),
-        });
-        let path = folder.join("session.json");
-        let text = session::text(&path, "scene.toml", None, photos.collect())?;
-        Ok(files::replace_atomically(&path, text.as_bytes())?)
+        let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }
 }

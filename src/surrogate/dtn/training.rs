@@ -7,6 +7,8 @@
 //!
 //! Every step draws its random numbers from the seed and its own number, so that training that was interrupted goes on as if it had not been.
 
+use std::path::Path;
+
 use burn::optim::{Adam, AdamConfig, AdamState, AdaptiveMomentumState, Optimizer};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand::seq::SliceRandom;
@@ -18,6 +20,7 @@ use super::data::{CropPlacement, NewLight, PaintWindow, TrainingSet, TrainingVie
 use super::network::{LayerShapes, tensors, values};
 use super::trained::DtnNetwork;
 use super::{Architecture, DtnError, Transformer};
+use crate::frames::light;
 
 const LEARNING_RATE: f64 = 1e-3;
 const BATCH_VIEWS: usize = 8;
@@ -91,7 +94,50 @@ struct Sample<'a> {
     targets: Vec<([u8; 3], Vec<[f32; 3]>)>,
 }
 
+impl TrainingPlan {
+    /// What it says otherwise than another.
+    fn differences(&self, other: &Self) -> String {
+        let mut words = Vec::new();
+        if self.architecture != other.architecture {
+            words.push(self.architecture.name());
+        }
+        if self.references != other.references {
+            let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
+            words.push(format!("the reference {}", colours.join(" ")));
+        }
+        if self.seed != other.seed {
+            words.push(format!("seed {}", self.seed));
+        }
+        if self.data_sha256 != other.data_sha256 {
+            let sha256 = &self.data_sha256;
+            words.push(format!("the frames {}", sha256.get(..8).unwrap_or(sha256)));
+        }
+        words.join(", ")
+    }
+}
+
 impl Trainer {
+    /// Begins, or resumes what `path` holds.
+    ///
+    /// # Errors
+    /// Training by another plan, and a state that does not fit its own architecture.
+    pub fn begin(
+        plan: TrainingPlan,
+        known: Option<TrainingState>,
+        path: &Path,
+        device: Device,
+    ) -> Result<Self, DtnError> {
+        match known {
+            None => Self::new(plan, device),
+            Some(state) if state.plan == plan => Self::go_on(state, device),
+            Some(state) => Err(DtnError::OtherTraining {
+                path: path.to_owned(),
+                found: state.plan.differences(&plan),
+                asked: plan.differences(&state.plan),
+            }),
+        }
+    }
+
     /// # Errors
     /// Only for a state that does not fit its own architecture.
     pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
