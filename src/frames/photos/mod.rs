@@ -15,6 +15,7 @@ pub mod exposure;
 mod light_image;
 mod pinhole;
 pub mod raster;
+pub mod sessions;
 pub mod views;
 
 use std::path::{Path, PathBuf};
