@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Camera, CameraError, kalibr, marks, mrcal, opencv_yaml, ros_yaml};
+use super::{Camera, CameraError, CameraFault, kalibr, marks, mrcal, opencv_yaml, ros_yaml};
 use crate::files;
 
 /// A camera file format.
@@ -67,9 +67,9 @@ impl Camera {
 
     /// Parses the text of a camera file; `path` is only named in errors.
     pub fn parse(text: &str, path: &Path) -> Result<Camera, CameraError> {
-        parse(text).map_err(|message| CameraError::Content {
+        parse(text).map_err(|fault| CameraError::Content {
             path: path.to_owned(),
-            message,
+            fault,
         })
     }
 
@@ -82,28 +82,24 @@ impl Camera {
                 Format::Kalibr => kalibr::write(self),
                 Format::Mrcal => Ok(mrcal::write(self)),
             })
-            .map_err(|reason| CameraError::NotInFormat {
+            .map_err(|fault| CameraError::NotInFormat {
                 format: format.name(),
-                reason,
+                fault,
             })
     }
 }
 
-fn parse(text: &str) -> Result<Camera, String> {
+fn parse(text: &str) -> Result<Camera, CameraFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
-        return Err("the file is empty".into());
+        return Err(CameraFault::Empty);
     }
     let camera = match Format::of_text(text) {
         Some(Format::OpenCv) => opencv_yaml::read(text)?,
         Some(Format::Ros) => ros_yaml::read(text)?,
         Some(Format::Kalibr) => kalibr::read(text)?,
         Some(Format::Mrcal) => mrcal::read(text)?,
-        None => {
-            return Err(
-                "not a camera file: give YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal".into(),
-            );
-        }
+        None => return Err(CameraFault::UnknownFormat),
     };
     let camera = marks::read(text, camera)?;
     camera.check()?;

@@ -4,6 +4,7 @@
 mod bins;
 mod classes;
 mod envelope;
+mod fault;
 mod file;
 mod ring;
 mod tag;
@@ -11,8 +12,9 @@ mod viewpoint;
 mod write;
 
 pub use bins::{Bin, Bins};
-pub use classes::Classes;
+pub use classes::{ClassError, Classes};
 pub use envelope::Envelope;
+pub use fault::SceneFault;
 pub use file::SceneError;
 pub use ring::{Ring, RingError};
 pub use tag::{Tag, TagFamily, TagSigma};
