@@ -4,7 +4,7 @@
 #
 #   benches/attack_yolox_nano.sh MESH FOLDER
 #
-# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0). `patterns/` has what came out.
+# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0). `print_templates/patterns` has what came out.
 set -euo pipefail
 if [ $# -ne 2 ]; then
     echo "usage: $0 MESH FOLDER" >&2

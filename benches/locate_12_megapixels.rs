@@ -111,7 +111,8 @@ fn views() -> Vec<View> {
         .map(|photo| {
             let grey = Photo::open(&session(photo["file"].as_str().expect("a name")))
                 .expect("a photo")
-                .grey();
+                .luma()
+                .expect("a whole photo");
             let (width, height) = (ENLARGED * grey.width(), ENLARGED * grey.height());
             View {
                 grey: imageops::resize(&grey, width, height, FilterType::CatmullRom),

@@ -14,10 +14,10 @@ use scaleproof::files::sha256_hex;
 use scaleproof::mesh::{Mesh, Placement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::palette::Palette;
-use scaleproof::photo::{Photo, PhotoFile};
+use scaleproof::photo::Photo;
 use scaleproof::print::printer::PrinterFile;
 use scaleproof::scene::Scene;
-use scaleproof::score::shard::{self, Part, Run, Shard};
+use scaleproof::score::shard::{self, Run, Shard, ShardId};
 use scaleproof::session::Session;
 use scaleproof::session::import;
 
@@ -142,10 +142,8 @@ fn mesh(name: &str, bytes: &[u8]) {
 pub fn photo(bytes: &[u8]) {
     let path = file("photo", bytes);
     if let Ok(photo) = Photo::open(&path) {
-        let _ = Camera::guessed(photo.width(), photo.height(), &photo.lens);
-    }
-    if let Ok(photo) = PhotoFile::open(&path) {
-        let _ = photo.grey();
+        let _ = Camera::guessed(photo.width, photo.height, &photo.lens());
+        let _ = photo.luma();
         let wanted = [1, 2, 4, 8].map(|r| photo.reduction([photo.width / r, photo.height / r]));
         wanted.iter().for_each(|reduction| drop(photo.rgb(*reduction)));
     }
@@ -179,8 +177,8 @@ pub fn recording(bytes: &[u8]) {
 /// Shard files: the bytes as they are, and behind a head that says they are whole; what is read can be written and read again.
 pub fn shard(bytes: &[u8]) {
     static HEAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
-        let (run, part, observed) = (Run::default(), Part { index: 1, count: 1 }, Vec::new());
-        let written = Shard { run, part, observed }.write(&folder());
+        let (run, id, observed) = (Run::default(), ShardId { index: 1, count: 1 }, Vec::new());
+        let written = Shard { run, id, observed }.write(&folder());
         let file = std::fs::read(written.expect("the temporary folder takes files")).expect("it was written");
         file.split_inclusive(|b| *b == b'\n')
             .next()

@@ -5,8 +5,8 @@
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 use image::{Rgb, RgbImage};
 
-/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `assets/fonts`.
-const FONT: &[u8] = include_bytes!("../assets/fonts/DejaVuSans-latin1.ttf");
+/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `print/fonts`.
+const FONT: &[u8] = include_bytes!("print/fonts/DejaVuSans-latin1.ttf");
 
 /// Space around a label's text, by the size of its letters.
 const MARGIN: f64 = 0.3;

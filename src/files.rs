@@ -165,6 +165,14 @@ pub fn remove(path: &Path) -> Result<(), FileError> {
     }
 }
 
+/// The whole path of a file or folder, without links.
+pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
+    path.canonicalize().map_err(|e| FileError::Read {
+        path: path.to_owned(),
+        reason: plain(&e),
+    })
+}
+
 fn folder_of(path: &Path) -> &Path {
     path.parent()
         .filter(|p| !p.as_os_str().is_empty())

@@ -1,30 +1,22 @@
-//! Photos: decoded upright, or refused with the reason. A file is never written back.
+//! Photos: decoded upright and only as far as somebody needs them, or refused with the reason. A file is never written back.
 
 mod budget;
-mod file;
+mod decode;
 mod heif;
 mod lens;
 mod outline;
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::PngDecoder;
-use image::metadata::Orientation;
-use image::{DynamicImage, GrayImage, ImageDecoder, ImageFormat, RgbImage};
-use zune_core::bytestream::ZCursor;
-use zune_core::colorspace::ColorSpace;
-use zune_core::options::DecoderOptions;
-use zune_jpeg::JpegDecoder;
+use image::{GrayImage, RgbImage, imageops};
 
 use crate::files;
+use decode::{DecodeProblem, Header, heif_kind, orientation_of, turned_deg};
 
 pub use budget::Budget;
-use budget::Cost;
-pub use file::PhotoFile;
+pub use decode::{PngError, open_png};
 pub use heif::reads_heif;
 pub use lens::Lens;
-use outline::Outline;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -61,401 +53,204 @@ fn convert_sentence(path: &Path, kind: &str) -> String {
     )
 }
 
-/// One decoded photo, turned upright by its EXIF orientation.
-#[derive(Debug, Clone)]
+/// How much smaller a JPEG can be decoded: its blocks of 8 × 8 pixels come back as 1 × 1, 2 × 2 or 4 × 4.
+const REDUCTIONS: [u32; 3] = [8, 4, 2];
+
+/// A photo: its file is read and hashed and its header understood, its pixels are decoded on request. Damage inside shows then.
+#[derive(Debug)]
 pub struct Photo {
-    pub rgb: RgbImage,
-    /// SHA-256 of the file, hex.
+    path: PathBuf,
+    bytes: Vec<u8>,
+    /// SHA-256 of the file, hex; of an HEIC file that of its PNG.
     pub sha256: String,
-    /// How far EXIF turned the picture clockwise: 0, 90, 180 or 270. A mirrored picture is mirrored back besides.
+    /// Of the upright image, in pixels.
+    pub width: u32,
+    pub height: u32,
+    /// How far EXIF turns the sensor's image clockwise to make it upright: 0, 90, 180 or 270. A mirrored image is mirrored back besides.
     pub turned_deg: u32,
-    /// What EXIF says about the lens.
-    pub lens: Lens,
+    /// An EXIF block.
+    exif: Option<Vec<u8>>,
+    header: Header,
+    budget: Budget,
 }
 
 impl Photo {
-    /// Reads and decodes a JPEG or PNG file, whatever its name says, or an HEIC file where the system has a decoder.
+    /// Reads a JPEG or PNG file, whatever its name says; an HEIC file as a PNG, where the system has a decoder. A cut JPEG is refused here
+    /// already.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        let converted = converted(path, &bytes)?;
-        let picture = converted.as_deref().unwrap_or(&bytes);
-        let mut decoded = decode(picture, &Budget::FILE).map_err(|problem| problem.at(path))?;
-        if let Some(exif) = converted.as_ref().and_then(|_| heif::exif(&bytes)) {
-            decoded.turned_deg = turned_deg(orientation_of(Some(&exif)));
-            decoded.lens = Lens::from_exif(exif);
-        }
+        let converted = match heif_kind(&bytes) {
+            Some(_) => heif::as_png(path, &bytes)?,
+            None => None,
+        };
+        let Some(png) = converted else {
+            return Photo::from_bytes(path, bytes, Budget::FILE);
+        };
+        // Its pixels are upright; how the sensor lay is for the camera.
+        let exif = heif::exif(&bytes);
         Ok(Photo {
-            rgb: decoded.rgb,
-            sha256: files::sha256_hex(&bytes),
-            turned_deg: decoded.turned_deg,
-            lens: decoded.lens,
+            turned_deg: turned_deg(orientation_of(exif.as_deref())),
+            exif,
+            ..Photo::from_bytes(path, png, Budget::FILE)?
         })
     }
 
-    /// Width in pixels.
-    pub fn width(&self) -> u32 {
-        self.rgb.width()
+    /// The same of bytes in memory, within a budget; `path` is what messages call them.
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>, budget: Budget) -> Result<Photo, PhotoError> {
+        let (header, exif) = Header::of(&bytes, &budget).map_err(|problem| problem.at(path))?;
+        let [width, height] = header.upright_size();
+        Ok(Photo {
+            path: path.to_owned(),
+            sha256: files::sha256_hex(&bytes),
+            bytes,
+            width,
+            height,
+            turned_deg: turned_deg(header.orientation),
+            exif,
+            header,
+            budget,
+        })
     }
 
-    /// Height in pixels.
-    pub fn height(&self) -> u32 {
-        self.rgb.height()
+    /// The file's bytes as they were read.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
     }
 
-    /// Brightness, 8 bit, for the tag detectors.
-    pub fn grey(&self) -> GrayImage {
-        image::imageops::grayscale(&self.rgb)
+    /// The same, without a copy.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.bytes
     }
-}
 
-/// An HEIF file as a PNG; `None` for other files, and where the system has no decoder.
-fn converted(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
-    match heif_kind(bytes) {
-        Some(_) => heif::as_png(path, bytes),
-        None => Ok(None),
+    /// What EXIF says about the lens.
+    pub fn lens(&self) -> Lens {
+        self.exif.clone().map(Lens::from_exif).unwrap_or_default()
     }
-}
 
-/// What is wrong with the bytes of a picture.
-#[derive(Debug, PartialEq)]
-enum DecodeProblem {
-    NotAPicture,
-    /// Its kind.
-    Heif(&'static str),
-    Truncated,
-    /// How large, as a clause.
-    TooLarge(String),
-    TooManyScans(u64),
-    Damaged(String),
-}
+    /// How many bytes decoding at 1/`reduction` of the size holds.
+    pub fn memory(&self, reduction: u32) -> u64 {
+        self.header.cost.memory(reduction)
+    }
 
-impl DecodeProblem {
-    fn at(self, path: &Path) -> PhotoError {
-        let path = path.to_owned();
-        match self {
-            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
-            DecodeProblem::Heif(kind) => PhotoError::Heif { path, kind },
-            DecodeProblem::Truncated => PhotoError::Truncated { path },
-            DecodeProblem::TooLarge(size) => PhotoError::TooLarge { path, size },
-            DecodeProblem::TooManyScans(scans) => PhotoError::TooManyScans { path, scans },
-            DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
+    /// `jpg` or `png`, by the content.
+    pub fn extension(&self) -> &'static str {
+        match self.header.jpeg {
+            Some(_) => "jpg",
+            None => "png",
         }
     }
-}
 
-/// A picture, upright, and what its EXIF data says.
-#[derive(Debug)]
-struct Decoded {
-    rgb: RgbImage,
-    turned_deg: u32,
-    lens: Lens,
-}
+    /// Luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is
+    /// measured on it. Decoding it alone takes less than half the time of decoding colours too.
+    pub fn luma(&self) -> Result<GrayImage, PhotoError> {
+        self.header
+            .luma(&self.bytes, &self.budget)
+            .map_err(|e| e.at(&self.path))
+    }
 
-fn decode(bytes: &[u8], budget: &Budget) -> Result<Decoded, DecodeProblem> {
-    let (picture, exif) = match Kind::of(bytes)? {
-        Kind::Jpeg(outline) => decode_jpeg(bytes, &outline, budget)?,
-        Kind::Png => decode_png(bytes, budget)?,
-    };
-    let orientation = orientation_of(exif.as_deref());
-    let mut picture = DynamicImage::from(picture.into_rgb8());
-    picture.apply_orientation(orientation);
-    Ok(Decoded {
-        rgb: picture.into_rgb8(),
-        turned_deg: turned_deg(orientation),
-        lens: exif.map(Lens::from_exif).unwrap_or_default(),
-    })
-}
+    /// Luma in the sensor's own frame, which EXIF's turn does not touch: one camera holds for photos held any way.
+    pub fn sensor_luma(&self) -> Result<GrayImage, PhotoError> {
+        let upright = self.luma()?;
+        Ok(match self.turned_deg {
+            90 => imageops::rotate270(&upright),
+            180 => imageops::rotate180(&upright),
+            270 => imageops::rotate90(&upright),
+            _ => upright,
+        })
+    }
 
-/// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
-///
-/// # Errors
-/// What is no PNG, is damaged or costs too much, as a clause.
-pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, String> {
-    let opened = png_header(bytes, budget).map_err(|problem| match problem {
-        DecodeProblem::TooLarge(size) => format!("it has {size}"),
-        DecodeProblem::Damaged(reason) => reason,
-        _ => "it is no PNG".into(),
-    });
-    opened.map(|(decoder, _)| decoder)
-}
+    /// Colours at 1/`reduction` of the size, upright; `reduction` is 1 or what [`Photo::reduction`] gave.
+    pub fn rgb(&self, reduction: u32) -> Result<RgbImage, PhotoError> {
+        let colours = match reduction {
+            1 => self.header.rgb(&self.bytes, &self.budget),
+            _ => self.header.reduced_rgb(&self.bytes, &self.budget, reduction),
+        };
+        colours.map_err(|problem: DecodeProblem| problem.at(&self.path))
+    }
 
-/// JPEG or PNG, by the first bytes.
-enum Kind {
-    Jpeg(Outline),
-    Png,
-}
-
-impl Kind {
-    /// A cut JPEG ends here: decoders fill its missing rows with grey and call it a success.
-    fn of(bytes: &[u8]) -> Result<Kind, DecodeProblem> {
-        match image::guess_format(bytes) {
-            Ok(ImageFormat::Jpeg) => Ok(Kind::Jpeg(Outline::of(bytes).ok_or(DecodeProblem::Truncated)?)),
-            Ok(ImageFormat::Png) => Ok(Kind::Png),
-            _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif)),
+    /// The strongest reduction, of 8, 4, 2 and 1, that still leaves `least` pixels (width, height) of the upright image.
+    ///
+    /// Only what divides both sides: then a reduced pixel is exactly a square of the photo's pixels, up to the border.
+    pub fn reduction(&self, least: [u32; 2]) -> u32 {
+        let serves = |r: &u32| {
+            self.width.is_multiple_of(*r)
+                && self.height.is_multiple_of(*r)
+                && self.width / r >= least[0]
+                && self.height / r >= least[1]
+        };
+        match self.header.has_luma {
+            true => REDUCTIONS.into_iter().find(serves).unwrap_or(1),
+            false => 1,
         }
     }
-}
-
-/// The kind of an HEIF file (ISO 23008-12, 10: its brands), by the `ftyp` box that it begins with.
-fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
-    let length = u32::from_be_bytes(*bytes.first_chunk()?) as usize;
-    let ftyp = bytes.get(4..length.min(bytes.len()).min(LONGEST_FTYP))?;
-    // The major brand, a version, and the brands that the file fits as well.
-    let (major, others) = ftyp.strip_prefix(b"ftyp")?.split_at_checked(4)?;
-    let brands: Vec<&[u8]> = std::iter::once(major).chain(others.chunks_exact(4).skip(1)).collect();
-    let is_any = |known: &[&[u8]]| brands.iter().any(|brand| known.contains(brand));
-    if is_any(&[b"avif", b"avis"]) {
-        Some("AVIF")
-    } else if is_any(&[b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis"]) {
-        Some("HEIC")
-    } else {
-        is_any(&[b"mif1", b"msf1"]).then_some("HEIF")
-    }
-}
-
-/// Files name a handful of brands, 4 bytes each.
-const LONGEST_FTYP: usize = 1024;
-
-/// What EXIF data says; data that cannot be read is no reason to refuse the picture.
-fn orientation_of(exif: Option<&[u8]>) -> Orientation {
-    let read = exif.and_then(Orientation::from_exif_chunk);
-    read.unwrap_or(Orientation::NoTransforms)
-}
-
-/// True when an orientation swaps width and height.
-fn lies_across(orientation: Orientation) -> bool {
-    turned_deg(orientation) % 180 == 90
-}
-
-/// How far the sensor's picture is turned clockwise; mirroring is what software did to it before.
-fn turned_deg(orientation: Orientation) -> u32 {
-    match orientation {
-        Orientation::NoTransforms | Orientation::FlipHorizontal => 0,
-        Orientation::Rotate90 | Orientation::Rotate270FlipH => 90,
-        Orientation::Rotate180 | Orientation::FlipVertical => 180,
-        Orientation::Rotate270 | Orientation::Rotate90FlipH => 270,
-    }
-}
-
-/// A picture as it is stored, and its EXIF data.
-type Stored = (DynamicImage, Option<Vec<u8>>);
-
-fn decode_png(bytes: &[u8], budget: &Budget) -> Result<Stored, DecodeProblem> {
-    let (mut decoder, _) = png_header(bytes, budget)?;
-    // EXIF data that cannot be read is no reason to refuse the picture.
-    let exif = decoder.exif_metadata().ok().flatten();
-    Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, exif))
-}
-
-/// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.
-const PNG_CHUNKS: u64 = 64 << 20;
-
-/// A decoder that has read the header, and what the picture takes.
-type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, Cost);
-
-fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, DecodeProblem> {
-    budget.check_bytes(bytes.len())?;
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(PNG_CHUNKS);
-    let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    let is_turned = lies_across(orientation_of(decoder.exif_metadata().ok().flatten().as_deref()));
-    let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
-    let cost = Cost::of_png([width, height], bytes_per_pixel, is_turned);
-    budget.check(&cost)?;
-    Ok((decoder, cost))
-}
-
-fn decode_jpeg(bytes: &[u8], outline: &Outline, budget: &Budget) -> Result<Stored, DecodeProblem> {
-    let (pixels, [width, height], exif) = jpeg_pixels(bytes, outline, ColorSpace::RGB, budget)?;
-    let picture = RgbImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no RGB picture"))?;
-    Ok((picture.into(), exif))
-}
-
-/// Pixels as they are stored, width and height, EXIF data.
-type JpegPixels = (Vec<u8>, [u32; 2], Option<Vec<u8>>);
-
-fn jpeg_pixels(
-    bytes: &[u8],
-    outline: &Outline,
-    colours: ColorSpace,
-    budget: &Budget,
-) -> Result<JpegPixels, DecodeProblem> {
-    let (mut decoder, [width, height], _) = jpeg_header(bytes, outline, colours, budget)?;
-    let pixels = decoder.decode().map_err(damaged)?;
-    Ok((pixels, [width, height], decoder.exif().cloned()))
-}
-
-/// A decoder that has read the header, the picture's width and height, and what it takes.
-type OpenedJpeg<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2], Cost);
-
-/// Strict: by default it fills what damaged data leaves open with grey.
-fn jpeg_header<'a>(
-    bytes: &'a [u8],
-    outline: &Outline,
-    colours: ColorSpace,
-    budget: &Budget,
-) -> Result<OpenedJpeg<'a>, DecodeProblem> {
-    budget.check_bytes(bytes.len())?;
-    let options = DecoderOptions::default()
-        .set_strict_mode(true)
-        .set_max_width(usize::MAX)
-        .set_max_height(usize::MAX)
-        .jpeg_set_max_scans(Budget::SCANS as usize)
-        .jpeg_set_out_colorspace(colours);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(damaged)?;
-    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
-    // A JPEG's sides fit 16 bits.
-    let size = [width as u32, height as u32];
-    let is_turned = lies_across(orientation_of(decoder.exif().map(Vec::as_slice)));
-    let cost = Cost::of_jpeg(size, outline, is_turned);
-    budget.check(&cost)?;
-    Ok((decoder, size, cost))
-}
-
-/// The first line of what a decoder says, without the internals it prints in braces.
-fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
-    let text = e.to_string();
-    let line = text.lines().next().unwrap_or_default();
-    DecodeProblem::Damaged(line.split(" {").next().unwrap_or(line).to_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
+    use image::codecs::jpeg::JpegEncoder;
 
-    fn decode(bytes: &[u8]) -> Result<Decoded, DecodeProblem> {
-        super::decode(bytes, &Budget::FILE)
-    }
-
-    fn small_jpeg() -> Vec<u8> {
-        let picture = RgbImage::from_fn(64, 48, |x, y| {
-            image::Rgb([(x * 4) as u8, (y * 5) as u8, ((x * y) % 256) as u8])
+    /// A JPEG of 64 × 48 pixels in a file, its left half red.
+    fn half_red(folder: &Path) -> PathBuf {
+        let picture = RgbImage::from_fn(64, 48, |x, _| {
+            image::Rgb(if x < 32 { [200, 30, 20] } else { [90, 100, 110] })
         });
         let mut bytes = Vec::new();
-        picture
-            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg)
+        JpegEncoder::new_with_quality(&mut bytes, 95)
+            .encode_image(&picture)
             .unwrap();
-        bytes
+        let path = folder.join("photo.jpg");
+        std::fs::write(&path, bytes).unwrap();
+        path
     }
 
     #[test]
-    fn a_whole_jpeg_decodes_and_trailing_bytes_do_not_matter() {
-        let mut bytes = small_jpeg();
-        assert_eq!(decode(&bytes).unwrap().rgb.dimensions(), (64, 48));
-        bytes.extend_from_slice(b"motion photo video");
-        assert_eq!(decode(&bytes).unwrap().rgb.dimensions(), (64, 48));
-    }
-
-    #[test]
-    fn every_cut_is_noticed() {
-        let bytes = small_jpeg();
-        for keep in 3..bytes.len() {
+    fn a_reduced_picture_shows_the_same_at_each_size() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = Photo::open(&half_red(folder.path())).unwrap();
+        assert_eq!((file.width, file.height), (64, 48));
+        for reduction in [1, 2, 4, 8] {
+            let picture = file.rgb(reduction).unwrap();
+            assert_eq!(picture.dimensions(), (64 / reduction, 48 / reduction));
+            let [left, right] = [8, 56].map(|x| picture.get_pixel(x / reduction, 24 / reduction).0);
+            let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 4);
             assert!(
-                decode(&bytes[..keep]).is_err(),
-                "a JPEG cut at byte {keep} of {} was accepted",
-                bytes.len()
+                near(left, [200, 30, 20]) && near(right, [90, 100, 110]),
+                "{left:?} {right:?}"
             );
         }
     }
 
     #[test]
-    fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
-        let mut bytes = Vec::new();
-        RgbImage::new(1, 1)
-            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-            .unwrap();
-        // Width and height stand in the header chunk, whose checksum follows them; without a right one it is damaged.
-        bytes[16..24].copy_from_slice(&[0, 1, 0x86, 0xA0, 0, 1, 0x86, 0xA0]);
-        let crc = crc32(&bytes[12..29]);
-        bytes[29..33].copy_from_slice(&crc.to_be_bytes());
-        let problem = decode(&bytes).unwrap_err();
-        assert!(
-            matches!(&problem, DecodeProblem::TooLarge(size) if size.starts_with("10000 megapixels")),
-            "{problem:?}"
-        );
-    }
-
-    /// CRC-32 as PNG uses it (RFC 2083, 15), bit by bit.
-    fn crc32(bytes: &[u8]) -> u32 {
-        !bytes.iter().fold(u32::MAX, |crc, b| {
-            (0..8).fold(crc ^ u32::from(*b), |c, _| {
-                if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 }
-            })
-        })
-    }
-
-    /// Most damage inside a JPEG decodes into some other picture; what the strict decoder can notice is refused, where the
-    /// lenient one refuses none of these.
-    #[test]
-    fn damage_that_can_be_noticed_is_refused() {
-        let photo = concat!(env!("CARGO_MANIFEST_DIR"), "/captures/skyline/normal_000.jpg");
-        let bytes = std::fs::read(photo).unwrap();
-        let mut random = 1_u64;
-        let mut next = || {
-            random = random
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (random >> 33) as usize
-        };
-        let refused = (0..60).filter(|_| {
-            let mut copy = bytes.clone();
-            for _ in 0..20 {
-                let at = 700 + next() % (copy.len() - 702);
-                copy[at] = next() as u8;
-            }
-            decode(&copy).is_err()
-        });
-        assert!(refused.count() >= 6);
-    }
-
-    #[test]
-    fn text_is_not_a_picture() {
+    fn the_strongest_reduction_that_serves_is_chosen() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = Photo::open(&half_red(folder.path())).unwrap();
+        let chosen = |least| file.reduction(least);
         assert_eq!(
-            decode(b"this is a shopping list").unwrap_err(),
-            DecodeProblem::NotAPicture
+            [
+                chosen([8, 6]),
+                chosen([9, 6]),
+                chosen([32, 24]),
+                chosen([33, 1]),
+                chosen([65, 1])
+            ],
+            [8, 4, 2, 1, 1]
         );
-        assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAPicture);
+        let png = folder.path().join("photo.png");
+        file.rgb(1).unwrap().save(&png).unwrap();
+        assert_eq!(Photo::open(&png).unwrap().reduction([1, 1]), 1);
     }
 
     #[test]
-    fn pictures_of_iphones_are_known_by_their_brands() {
-        let ftyp = |brands: &[u8]| {
-            [
-                &(8 + brands.len() as u32).to_be_bytes()[..],
-                b"ftyp",
-                brands,
-                b"\0\0\0\x08mdat",
-            ]
-            .concat()
-        };
-        for (brands, kind) in [
-            (&b"heic\0\0\0\0mif1heic"[..], Some("HEIC")),
-            (b"mif1\0\0\0\0mif1heix", Some("HEIC")),
-            (b"mif1\0\0\0\0mif1", Some("HEIF")),
-            (b"avif\0\0\0\0avifmif1miaf", Some("AVIF")),
-            (b"isom\0\0\x02\0isomiso2", None),
-            (b"", None),
-        ] {
-            let file = ftyp(brands);
-            let problem = kind.map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif);
-            assert_eq!(decode(&file).unwrap_err(), problem, "{}", brands.escape_ascii());
-            for cut in 0..file.len() {
-                let _ = decode(&file[..cut]);
-            }
-        }
-    }
-
-    proptest! {
-        /// User files of any content: an error or a picture, never a panic.
-        #[test]
-        fn damaged_jpegs_never_panic(at in 2usize..600, value in any::<u8>()) {
-            let mut bytes = small_jpeg();
-            let at = at % bytes.len();
-            bytes[at] = value;
-            let _ = decode(&bytes);
+    fn luma_alone_is_that_of_the_colours() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = Photo::open(&half_red(folder.path())).unwrap();
+        let (luma, rgb) = (file.luma().unwrap(), file.rgb(1).unwrap());
+        for (stored, rgb) in luma.pixels().zip(rgb.pixels()) {
+            // ITU-T T.871, from rounded and clipped colours.
+            let [r, g, b] = rgb.0.map(f64::from);
+            let luma = 0.299 * r + 0.587 * g + 0.114 * b;
+            assert!((f64::from(stored.0[0]) - luma).abs() <= 2.0, "{stored:?} {rgb:?}");
         }
     }
 }

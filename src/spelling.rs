@@ -1,8 +1,18 @@
-//! The known name that a misspelt one was probably meant to be.
+//! The known name that a misspelt one was probably meant to be; words that go with a number.
 
 /// `; did you mean NAME?`, to be added to a sentence that refuses `text`; empty when no known name is near, or several are.
 pub fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(text, known).map_or_else(String::new, |name| format!("; did you mean {name}?"))
+}
+
+/// A number of things: `1 photo`, `2 photos`.
+pub fn count(number: usize, one: &str) -> String {
+    format!("{number} {one}{}", choose(number, "", "s"))
+}
+
+/// The word for one thing, or that for several.
+pub fn choose<'a>(number: usize, one: &'a str, several: &'a str) -> &'a str {
+    if number == 1 { one } else { several }
 }
 
 /// The only name that fewest edits make of `text`, no more than one for every three letters of it; else the only one that begins
@@ -52,6 +62,14 @@ pub fn edits(a: &str, b: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_thing_is_not_several() {
+        assert_eq!(
+            [0, 1, 2].map(|n| count(n, "photo")),
+            ["0 photos", "1 photo", "2 photos"]
+        );
+    }
 
     #[test]
     fn edits_are_counted_as_by_hand() {

@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof::board::Definition;
-use scaleproof::calibrate::{Calibration, CalibrationError, Model, SeenCorner, Shot, calibrate};
+use scaleproof::calibrate::{BoardPhoto, Calibration, CalibrationError, Model, SeenCorner, calibrate};
 use scaleproof::camera::Camera;
 use scaleproof::workers;
 
@@ -277,7 +277,7 @@ fn any_pose(random: &mut Random) -> Isometry3<f64> {
 }
 
 /// The board's corners as a camera sees them, with noise of `sigma_px` on each axis; corners outside the picture are not seen.
-fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, random: &mut Random) -> Shot {
+fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, random: &mut Random) -> BoardPhoto {
     let mut corners = Vec::new();
     for (id, [x, y]) in charuco().corners_mm().into_iter().enumerate() {
         let Some([u, v]) = camera.project(&(pose * Point3::new(x, y, 0.0))) else {
@@ -288,15 +288,16 @@ fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, ra
             corners.push(SeenCorner { id, px });
         }
     }
-    Shot {
+    BoardPhoto {
         file: format!("{number:02}.jpg"),
         size: (1280, 960),
+        turned_deg: 0,
         corners,
         edge_width_px: None,
     }
 }
 
-fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<Shot> {
+fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<BoardPhoto> {
     let random = &mut Random::new(seed);
     let any = |i| {
         let pose = any_pose(random);
@@ -305,7 +306,7 @@ fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<Shot> {
     (0..count).map(any).filter(|s| s.corners.len() >= 20).collect()
 }
 
-fn found(shots: Vec<Shot>) -> Calibration {
+fn found(shots: Vec<BoardPhoto>) -> Calibration {
     calibrate(shots, Vec::new(), &charuco()).unwrap()
 }
 
@@ -373,7 +374,7 @@ fn the_stated_uncertainty_is_the_real_one() {
 fn photos_that_leave_the_focal_length_open_are_refused() {
     let camera = lens(&[-0.1]);
     let random = &mut Random::new(5);
-    let mut set = |tilts: &dyn Fn(usize) -> [f64; 2]| -> Vec<Shot> {
+    let mut set = |tilts: &dyn Fn(usize) -> [f64; 2]| -> Vec<BoardPhoto> {
         let at = |i: usize| {
             [
                 20.0 * (i % 3) as f64 - 20.0,
@@ -402,7 +403,7 @@ fn photos_that_leave_the_focal_length_open_are_refused() {
     }
     // One direction of tilt, however strong: the centre and the focal length cannot be told apart.
     let turned = &mut Random::new(6);
-    let parallel: Vec<Shot> = (0..12)
+    let parallel: Vec<BoardPhoto> = (0..12)
         .map(|i| {
             let at = [
                 15.0 * (i % 5) as f64 - 30.0,

@@ -139,7 +139,7 @@ fn originals() -> BTreeSet<String> {
 fn one_sharp_photo_of_each_view_is_taken_and_every_spoiled_frame_is_told_why() {
     let mut frames: Vec<(String, Vec<u8>)> = Vec::new();
     for i in 0..8 {
-        let rgb = Photo::open(&photo(i)).unwrap().rgb;
+        let rgb = Photo::open(&photo(i)).unwrap().rgb(1).unwrap();
         let grey = image::imageops::grayscale(&rgb);
         let tags = tags_of(&grey);
         let original = std::fs::read(photo(i)).unwrap();
@@ -354,7 +354,7 @@ fn photos_are_taken_back_and_their_views_wanted_again() {
         lines(&again).iter().filter(|line| line["code"] == "taken_back").count(),
         2
     );
-    let rgb = |i| Photo::open(&photo(i)).unwrap().rgb;
+    let rgb = |i| Photo::open(&photo(i)).unwrap().rgb(1).unwrap();
     let others = session_of(&[("a.jpg".into(), jpeg(&rgb(2))), ("b.jpg".into(), jpeg(&rgb(7)))]);
     let filled = capture(&replay(others.path()), &session, &[]);
     assert_eq!(filled.status.code(), Some(0), "{}", stdout(&filled));
@@ -787,7 +787,7 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
         let verdict = capture.see(&frame).unwrap().verdict;
         verdict.map(|(photo, _)| photo).map_err(|advice| advice.to_string())
     };
-    let rgb = Photo::open(&photo(1)).unwrap().rgb;
+    let rgb = Photo::open(&photo(1)).unwrap().rgb(1).unwrap();
     let moved = RgbImage::from_fn(rgb.width(), rgb.height(), |x, y| *rgb.get_pixel(x.saturating_sub(6), y));
     assert_eq!(
         see(&moved),
@@ -805,7 +805,10 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
         see(&rgb),
         Err("this view is there already; next: 45° to the right".into())
     );
-    assert_eq!(Photo::open(&out.path().join("normal_000.png")).unwrap().rgb, rgb);
+    assert_eq!(
+        Photo::open(&out.path().join("normal_000.png")).unwrap().rgb(1).unwrap(),
+        rgb
+    );
 }
 
 /// By hand a frame need not be steady, and one that is not on target is told the way all the same.
@@ -815,7 +818,7 @@ fn a_photo_is_taken_by_hand_on_target_only() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
     capture.set_auto(false);
-    let shown = Photo::open(&photo(1)).unwrap().rgb;
+    let shown = Photo::open(&photo(1)).unwrap().rgb(1).unwrap();
     let frame = |rgb: &RgbImage| Frame {
         name: "live".into(),
         taken: None,
@@ -912,7 +915,7 @@ fn latency_from_frame_to_advice() {
     // Views that no photo shows, so that nothing is written.
     let mut capture = live_capture(out.path(), &scene, 3000.0);
     let mut frames: Vec<Vec<u8>> = (0..8).map(|i| std::fs::read(photo(i)).unwrap()).collect();
-    let rgb = Photo::open(&photo(0)).unwrap().rgb;
+    let rgb = Photo::open(&photo(0)).unwrap().rgb(1).unwrap();
     let tags = tags_of(&image::imageops::grayscale(&rgb));
     frames.push(jpeg(&covered(&rgb, &tags, &[])));
     let (mut ms, mut located) = (Vec::new(), 0);

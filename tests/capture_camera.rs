@@ -14,7 +14,7 @@ use image::{Rgb, RgbImage};
 use live::live_capture;
 use scaleproof::capture::live::{Device, PixelFormat, RawPicture, Setting};
 use scaleproof::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
-use scaleproof::photo::{Budget, Photo, PhotoFile};
+use scaleproof::photo::{Budget, Photo};
 use scaleproof::scene::Scene;
 
 /// Patches of 8 × 8 px of many colours.
@@ -99,7 +99,7 @@ fn raw(picture: &RgbImage, format: PixelFormat, bytes: Vec<u8>) -> RawPicture {
 fn decoded(original: Original) -> RgbImage {
     match original {
         Original::Pixels(rgb) => rgb,
-        Original::Encoded(bytes) => PhotoFile::of_bytes(Path::new("frame"), bytes, Budget::FILE)
+        Original::Encoded(bytes) => Photo::from_bytes(Path::new("frame"), bytes, Budget::FILE)
             .unwrap()
             .rgb(1)
             .unwrap(),
@@ -161,7 +161,7 @@ fn motion_jpegs_become_whole_files() {
     let bare = without_tables(&stored);
     assert!(bare.len() + 400 < stored.len(), "the tables have 420 bytes");
     let rgb = |bytes: Vec<u8>| {
-        PhotoFile::of_bytes(Path::new("frame"), bytes, Budget::FILE)
+        Photo::from_bytes(Path::new("frame"), bytes, Budget::FILE)
             .unwrap()
             .rgb(1)
             .unwrap()

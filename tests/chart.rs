@@ -14,9 +14,13 @@ fn samples() -> (Session, Vec<Sample>) {
     let session = Session::open(&skyline()).unwrap();
     let files: Vec<&str> = session.photos.iter().map(|p| p.file.as_str()).collect();
     let truths = true_views(&skyline().join("truth.json"), &files).unwrap();
-    let samples = session.photos.iter().zip(truths).map(|(entry, truth)| Sample {
-        grey: Photo::open(&session.photo_path(entry)).unwrap().grey(),
-        truth,
+    let samples = session.photos.iter().zip(truths).map(|(entry, truth)| {
+        let photo = Photo::open(&session.photo_path(entry)).unwrap();
+        Sample {
+            luma: photo.luma().unwrap(),
+            turned_deg: photo.turned_deg,
+            truth,
+        }
     });
     let samples = samples.collect();
     (session, samples)

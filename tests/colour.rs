@@ -44,7 +44,7 @@ fn stored(picture: &RgbImage, quality: u8, folder: &Path) -> PathBuf {
 }
 
 fn read_file(path: &Path) -> Result<Reading, ChartError> {
-    read(&Photo::open(path).unwrap(), &mut AprilTagC::new(&FAMILIES).unwrap())
+    read(&Photo::open(path).unwrap(), &mut AprilTagC::new(&FAMILIES).unwrap()).unwrap()
 }
 
 fn taken(sheet: &RgbImage, printer: &Printer, view: &View) -> Result<Reading, ChartError> {

@@ -286,6 +286,49 @@ fn photos_without_a_partner_are_listed_and_in_no_difference() {
 }
 
 #[test]
+fn a_comparison_speaks_of_the_base_that_was_named() {
+    let session = copy_of_skyline();
+    let path = session.path().join("session.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("\"normal\"", "\"plain\"")).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let output = compare(session.path(), out.path(), &["--base", "plain"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("normal"), "{}", stderr(&output));
+    for name in ["comparison.html", "comparison.json", "comparison.tex"] {
+        let text = std::fs::read_to_string(out.path().join(name)).unwrap();
+        assert!(!text.contains("“normal”"), "{name}");
+    }
+}
+
+/// Twelve pairs that all differ one way: p = 2 / 2¹².
+#[test]
+fn a_small_p_is_not_said_to_be_zero() {
+    let [a, b] = ["meadow", "garage"].map(|place| {
+        let session = copy_of_skyline();
+        let path = session.path().join("session.json");
+        let mut file = read_json(&path);
+        for photo in file["photos"].as_array_mut().unwrap() {
+            photo["place"] = place.into();
+        }
+        std::fs::write(&path, file.to_string()).unwrap();
+        session
+    });
+    let out = tempfile::tempdir().unwrap();
+    let output = compare(a.path(), out.path(), &[b.path().to_str().unwrap()]);
+    let text = stdout(&output);
+    assert!(
+        text.contains("16 pairs") && text.contains("McNemar p < 0.001: a drop"),
+        "{text}{}",
+        stderr(&output)
+    );
+    for (name, p) in [("comparison.html", "p &lt; 0.001"), ("comparison.tex", "$<$0.001")] {
+        let text = std::fs::read_to_string(out.path().join(name)).unwrap();
+        assert!(text.contains(p) && !text.contains("p = 0.000"), "{name}");
+    }
+}
+
+#[test]
 fn what_cannot_be_compared_or_planned_is_one_sentence() {
     let out = tempfile::tempdir().unwrap();
     assert_refused(
@@ -303,4 +346,7 @@ fn what_cannot_be_compared_or_planned_is_one_sentence() {
     assert_refused(&plan(&["--drop", "0.2", "--bins", "0"]), &["bins"]);
     let text = stdout(&plan(&["--drop", "0.2", "--bins", "8"]));
     assert!(text.contains("in each of 8 bins"), "{text}");
+    assert!(text.contains("from 0.9 to 0.7 is"), "{text}");
+    let text = stdout(&plan(&["--drop", "0.25"]));
+    assert!(text.contains("from 0.90 to 0.65 is"), "{text}");
 }

@@ -101,7 +101,7 @@ fn a_network_that_does_not_fit_its_manifest_is_named() {
 fn own_manifest(folder: &Path) -> String {
     let network = constant_network(&[1, 3549, 85], yolox_answer());
     std::fs::write(folder.join("mine.onnx"), &network).unwrap();
-    let built_in = std::fs::read_to_string(common::home().join("detectors/yolox_nano.toml")).unwrap();
+    let built_in = std::fs::read_to_string(common::home().join("src/detect/manifests/yolox_nano.toml")).unwrap();
     let hash = scaleproof::files::sha256_hex(&network);
     built_in
         .replace("\"yolox_nano\"", "\"mine\"")

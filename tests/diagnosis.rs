@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof::camera::Camera;
 use scaleproof::locate::diagnosis::{self, is_bad};
-use scaleproof::locate::{Diagnosis, Examined, locate};
+use scaleproof::locate::{Diagnosis, LocatedPhoto, locate};
 use scaleproof::scene::{Bins, Envelope, Model, Ring, Scene, TagFamily};
 use scaleproof::simulate::{Fault, Noise, Simulator};
 
@@ -100,7 +100,7 @@ fn any_camera(rng: &mut Pcg64Mcg) -> Camera {
 }
 
 /// Photos of a scene, as somebody looks at them whose files are wrong in one way; and the scene of the file.
-fn photos(count: usize, wrong: Wrong, seed: u64) -> (Vec<Examined>, Scene) {
+fn photos(count: usize, wrong: Wrong, seed: u64) -> (Vec<LocatedPhoto>, Scene) {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let (scene, camera) = (any_scene(&mut rng), any_camera(&mut rng));
     let believed = believed(&scene, wrong, &mut rng);
@@ -132,14 +132,14 @@ fn photos(count: usize, wrong: Wrong, seed: u64) -> (Vec<Examined>, Scene) {
             Wrong::Distortion { k1 } => view.camera.clone().with_distortion(&[k1]),
             _ => view.camera.clone(),
         };
-        let examined = Examined {
+        let examined = LocatedPhoto {
             result: locate(&view.seen, of_view, &used),
-            fitted: used.for_photo(used.width, used.height, 0).ok(),
+            fitted: used.for_photo(used.width, used.height, 0),
             seen: view.seen,
         };
         (examined, view.scene)
     });
-    let photos: Vec<(Examined, Scene)> = photos.collect();
+    let photos: Vec<(LocatedPhoto, Scene)> = photos.collect();
     let scene = match wrong {
         Wrong::In(_) => photos[0].1.clone(),
         _ => believed,
@@ -192,7 +192,7 @@ fn named(sets: u64, photos_each: usize, wrong: Wrong) -> BTreeMap<&'static str, 
     named
 }
 
-fn diagnosis_asked(photos: &[Examined]) -> bool {
+fn diagnosis_asked(photos: &[LocatedPhoto]) -> bool {
     photos.iter().filter(|p| is_bad(p)).count() * 10 >= photos.len() * 8
 }
 

@@ -140,7 +140,7 @@ fn two_folders_have_the_figures_of_the_stored_session() {
     assert!(scored.status.success(), "{}", stderr(&scored));
     assert!(
         stderr(&scored).contains(
-            "note: 1 pictures in Fotos März = normal are left out, being neither JPEG nor PNG or there in JPEG too (the first: IMG_9.HEIC)"
+            "note: 1 image in Fotos März = normal is left out, being neither JPEG nor PNG or there in JPEG too (the first: IMG_9.HEIC)"
         ),
         "{}",
         stderr(&scored)
@@ -642,9 +642,9 @@ fn a_session_is_shown_on_one_screen() {
     std::fs::write(at("recorded/nanodet_m.json"), "[]").unwrap();
     let text = show(session.path(), &[]);
     for line in [
-        "note     1 photos cannot be read (the first: cannot read ",
-        "note     1 photos are byte-for-byte copies of others (the first: random_010.jpg)",
-        "note     1 photos have no recorded detections of yolox_nano (the first: normal_001.jpg): they are new, or other files than those recorded",
+        "note     1 photo cannot be read (the first: cannot read ",
+        "note     1 photo is a byte-for-byte copy of another (the first: random_010.jpg)",
+        "note     1 photo has no recorded detections of yolox_nano (the first: normal_001.jpg): it is new, or another file than the one recorded",
         "nanodet_m.json is not the recording of nanodet_m",
         "yolox_nano (14 photos)",
     ] {

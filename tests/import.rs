@@ -199,9 +199,7 @@ fn a_foreign_coco_file_is_read() {
     std::fs::write(&file, text).unwrap();
     let output = import(&file, folder.path(), &["--variant", "normal"]);
     assert!(output.status.success(), "{}", stderr(&output));
-    assert!(
-        stderr(&output).contains("1 photos have no box of the model") && stderr(&output).contains("normal_002.jpg")
-    );
+    assert!(stderr(&output).contains("1 photo has no box of the model") && stderr(&output).contains("normal_002.jpg"));
     let session = Session::open(folder.path()).unwrap();
     assert_eq!(session.photos.len(), 2);
     assert_eq!(

@@ -33,7 +33,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn the_packed_folder_runs_by_itself_and_says_whose_everything_is() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("scaleproof");
-    let made = Command::new(home().join("package/make.sh"))
+    let made = Command::new(home().join(".ci/package.sh"))
         .arg("--folder")
         .arg(&folder)
         .output()

@@ -463,7 +463,7 @@ fn taken() -> Vec<Taken> {
         let file = photo["file"].as_str().unwrap().to_owned();
         let of = |row: usize, column: usize| photo["T_camera_model_mm"][row][column].as_f64().unwrap();
         Taken {
-            grey: Photo::open(&folder.join(&file)).unwrap().grey(),
+            grey: Photo::open(&folder.join(&file)).unwrap().luma().unwrap(),
             file,
             pose: rigid::from_matrix(Matrix3::from_fn(of), Vector3::from_fn(|row, _| of(row, 3))),
             azimuth_deg: photo["azimuth_deg"].as_f64().unwrap(),

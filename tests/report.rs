@@ -585,7 +585,7 @@ fn times_of_other_weights_and_files_that_are_none_are_refused() {
             .success()
     );
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("Without times, and not in the chart: 1 detectors."));
+    assert!(page.contains("Without times, and not in the chart: 1 detector."));
 }
 
 #[test]

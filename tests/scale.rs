@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
 use scaleproof::detect::{Detection, Detector, Manifest, Runtime, WeightFolders};
-use scaleproof::photo::PhotoFile;
-use scaleproof::score::{self, Cache, Contestant, Options, Scores};
+use scaleproof::photo::Photo;
+use scaleproof::score::{self, Cache, EvaluatedDetector, Options, Scores};
 use scaleproof::session::Session;
 
 #[path = "common/onnx.rs"]
@@ -70,7 +70,7 @@ impl Set {
             &[onnx::Output::floats("output", &[1, 3549, 85], answer)],
         );
         std::fs::write(self.path("mine.onnx"), &network).unwrap();
-        let built_in = std::fs::read_to_string(common::home().join("detectors/yolox_nano.toml")).unwrap();
+        let built_in = std::fs::read_to_string(common::home().join("src/detect/manifests/yolox_nano.toml")).unwrap();
         let mine = built_in
             .replace("\"yolox_nano\"", "\"mine\"")
             .replace("yolox_nano.onnx", "mine.onnx")
@@ -142,15 +142,15 @@ fn assert_same(a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>) {
 fn a_kept_result_needs_no_detector() {
     let set = Set::new();
     let manifest = Manifest::open(&set.path("mine.toml")).unwrap();
-    let live = Contestant::live(manifest.clone(), &WeightFolders::new(None), &"car".parse().unwrap()).unwrap();
-    let without_weights = || Contestant::ran_elsewhere(manifest.clone(), &"car".parse().unwrap()).unwrap();
-    let run = |contestant: Contestant, cache: &str| -> Result<Scores, score::ScoreError> {
+    let live = EvaluatedDetector::live(manifest.clone(), &WeightFolders::new(None), &"car".parse().unwrap()).unwrap();
+    let without_weights = || EvaluatedDetector::ran_elsewhere(manifest.clone(), &"car".parse().unwrap()).unwrap();
+    let run = |detector: EvaluatedDetector, cache: &str| -> Result<Scores, score::ScoreError> {
         let options = Options {
             cache: Some(Cache::open(&set.path(cache), "").unwrap()),
             ..Options::default()
         };
         let session = Session::open(set.folder.path()).unwrap();
-        score::score(vec![session], vec![contestant], &options, || {})
+        score::score(vec![session], vec![detector], &options, || {})
     };
     let error = run(without_weights(), "empty").unwrap_err().to_string();
     assert!(error.contains("mine.onnx is not a model"), "{error}");
@@ -383,7 +383,7 @@ fn a_reduced_photo_is_detected_as_the_whole_one() {
     let folder = tempfile::tempdir().unwrap();
     let (mut worst_score, mut worst_px) = (0.0_f64, 0.0_f64);
     for name in ["normal_000.jpg", "random_011.jpg"] {
-        let file = PhotoFile::open(&enlarged(name, folder.path())).unwrap();
+        let file = Photo::open(&enlarged(name, folder.path())).unwrap();
         let whole = file.rgb(1).unwrap();
         for manifest in Manifest::all().unwrap() {
             let path = weights.join(&manifest.weights.file);
@@ -436,13 +436,13 @@ fn damage_is_noticed_at_every_size() {
             copy[at] = next() as u8;
         }
         std::fs::write(&path, copy).unwrap();
-        let Ok(file) = PhotoFile::open(&path) else {
+        let Ok(file) = Photo::open(&path) else {
             refused.iter_mut().for_each(|count| *count += 1);
             continue;
         };
         refused[0] += u32::from(file.rgb(1).is_err());
         refused[1] += u32::from(file.rgb(4).is_err());
-        refused[2] += u32::from(file.grey().is_err());
+        refused[2] += u32::from(file.luma().is_err());
     }
     println!(
         "of 60 damaged photos, refused whole {}, at a quarter {}, as brightness {}",
@@ -457,14 +457,14 @@ fn a_large_photo_that_is_cut_or_turned_is_still_told() {
     let path = enlarged("normal_000.jpg", folder.path());
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
-    let error = PhotoFile::open(&path).unwrap_err().to_string();
+    let error = Photo::open(&path).unwrap_err().to_string();
     assert!(error.contains("ends in the middle"), "{error}");
     // Turned by EXIF: every size is upright.
     let exif: &[u8] = b"\xFF\xE1\x00\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
     std::fs::write(&path, [&bytes[..2], exif, &bytes[2..]].concat()).unwrap();
-    let file = PhotoFile::open(&path).unwrap();
+    let file = Photo::open(&path).unwrap();
     assert_eq!((file.width, file.height, file.turned_deg), (3000, 4000, 90));
-    assert_eq!(file.grey().unwrap().dimensions(), (3000, 4000));
+    assert_eq!(file.luma().unwrap().dimensions(), (3000, 4000));
     let (whole, small) = (file.rgb(1).unwrap(), file.rgb(4).unwrap());
     assert_eq!(small.dimensions(), (750, 1000));
     let shrunk = imageops::thumbnail(&whole, 750, 1000);

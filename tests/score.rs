@@ -676,7 +676,7 @@ fn runs_that_cannot_be_are_one_sentence_and_leave_nothing_behind() {
             },
             &[
                 "none of the 16 photos could be scored",
-                "box_xyxy_px lies outside the picture",
+                "box_xyxy_px lies outside the photo",
             ],
         ),
     ] {

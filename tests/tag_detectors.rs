@@ -131,7 +131,7 @@ fn measured(choice: TagDetectorChoice, pictures: &[(Truth, GrayImage)], scene: &
 fn the_default_finds_every_tag_of_the_session_and_its_corners_best() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let camera = Camera::open(&skyline().join("camera.yaml")).unwrap();
-    let grey = |truth: &Truth| Photo::open(&skyline().join(&truth.file)).unwrap().grey();
+    let grey = |truth: &Truth| Photo::open(&skyline().join(&truth.file)).unwrap().luma().unwrap();
     let pictures: Vec<(Truth, GrayImage)> = Truth::of_session()
         .into_iter()
         .map(|t| (grey(&t), t))
@@ -439,7 +439,7 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
         let mut of_photo = |named: i32| {
             let photo = Photo::open(&folder.join(format!("yaw_{named}.png"))).unwrap();
-            let seen = detector.find(&photo.grey());
+            let seen = detector.find(&photo.luma().unwrap());
             let located = locate(&seen, &one_tag("tag36h11", seen.first()?.id, 65.0), &camera).ok()?;
             let normal = located.pose * nalgebra::Vector3::x();
             let yaw = normal.x.atan2(-normal.z).to_degrees();
@@ -484,7 +484,12 @@ fn real_photos_of_a_desk_show_as_many_tags_as_at_full_size() {
         let counts: Vec<usize> = (1..=5)
             .map(|n| {
                 detector
-                    .find(&Photo::open(&folder.join(format!("desk_{n:02}.png"))).unwrap().grey())
+                    .find(
+                        &Photo::open(&folder.join(format!("desk_{n:02}.png")))
+                            .unwrap()
+                            .luma()
+                            .unwrap(),
+                    )
                     .len()
             })
             .collect();
@@ -503,7 +508,7 @@ fn real_photos_of_a_desk_show_as_many_tags_as_at_full_size() {
 fn rover() -> Option<(GrayImage, Vec<Corners>)> {
     let folder = common::shared("photos/tags/rover")?;
     let name = folder.join("apriltag_33369213973_9d9bb4cc96_c");
-    let grey = Photo::open(&name.with_extension("jpg")).unwrap().grey();
+    let grey = Photo::open(&name.with_extension("jpg")).unwrap().luma().unwrap();
     let text = std::fs::read_to_string(name.with_extension("txt")).unwrap();
     // A line: id, then four corners (x, y) against the clock. Its pixels are counted from the corner of the first.
     let numbers = |line: &str| -> Vec<f64> {

@@ -5,7 +5,7 @@ use super::ladder::{Rung, normal};
 use super::model::Model;
 use super::sharpness::BLURRED_PX;
 use super::view::View;
-use super::{COVERAGE, Calibration, LEAST_PHOTOS, LeftOut, Shot};
+use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, LeftOut};
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -48,7 +48,7 @@ const MOST_RMS_SHARE: f64 = 0.0015;
 const FEW_PHOTOS: usize = 10;
 
 /// Leaves out blurred photos and those of another size than most.
-pub fn alike(shots: Vec<Shot>, mut left_out: Vec<LeftOut>) -> (Vec<Shot>, Vec<LeftOut>) {
+pub fn alike(shots: Vec<BoardPhoto>, mut left_out: Vec<LeftOut>) -> (Vec<BoardPhoto>, Vec<LeftOut>) {
     let count = |size: (u32, u32)| shots.iter().filter(|s| s.size == size).count();
     // The first of the most frequent sizes.
     let most = shots.iter().map(|s| count(s.size)).max().unwrap_or(0);
@@ -60,7 +60,7 @@ pub fn alike(shots: Vec<Shot>, mut left_out: Vec<LeftOut>) -> (Vec<Shot>, Vec<Le
     for shot in shots {
         let reason = match (usual, shot.edge_width_px) {
             (Some((w, h)), _) if shot.size != (w, h) => Some(format!(
-                "it is {}×{} and most photos are {w}×{h}: a camera file holds for one size, held one way",
+                "it is {}×{} and most photos are {w}×{h}: a camera file holds for one size; use original photos, whose EXIF data says how they were turned",
                 shot.size.0, shot.size.1
             )),
             (_, Some(width)) if width > blurred => Some(format!(
@@ -80,7 +80,7 @@ pub fn alike(shots: Vec<Shot>, mut left_out: Vec<LeftOut>) -> (Vec<Shot>, Vec<Le
 }
 
 /// Refuses too few photos.
-pub fn enough(shots: &[Shot], left_out: &[LeftOut]) -> Result<(), CalibrationError> {
+pub fn enough(shots: &[BoardPhoto], left_out: &[LeftOut]) -> Result<(), CalibrationError> {
     if shots.len() >= LEAST_PHOTOS {
         return Ok(());
     }
@@ -150,8 +150,12 @@ pub fn cautions(found: &Calibration) -> Vec<Caution> {
     let missing = missing_corners(&found.coverage);
     if !missing.is_empty() {
         say(format!(
-            "no photo shows the board in the {} of the picture, so the camera is a guess there: hold the board into the corners",
-            listed(&missing)
+            "no photo shows the board in the {} of the picture{}, so the camera is a guess there: hold the board into the corners",
+            listed(&missing),
+            match found.photos.iter().any(|photo| photo.turned_deg != 0) {
+                true => " (as the sensor sees it, before EXIF turns it)",
+                false => "",
+            }
         ));
     }
     let folded = found.map.cells.iter().filter(|c| c.sigma_px.is_none()).count();

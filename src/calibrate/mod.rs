@@ -36,19 +36,22 @@ use view::View;
 /// With fewer photos than this there is nothing to hold a camera against.
 pub const LEAST_PHOTOS: usize = 4;
 
-/// A photo in which the board was found.
+/// A photo in which the board was found. Everything is in the sensor's frame, whichever way the camera was held, so that boards of mixed
+/// orientation share one camera, and `Camera::for_photo` turns that camera with each photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shot {
+pub struct BoardPhoto {
     /// The photo's name, for people.
     pub file: String,
-    /// Width and height, px.
+    /// Width and height in the sensor's frame, px.
     pub size: (u32, u32),
+    /// How far EXIF turns it clockwise to make it upright: 0, 90, 180 or 270.
+    pub turned_deg: u32,
     pub corners: Vec<SeenCorner>,
     /// Width of the edges at the corners, px; `None` where it could not be measured.
     pub edge_width_px: Option<f64>,
 }
 
-impl Shot {
+impl BoardPhoto {
     fn view(&self, places: &[[f64; 2]]) -> View {
         View {
             board_mm: self.corners.iter().map(|c| places[c.id]).collect(),
@@ -68,6 +71,8 @@ pub struct LeftOut {
 #[derive(Debug, Clone)]
 pub struct PhotoResult {
     pub file: String,
+    /// As [`BoardPhoto::turned_deg`].
+    pub turned_deg: u32,
     /// Where the corners were seen, px, and seen minus projected, px.
     pub corners_px: Vec<[f64; 2]>,
     pub residuals_px: Vec<[f64; 2]>,
@@ -117,7 +122,7 @@ impl Calibration {
 pub const COVERAGE: usize = 10;
 
 /// Finds the board in every photo; those without are named with the reason. Both lists keep the photos' order.
-pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<Shot>, Vec<LeftOut>) {
+pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<BoardPhoto>, Vec<LeftOut>) {
     let found = workers::map(
         photos,
         || Ok::<(), std::convert::Infallible>(()),
@@ -134,7 +139,7 @@ pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -
     (shots, left_out)
 }
 
-fn look_at(path: &Path, board: &Definition) -> Result<Shot, LeftOut> {
+fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, LeftOut> {
     let file = path
         .file_name()
         .unwrap_or(path.as_os_str())
@@ -145,12 +150,13 @@ fn look_at(path: &Path, board: &Definition) -> Result<Shot, LeftOut> {
         reason,
     };
     let photo = Photo::open(path).map_err(|e| out(e.to_string()))?;
-    let grey = photo.grey();
-    let corners = detect::find(&grey, board).map_err(|e| out(e.to_string()))?;
-    Ok(Shot {
-        edge_width_px: sharpness::edge_width_px(&grey, &corners),
+    let luma = photo.sensor_luma().map_err(|e| out(e.to_string()))?;
+    let corners = detect::find(&luma, board).map_err(|e| out(e.to_string()))?;
+    Ok(BoardPhoto {
+        edge_width_px: sharpness::edge_width_px(&luma, &corners),
         file,
-        size: (photo.width(), photo.height()),
+        size: luma.dimensions(),
+        turned_deg: photo.turned_deg,
         corners,
     })
 }
@@ -161,7 +167,7 @@ fn look_at(path: &Path, board: &Definition) -> Result<Shot, LeftOut> {
 /// # Errors
 /// Photos that do not determine a camera; the sentence says what to photograph.
 pub fn calibrate(
-    shots: Vec<Shot>,
+    shots: Vec<BoardPhoto>,
     left_out: Vec<LeftOut>,
     board: &Definition,
 ) -> Result<Calibration, CalibrationError> {
@@ -224,13 +230,14 @@ fn sigmas(fit: &fit::Fit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
     sigmas
 }
 
-fn photo_results(shots: &[Shot], fit: &fit::Fit, views: &[View], middle_mm: [f64; 2]) -> Vec<PhotoResult> {
+fn photo_results(shots: &[BoardPhoto], fit: &fit::Fit, views: &[View], middle_mm: [f64; 2]) -> Vec<PhotoResult> {
     let residuals = fit.residuals(views);
-    let of = |((shot, pose), residuals_px): ((&Shot, &crate::geometry::Rigid), Vec<[f64; 2]>)| {
+    let of = |((shot, pose), residuals_px): ((&BoardPhoto, &crate::geometry::Rigid), Vec<[f64; 2]>)| {
         let squared: f64 = residuals_px.iter().map(|[x, y]| x * x + y * y).sum();
         let [x, y] = middle_mm;
         PhotoResult {
             file: shot.file.clone(),
+            turned_deg: shot.turned_deg,
             corners_px: shot.corners.iter().map(|c| c.px).collect(),
             rms_px: (squared / residuals_px.len().max(1) as f64).sqrt(),
             residuals_px,

@@ -1,6 +1,6 @@
 //! Photos and corners that disagree with all the others.
 
-use super::Shot;
+use super::BoardPhoto;
 use super::fit::{self, Fit};
 use super::model::Model;
 use super::view::View;
@@ -19,16 +19,16 @@ const LOST_SHARE: f64 = 0.2;
 
 /// What was left out, and the fit of the smallest model over the rest.
 pub struct Cleaned {
-    pub shots: Vec<Shot>,
+    pub shots: Vec<BoardPhoto>,
     /// The photo, and the sentence why.
-    pub dropped: Vec<(Shot, String)>,
+    pub dropped: Vec<(BoardPhoto, String)>,
     /// Corners left out of photos that stay.
     pub lost_corners: usize,
     pub first: Fit,
 }
 
 /// Leaves out, one at a time, the photo that disagrees most, then single corners. `None` when nothing can be fitted.
-pub fn clean(mut shots: Vec<Shot>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
+pub fn clean(mut shots: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
     let (mut dropped, mut lost_corners) = (Vec::new(), 0);
     loop {
         let views: Vec<View> = shots.iter().map(|s| s.view(places)).collect();
@@ -86,7 +86,7 @@ fn worst_photo(lengths: &[Vec<f64>]) -> Option<(usize, String)> {
     })
 }
 
-fn drop_corners(shots: &mut [Shot], lengths: &[Vec<f64>]) -> usize {
+fn drop_corners(shots: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize {
     let limit = corner_limit(lengths);
     let mut lost = 0;
     for (shot, lengths) in shots.iter_mut().zip(lengths) {

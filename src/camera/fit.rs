@@ -51,6 +51,17 @@ impl Camera {
         }
     }
 
+    /// Where a photo's pixel lies in the picture that this camera file is for; `fitted` is this camera as it fits the photo.
+    pub fn unfitted_px(&self, fitted: &Fitted, [mut x, mut y]: [f64; 2]) -> [f64; 2] {
+        let (mut width, mut height) = (f64::from(fitted.camera.width), f64::from(fitted.camera.height));
+        for _ in 0..fitted.turned_deg / 90 {
+            (x, y) = (y, width - 1.0 - x);
+            (width, height) = (height, width);
+        }
+        let unscaled = |c: f64, from: f64, to: u32| (c + 0.5) * f64::from(to) / from - 0.5;
+        [unscaled(x, width, self.width), unscaled(y, height, self.height)]
+    }
+
     /// The camera for the same picture at another size in pixels. Refuses another aspect ratio than rounding explains.
     ///
     /// Pixel (0, 0) is the centre of the top-left pixel, so a principal point moves as (c + ½)·s − ½.

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::advice::Advice;
 use super::guidance::Guidance;
-use crate::camera::Camera;
+use crate::camera::{Camera, SizeError};
 use crate::geometry::Rigid;
-use crate::locate::{self, Abstention, Located};
+use crate::locate::{Abstention, Located, LocatedPhoto, locate_luma};
 use crate::scene::{Scene, Tag};
 use crate::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
@@ -56,10 +56,27 @@ pub struct Judgement {
     pub seen: Vec<SeenTag>,
     pub located: Option<Located>,
     pub measures: Measures,
+    /// What to know before believing the pose, as sentences.
+    pub cautions: Vec<String>,
     /// The target the frame stands at, whatever its light, focus and steadiness, or what keeps it from one.
     pub place: Result<usize, Advice>,
     /// The target the frame may fill, or what keeps it from that.
     pub verdict: Result<usize, Advice>,
+}
+
+impl Judgement {
+    /// Of a frame that the camera file does not fit.
+    fn of_misfit(seen: Vec<SeenTag>, e: SizeError) -> Judgement {
+        let advice = Advice::NotLocated(Abstention::from(e));
+        Judgement {
+            seen,
+            located: None,
+            measures: Measures::default(),
+            cautions: Vec::new(),
+            place: Err(advice.clone()),
+            verdict: Err(advice),
+        }
+    }
 }
 
 /// Judges frames. Holds a tag detector, so each thread needs its own.
@@ -99,43 +116,56 @@ impl Judge {
         self.is_stream
     }
 
-    /// Judges an upright frame; `camera` fits it.
+    /// Judges upright luma, which EXIF turned by `turned_deg`; `camera` is the camera file's.
     ///
     /// A photo that somebody took on purpose is told first what would spoil it anywhere. Somebody who walks with a running camera is
     /// told the way first, as walking blurs.
-    pub fn judge(&mut self, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+    pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> Judgement {
         self.before = std::mem::take(&mut self.last);
-        let at_once = self.live.as_mut().map(|live| live.find(grey));
-        let at_once = at_once.map(|seen| self.weigh(seen, grey, camera, guidance));
-        let judgement = match at_once.filter(|judgement| judgement.located.is_some()) {
-            Some(judgement) => judgement,
-            None => {
-                let seen = self.tags.find(grey);
-                self.weigh(seen, grey, camera, guidance)
-            }
-        };
+        let scene = &self.scene;
+        let live = self.live.as_mut();
+        let at_once = live.map(|live| locate_luma(luma, turned_deg, scene, camera, live.as_mut()));
+        let photo = at_once
+            .filter(|photo| photo.result.is_ok())
+            .unwrap_or_else(|| locate_luma(luma, turned_deg, scene, camera, self.tags.as_mut()));
+        let judgement = self.weigh(photo, luma, guidance);
         self.last.clone_from(&judgement.seen);
         judgement
     }
 
     /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
-    pub fn confirm(&mut self, first: Judgement, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
+    pub fn confirm(
+        &mut self,
+        first: Judgement,
+        luma: &GrayImage,
+        turned_deg: u32,
+        camera: &Camera,
+        guidance: &Guidance,
+    ) -> Judgement {
         if self.live.is_none() {
             return first;
         }
-        let seen = self.tags.find(grey);
-        self.weigh(seen, grey, camera, guidance)
+        let photo = locate_luma(luma, turned_deg, &self.scene, camera, self.tags.as_mut());
+        self.weigh(photo, luma, guidance)
     }
 
-    /// What follows from the tags that were seen.
-    fn weigh(&self, seen: Vec<SeenTag>, grey: &GrayImage, camera: &Camera, guidance: &Guidance) -> Judgement {
-        let located = locate::locate(&seen, &self.scene, camera);
+    /// What follows from what a frame shows.
+    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> Judgement {
+        let LocatedPhoto {
+            seen,
+            fitted,
+            result: located,
+        } = photo;
+        let fitted = match fitted {
+            Ok(fitted) => fitted,
+            Err(e) => return Judgement::of_misfit(seen, e),
+        };
         let appearance = Appearance::of(grey, &seen);
         let pose = located.as_ref().ok().map(|l| &l.pose);
         let measures = Measures {
             blur_px: appearance.blur_px.filter(|px| px.is_finite()),
             white_level: appearance.white_level,
-            clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, camera)),
+            clipped_share: pose.and_then(|pose| clipped_share(grey, &self.scene, pose, &fitted.camera)),
             moved_px: self.is_stream.then(|| moved_px(&self.before, &seen)).flatten(),
         };
         let light = light(&measures, &seen, grey);
@@ -160,6 +190,7 @@ impl Judge {
             seen,
             located: located.ok(),
             measures,
+            cautions: fitted.cautions(),
             verdict: first_fault.map_or_else(|| place.clone(), Err),
             place,
         }

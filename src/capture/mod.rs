@@ -20,11 +20,11 @@ use std::path::Path;
 
 use image::{GrayImage, ImageFormat};
 
-use crate::camera::{Camera, Fitted};
+use crate::camera::Camera;
 use crate::files;
 use crate::geometry::rigid;
-use crate::locate::{Abstention, Located};
-use crate::photo::{Budget, PhotoFile};
+use crate::locate::Located;
+use crate::photo::{Budget, Photo};
 use crate::scene::{Bin, Scene, Viewpoint};
 use crate::session::PhotoEntry;
 use crate::tags::SeenTag;
@@ -164,18 +164,16 @@ impl Capture {
     }
 
     fn look(&mut self, frame: &Frame, is_by_hand: bool) -> Result<Answer, StoreError> {
-        let (grey, turned_deg) = match self.picture(frame) {
-            Ok(picture) => picture,
+        let (luma, turned_deg) = match self.luma(frame) {
+            Ok(luma) => luma,
             Err(advice) => return Ok(self.refused(advice)),
         };
-        let fitted = match self.camera.for_photo(grey.width(), grey.height(), turned_deg) {
-            Ok(fitted) => fitted,
-            Err(e) => return Ok(self.refused(Advice::NotLocated(Abstention::from(e)))),
-        };
-        let mut judgement = self.judge.judge(&grey, &fitted.camera, &self.guidance);
+        let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
         let held = self.hold(&judgement.verdict);
         if is_by_hand || held.is_ok() {
-            judgement = self.judge.confirm(judgement, &grey, &fitted.camera, &self.guidance);
+            judgement = self
+                .judge
+                .confirm(judgement, &luma, turned_deg, &self.camera, &self.guidance);
         }
         let target = match (is_by_hand, held) {
             (true, _) => judgement.place,
@@ -188,11 +186,11 @@ impl Capture {
             (Err(advice), _) => Err(advice),
         };
         Ok(Answer {
-            size_px: [grey.width(), grey.height()],
+            size_px: luma.dimensions().into(),
             viewpoint: judgement.located.map(|located| located.viewpoint),
             measures: judgement.measures,
             verdict,
-            cautions: Fitted::cautions(&fitted),
+            cautions: judgement.cautions,
             tags: judgement.seen,
         })
     }
@@ -202,18 +200,18 @@ impl Capture {
         Answer::refused(advice)
     }
 
-    /// The brightness of a frame that may be judged, and how far EXIF turned it, degrees.
-    fn picture(&self, frame: &Frame) -> Result<(GrayImage, u32), Advice> {
+    /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
+    fn luma(&self, frame: &Frame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
             Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
             Original::Encoded(bytes) => {
-                let photo = PhotoFile::of_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
+                let photo = Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
                 if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
                     return Err(known);
                 }
-                let grey = photo.and_then(|photo| Ok((photo.grey()?, photo.turned_deg)));
-                grey.map_err(|e| match self.judge.is_stream() {
+                let luma = photo.and_then(|photo| Ok((photo.luma()?, photo.turned_deg)));
+                luma.map_err(|e| match self.judge.is_stream() {
                     true => Advice::Unreadable(DAMAGED.into()),
                     false => Advice::Unreadable(e.to_string()),
                 })

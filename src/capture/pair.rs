@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::locate;
-use crate::photo::PhotoFile;
+use crate::locate::locate_photo;
+use crate::photo::Photo;
 use crate::scene::Viewpoint;
 use crate::session::{PhotoEntry, Session, SessionError};
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
@@ -74,11 +74,7 @@ fn viewpoint(session: &Session, photo: &PhotoEntry, tags: &mut dyn TagDetector) 
         return Ok(known);
     }
     let camera = session.known_camera().map_err(|e| e.to_string())?;
-    let file = PhotoFile::open(&session.photo_path(photo)).map_err(|e| e.to_string())?;
-    let grey = file.grey().map_err(|e| e.to_string())?;
-    let fitted = camera
-        .for_photo(file.width, file.height, file.turned_deg)
-        .map_err(|e| e.to_string())?;
-    let located = locate::locate(&tags.find(&grey), &session.scene, &fitted.camera).map_err(|e| e.to_string())?;
-    Ok(located.viewpoint)
+    let photo = Photo::open(&session.photo_path(photo)).map_err(|e| e.to_string())?;
+    let located = locate_photo(&photo, &session.scene, camera, tags).map_err(|e| e.to_string())?;
+    Ok(located.result.map_err(|e| e.to_string())?.viewpoint)
 }

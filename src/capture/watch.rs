@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::source::{Frame, FrameSource, Original, SourceError};
 use crate::files;
-use crate::photo::{Budget, PhotoError, PhotoFile};
+use crate::photo::{Budget, Photo, PhotoError};
 
 /// How often the folder is looked at.
 const ROUND: Duration = Duration::from_millis(250);
@@ -107,10 +107,10 @@ fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
         return Some(Original::Unreadable(sentence));
     }
     let decoded = |path: &Path| -> Result<Vec<u8>, PhotoError> {
-        let photo = PhotoFile::open(path)?;
+        let photo = Photo::open(path)?;
         // A cut JPEG is refused when it is opened, a cut PNG only when it is decoded.
         if photo.extension() == "png" {
-            photo.grey()?;
+            photo.luma()?;
         }
         Ok(photo.into_bytes())
     };

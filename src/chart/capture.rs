@@ -2,14 +2,15 @@
 
 use serde::Serialize;
 
+use super::MeasureError;
 use super::locate::detectors;
 use super::timing::fastest;
 use crate::camera::Camera;
 use crate::capture::{Guidance, Judge, Tolerance, viewpoints_of};
-use crate::photo::{Budget, PhotoError, PhotoFile};
+use crate::photo::{Budget, Photo};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::scene::{Bins, Scene};
-use crate::tags::{CornersBy, StartError, TagDetectorChoice};
+use crate::tags::{CornersBy, TagDetectorChoice};
 
 /// What a person who moves a camera does not notice yet: the limits of guided capture for the median and for 95 % of the frames, ms.
 pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
@@ -29,17 +30,6 @@ pub struct Row {
     pub is_default: bool,
 }
 
-/// Why frames could not be measured on.
-#[derive(Debug, thiserror::Error)]
-pub enum MeasureError {
-    #[error(transparent)]
-    Tags(#[from] StartError),
-    #[error(transparent)]
-    Photo(#[from] PhotoError),
-    #[error("{0}")]
-    Size(#[from] crate::camera::SizeError),
-}
-
 /// Measures every tag detector with the common fit on the same frames (JPEG files), one after the other on one thread: decoding, tags, pose,
 /// gates, and the sentence. `on_done` is called after each frame of each row.
 ///
@@ -53,6 +43,10 @@ pub fn measure(
 ) -> Result<Vec<Row>, MeasureError> {
     // Times are of one core, whatever OpenCV would like.
     let _ = opencv::core::set_num_threads(1);
+    for (name, bytes) in frames {
+        let photo = Photo::from_bytes(name.as_ref(), bytes.clone(), Budget::FILE)?;
+        camera.for_photo(photo.width, photo.height, photo.turned_deg)?;
+    }
     let guidance = unreachable(&scene.bins);
     let mut rows = Vec::new();
     for (choice, is_stream) in ways(scene) {
@@ -100,10 +94,8 @@ fn advice(
     camera: &Camera,
     guidance: &Guidance,
 ) -> Result<bool, MeasureError> {
-    let photo = PhotoFile::of_bytes(name.as_ref(), bytes.to_vec(), Budget::FILE)?;
-    let grey = photo.grey()?;
-    let fitted = camera.for_photo(photo.width, photo.height, photo.turned_deg)?;
-    let judgement = judge.judge(&grey, &fitted.camera, guidance);
+    let photo = Photo::from_bytes(name.as_ref(), bytes.to_vec(), Budget::FILE)?;
+    let judgement = judge.judge(&photo.luma()?, photo.turned_deg, camera, guidance);
     let sentence = judgement.verdict.err().map(|advice| advice.to_string());
     // The sentence is part of the work.
     std::hint::black_box(sentence);

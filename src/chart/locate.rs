@@ -3,13 +3,14 @@
 use image::GrayImage;
 use serde::Serialize;
 
+use super::MeasureError;
 use super::timing::fastest;
-use crate::camera::Camera;
+use crate::camera::{Camera, Fitted, SizeError};
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::scene::{Scene, Viewpoint};
-use crate::tags::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetectorChoice};
+use crate::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
 
 /// How much of the camera file's lens model is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -46,9 +47,18 @@ impl CameraModel {
 /// A photo to measure on, and the truth about it.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    pub grey: GrayImage,
+    /// Upright.
+    pub luma: GrayImage,
+    /// How far EXIF turned it.
+    pub turned_deg: u32,
     /// Exact.
     pub truth: Viewpoint,
+}
+
+impl Sample {
+    fn fitted(&self, camera: &Camera) -> Result<Fitted, SizeError> {
+        camera.for_photo(self.luma.width(), self.luma.height(), self.turned_deg)
+    }
 }
 
 /// One combination and what it measured.
@@ -99,8 +109,18 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 /// tag detector.
 ///
 /// # Errors
-/// A detector that reads the scene's families but does not start; those that do not read them are left out.
-pub fn measure(samples: &[Sample], scene: &Scene, camera: &Camera, on_done: impl Fn()) -> Result<Vec<Row>, StartError> {
+/// A detector that reads the scene's families but does not start; those that do not read them are left out. A photo that the camera does not
+/// fit.
+pub fn measure(
+    samples: &[Sample],
+    scene: &Scene,
+    camera: &Camera,
+    on_done: impl Fn(),
+) -> Result<Vec<Row>, MeasureError> {
+    let fitted = samples
+        .iter()
+        .map(|sample| Ok(sample.fitted(camera)?.camera))
+        .collect::<Result<Vec<_>, MeasureError>>()?;
     // Times are of one core, whatever OpenCV would like.
     let _ = opencv::core::set_num_threads(1);
     let families = scene.families();
@@ -109,13 +129,13 @@ pub fn measure(samples: &[Sample], scene: &Scene, camera: &Camera, on_done: impl
         let mut detector = choice.open(&families)?;
         let mut found = Vec::new();
         for sample in samples {
-            found.push(fastest(|| detector.find(&sample.grey)));
+            found.push(fastest(|| detector.find(&sample.luma)));
             on_done();
         }
         for model in CameraModel::ALL {
-            let camera = model.of(camera);
+            let cameras: Vec<Camera> = fitted.iter().map(|camera| model.of(camera)).collect();
             for solver in Solver::all() {
-                rows.push(row((choice, solver, model), samples, &found, scene, &camera));
+                rows.push(row((choice, solver, model), samples, &found, scene, &cameras));
             }
         }
     }
@@ -128,11 +148,11 @@ fn row(
     samples: &[Sample],
     found: &[(Vec<SeenTag>, f64)],
     scene: &Scene,
-    camera: &Camera,
+    cameras: &[Camera],
 ) -> Row {
     let (mut azimuth, mut pitch, mut distance) = (Vec::new(), Vec::new(), Vec::new());
     let (mut solve_ms, mut wrong) = (0.0, 0);
-    for (sample, (seen, _)) in samples.iter().zip(found) {
+    for ((sample, (seen, _)), camera) in samples.iter().zip(found).zip(cameras) {
         let (answer, ms) = fastest(|| locate::locate_by(solver, seen, scene, camera));
         solve_ms += ms;
         let Ok(located) = answer else { continue };

@@ -9,5 +9,21 @@ pub mod stability;
 mod timing;
 mod truth;
 
+use crate::camera::SizeError;
+use crate::photo::PhotoError;
+use crate::tags::StartError;
+
 pub use spoil::Spoil;
 pub use truth::{TruthError, true_boxes, true_views};
+
+/// Why photos could not be measured on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    #[error(transparent)]
+    Tags(#[from] StartError),
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error(transparent)]
+    Size(#[from] SizeError),
+}

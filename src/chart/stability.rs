@@ -8,7 +8,7 @@ use super::locate::{Sample, is_silently_wrong};
 use super::spoil::{Quad, Spoil};
 use crate::camera::Camera;
 use crate::geometry::angle;
-use crate::locate::{self, Located, Solver};
+use crate::locate::{self, Located, Solver, locate_luma};
 use crate::plot::{Axis, Line, Panel, Scale, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
 use crate::simulate::{Fault, Noise, Simulator, View};
@@ -381,14 +381,11 @@ pub fn on_photos(
             let mut tallies: Vec<Tally> = detectors.iter().map(|_| Tally::default()).collect();
             for (i, (sample, tags)) in samples.iter().zip(&places).enumerate() {
                 let mut rng = Pcg64Mcg::seed_from_u64(seed + i as u64);
-                let photo = spoil.apply(&sample.grey, *amount, tags, &mut rng);
                 // A cut photo comes as one of another size, and the camera file cannot know.
-                let fitting = camera.scaled_to(photo.width(), photo.height()).ok();
+                let photo = spoil.apply(&sample.luma, *amount, tags, &mut rng);
                 for (detector, tally) in open.iter_mut().zip(&mut tallies) {
-                    let answer = fitting
-                        .as_ref()
-                        .and_then(|camera| locate::locate(&detector.find(&photo), scene, camera).ok());
-                    tally.count(answer, &sample.truth, scene);
+                    let answer = locate_luma(&photo, sample.turned_deg, scene, camera, detector.as_mut());
+                    tally.count(answer.result.ok(), &sample.truth, scene);
                 }
                 on_done();
             }
@@ -415,7 +412,7 @@ fn tags_of(samples: &[Sample], scene: &Scene) -> Result<Vec<Vec<Quad>>, StartErr
         || TagDetectorChoice::default().open(&scene.families()),
         |detector, sample| {
             Ok(detector
-                .find(&sample.grey)
+                .find(&sample.luma)
                 .into_iter()
                 .map(|tag| tag.corners_px)
                 .collect())

@@ -4,10 +4,9 @@ use std::error::Error;
 use std::path::Path;
 
 use super::detectors;
-use super::score::contestants;
 use super::sessions::quoted;
 use crate::detect::{Manifest, Recording, WeightFolders};
-use crate::score::Contestant;
+use crate::score::{EvaluatedDetector, evaluated_detectors};
 use crate::session::Session;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -21,21 +20,21 @@ pub fn evaluated(
     names: &[String],
     is_recorded: bool,
     folder: &detectors::Folder,
-) -> Result<Vec<Contestant>> {
+) -> Result<Vec<EvaluatedDetector>> {
     let folders = (!is_recorded).then(|| folder.folders()).transpose()?;
     let manifests = match (names, &folders) {
         ([], Some(folders)) => with_weights(sessions, folders)?,
         ([], None) => with_recordings(sessions)?,
         (names, _) => detectors::chosen(names)?,
     };
-    Ok(contestants(sessions, manifests, folders.as_ref())?)
+    Ok(evaluated_detectors(sessions, manifests, folders.as_ref())?)
 }
 
 /// All whose weights are here.
 fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Manifest>> {
     let (here, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| folders.find(m).is_some());
     if here.is_empty() {
-        let is_stored = |s: &Session| !Recording::names_in(&Contestant::recordings_of(&s.folder)).is_empty();
+        let is_stored = |s: &Session| !Recording::names_in(&EvaluatedDetector::recordings_of(&s.folder)).is_empty();
         let or = match sessions.iter().all(is_stored) {
             true => ", or score what the session stores with --recorded",
             false => "",
@@ -55,7 +54,7 @@ fn with_weights(sessions: &[Session], folders: &WeightFolders) -> Result<Vec<Man
 fn with_recordings(sessions: &[Session]) -> Result<Vec<Manifest>> {
     let lacks = |m: &Manifest| {
         let mut folders = sessions.iter().map(|s| s.folder.as_path());
-        folders.find(|folder| !Recording::is_in(&Contestant::recordings_of(folder), &m.name))
+        folders.find(|folder| !Recording::is_in(&EvaluatedDetector::recordings_of(folder), &m.name))
     };
     let (stored, missing): (Vec<_>, Vec<_>) = Manifest::all()?.into_iter().partition(|m| lacks(m).is_none());
     let Some(without) = missing.first().and_then(lacks) else {
@@ -73,7 +72,7 @@ fn with_recordings(sessions: &[Session]) -> Result<Vec<Manifest>> {
 }
 
 fn no_recordings(session: &Path) -> String {
-    let place = Contestant::recordings_of(session);
+    let place = EvaluatedDetector::recordings_of(session);
     let folder = session.display();
     match Recording::names_in(&place).first() {
         Some(known) if Manifest::named(known).is_ok() => {

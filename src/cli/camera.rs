@@ -178,7 +178,7 @@ fn lens_model(camera: &Camera) -> String {
 
 fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
     let photo = Photo::open(&args.photo)?;
-    let camera = Camera::guessed(photo.width(), photo.height(), &photo.lens)
+    let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
     if let Some(path) = &args.output {
         save(path, &camera.write(Format::OpenCv)?, &args.photo)?;

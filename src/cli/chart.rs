@@ -12,6 +12,7 @@ use crate::chart::locate::Sample;
 use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
 use crate::envelope::{self, Outline};
 use crate::files;
+use crate::locate::locate_photo;
 use crate::photo::Photo;
 use crate::session::{PhotoEntry, Session};
 use crate::tags::TagDetectorChoice;
@@ -121,14 +122,8 @@ fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
     }
     let (session, samples) = load(&args.on)?;
     let samples = enlarged(samples, args.enlarge);
-    let camera = match samples.first() {
-        Some(first) => session
-            .known_camera()?
-            .scaled_to(first.grey.width(), first.grey.height())?,
-        None => session.known_camera()?.clone(),
-    };
     let bar = progress::photos("measuring", samples.len() * locate::detectors(&session.scene).len());
-    let rows = locate::measure(&samples, &session.scene, &camera, || bar.inc(1))?;
+    let rows = locate::measure(&samples, &session.scene, session.known_camera()?, || bar.inc(1))?;
     bar.finish_and_clear();
     let chart = Chart {
         name: "locate",
@@ -176,9 +171,8 @@ fn placed(session: &Session, on: &On) -> Result<(Vec<envelope_chart::Sample>, Ve
     let (mut samples, mut not_located) = (Vec::new(), Vec::new());
     for (entry, truth) in session.photos.iter().zip(truths) {
         let photo = Photo::open(&session.photo_path(entry))?;
-        let fitted = camera.for_photo(photo.width(), photo.height(), photo.turned_deg)?;
-        match crate::locate::locate(&tags.find(&photo.grey()), &session.scene, &fitted.camera) {
-            Ok(located) => samples.push(envelope_chart::Sample {
+        match locate_photo(&photo, &session.scene, camera, &mut tags)?.pose_and_camera() {
+            Ok((located, fitted)) => samples.push(envelope_chart::Sample {
                 file: entry.file.clone(),
                 pose: located.pose,
                 camera: fitted.camera,
@@ -247,9 +241,13 @@ fn load(on: &On) -> Result<(Session, Vec<Sample>), Box<dyn Error>> {
     let truths = true_views(&on.truth, &names)?;
     let bar = progress::photos("reading", names.len());
     let samples = session.photos.iter().zip(truths).map(|(entry, truth)| {
-        let grey = Photo::open(&session.photo_path(entry))?.grey();
+        let photo = Photo::open(&session.photo_path(entry))?;
         bar.inc(1);
-        Ok(Sample { grey, truth })
+        Ok(Sample {
+            luma: photo.luma()?,
+            turned_deg: photo.turned_deg,
+            truth,
+        })
     });
     let samples = samples.collect::<Result<Vec<_>, Box<dyn Error>>>()?;
     bar.finish_and_clear();
@@ -264,10 +262,10 @@ fn enlarged(samples: Vec<Sample>, factor: f64) -> Vec<Sample> {
     samples
         .into_iter()
         .map(|sample| Sample {
-            grey: image::imageops::resize(
-                &sample.grey,
-                side(sample.grey.width()),
-                side(sample.grey.height()),
+            luma: image::imageops::resize(
+                &sample.luma,
+                side(sample.luma.width()),
+                side(sample.luma.height()),
                 image::imageops::FilterType::CatmullRom,
             ),
             ..sample

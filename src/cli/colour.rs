@@ -76,7 +76,8 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("reading", args.photos.len());
     let readings = args.photos.iter().map(|path| {
         let photo = Photo::open(path).map_err(|e| e.to_string())?;
-        let reading = read(&photo, &mut tags).map_err(|e| format!("{}: {e}", path.display()))?;
+        let reading = read(&photo, &mut tags).map_err(|e| e.to_string())?;
+        let reading = reading.map_err(|e| format!("{}: {e}", path.display()))?;
         bar.inc(1);
         Ok(reading)
     });

@@ -1,12 +1,13 @@
 //! `scaleproof compare`: is one texture harder to detect than another, and can these photos tell?
 
+use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, Outcome, at_hand, detectors, score as score_command, sessions};
 use crate::files;
 use crate::report;
-use crate::score::{self, ApDefinition, Criteria};
+use crate::score::{self, ApDefinition, CompareError, Criteria};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
@@ -37,21 +38,30 @@ pub struct Args {
     json: bool,
 }
 
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        CompareError::NoBase { .. } => Some("name one of these with --base".into()),
+        _ => None,
+    }
+}
+
 /// Photos without a partner that are said one by one.
 const MOST_LISTED: usize = 20;
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.recorded)?;
-    let contestants = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = Criteria {
         ap: args.ap,
         ..Criteria::default()
     };
-    let options = args.effort.options(&contestants)?;
-    let scores = score_command::score_with_progress(opened.sessions, contestants, &options)?.judged_by(criteria);
+    let options = args.effort.options(&detectors)?;
+    let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
+    let scores = scores.judged_by(criteria).against(&args.base);
     let comparison = score::compare(&scores, &args.base, args.ap)?;
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);

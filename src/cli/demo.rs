@@ -11,7 +11,7 @@ use crate::print::paper::{Orientation, Paper};
 use crate::print::printer::Printer;
 use crate::print::template::{Front, LayoutRequest, TemplateRequest};
 use crate::report;
-use crate::score::{Contestant, Options, Scores};
+use crate::score::{EvaluatedDetector, Options, Scores};
 use crate::session::Session;
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.
@@ -73,9 +73,9 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<Made, Box<dyn std::error::Er
     writeln!(out, "\n2. Photos become camera poses and viewpoint bins")?;
     locate::table(&session, out)?;
     writeln!(out, "\n3. Detectors are scored on them")?;
-    let contestants = contestants(&session, &args.folder.folders()?, out)?;
-    let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &contestants)?;
-    let scores = score::score_with_progress(vec![session], contestants, &Options::default())?;
+    let detectors = detectors(&session, &args.folder.folders()?, out)?;
+    let speeds = score::speeds(&session.folder.join("recorded/speed.json"), &detectors)?;
+    let scores = score::score_with_progress(vec![session], detectors, &Options::default())?;
     let page = report::write(&args.output, &scores, Some(&speeds))?;
     score::caution(&scores);
     Ok(Made {
@@ -126,14 +126,14 @@ pub fn home() -> PathBuf {
 }
 
 /// Every detector: live where its weights are here or can be fetched, else from the session's recordings.
-fn contestants(
+fn detectors(
     session: &Session,
     folders: &WeightFolders,
     out: &mut dyn Write,
-) -> Result<Vec<Contestant>, Box<dyn std::error::Error>> {
+) -> Result<Vec<EvaluatedDetector>, Box<dyn std::error::Error>> {
     let class = &session.scene.model.class;
     let mut why_not = Runtime::load().err().map(|e| e.to_string());
-    let mut contestants = Vec::new();
+    let mut detectors = Vec::new();
     let mut played_back = Vec::new();
     for manifest in Manifest::all()? {
         // After one failure the others would fail the same way, a timeout each.
@@ -142,12 +142,12 @@ fn contestants(
         }
         let live = Runtime::load()
             .is_ok()
-            .then(|| Contestant::live(manifest.clone(), folders, class));
-        contestants.push(match live {
-            Some(Ok(contestant)) => contestant,
+            .then(|| EvaluatedDetector::live(manifest.clone(), folders, class));
+        detectors.push(match live {
+            Some(Ok(detector)) => detector,
             _ => {
                 played_back.push(manifest.name.clone());
-                Contestant::recorded(manifest, &[&session.folder], class)?
+                EvaluatedDetector::recorded(manifest, &[&session.folder], class)?
             }
         });
     }
@@ -163,5 +163,5 @@ fn contestants(
             why_not.unwrap_or_else(|| "their weights are not here".into())
         )?;
     }
-    Ok(contestants)
+    Ok(detectors)
 }

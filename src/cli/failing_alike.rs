@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::camera::Camera;
-use crate::locate::{self, Abstention, Diagnosis, Examined, diagnosis, spread};
-use crate::photo::{PhotoError, PhotoFile};
+use crate::locate::{Diagnosis, LocatedPhoto, diagnosis, locate_photo, spread};
+use crate::photo::Photo;
 use crate::scene::{Scene, TagFamily};
 use crate::score::{NotScored, ScoreError, Scores};
 use crate::session::Session;
@@ -27,33 +27,10 @@ pub struct Files {
     pub camera_file: PathBuf,
 }
 
-/// A photo's tags, its camera and its pose, or why it has none.
-///
-/// # Errors
-/// A photo that cannot be read.
-pub fn examine(
-    photo: &PhotoFile,
-    tags: &mut dyn TagDetector,
-    scene: &Scene,
-    camera: &Camera,
-) -> Result<Examined, PhotoError> {
-    let fitted = camera.for_photo(photo.width, photo.height, photo.turned_deg);
-    let seen = tags.find(&photo.grey()?);
-    let result = match &fitted {
-        Ok(fitted) => locate::locate(&seen, scene, &fitted.camera),
-        Err(e) => Err(Abstention::from(e.clone())),
-    };
-    Ok(Examined {
-        seen,
-        fitted: fitted.ok(),
-        result,
-    })
-}
-
 impl Files {
     /// The one cause for photos that were examined, as a sentence, if there is one.
-    pub fn cause(&self, photos: &[(&Path, &Examined)]) -> Option<String> {
-        let examined: Vec<&Examined> = photos.iter().map(|(_, examined)| *examined).collect();
+    pub fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
+        let examined: Vec<&LocatedPhoto> = photos.iter().map(|(_, examined)| *examined).collect();
         let others = match diagnosis::is_without_tags(&examined) {
             true => self.with_every_family(&photos.iter().map(|(path, _)| *path).collect::<Vec<_>>()),
             false => Vec::new(),
@@ -71,12 +48,13 @@ impl Files {
         let paths: Vec<&Path> = photos.iter().map(PathBuf::as_path).collect();
         let mut tags = TagDetectorChoice::default().open(&self.scene.families()).ok()?;
         let mut examine = |path: &Path| {
-            let photo = PhotoFile::open(path).ok()?;
-            self::examine(&photo, &mut tags, &self.scene, &self.camera).ok()
+            let photo = Photo::open(path).ok()?;
+            locate_photo(&photo, &self.scene, &self.camera, &mut tags).ok()
         };
         let paths = spread(&paths, LOOKED_AT);
-        let examined: Vec<(&Path, Examined)> = paths.iter().filter_map(|path| Some((*path, examine(path)?))).collect();
-        let examined: Vec<(&Path, &Examined)> = examined.iter().map(|(path, examined)| (*path, examined)).collect();
+        let examined: Vec<(&Path, LocatedPhoto)> =
+            paths.iter().filter_map(|path| Some((*path, examine(path)?))).collect();
+        let examined: Vec<(&Path, &LocatedPhoto)> = examined.iter().map(|(path, examined)| (*path, examined)).collect();
         self.cause(&examined)
     }
 
@@ -91,9 +69,9 @@ impl Files {
         let Ok(mut tags) = TagDetectorChoice::default().open(&others) else {
             return Vec::new();
         };
-        let grey = |path: &&Path| PhotoFile::open(path).ok()?.grey().ok();
-        let pictures = spread(photos, SEARCHED_FOR_ALL);
-        pictures.iter().filter_map(grey).map(|grey| tags.find(&grey)).collect()
+        let luma = |path: &&Path| Photo::open(path).ok()?.luma().ok();
+        let some = spread(photos, SEARCHED_FOR_ALL);
+        some.iter().filter_map(luma).map(|luma| tags.find(&luma)).collect()
     }
 }
 

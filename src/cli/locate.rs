@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::failing_alike::{self, Files, MOST_LISTED};
+use super::failing_alike::{Files, MOST_LISTED};
 use super::{CommandResult, Outcome, progress};
 use crate::camera::{Camera, Fitted};
 use crate::envelope::Outline;
 use crate::geometry::rigid;
-use crate::locate::{Abstention, Examined, IgnoredTag, Located, Sigma, Warning};
-use crate::photo::{PhotoError, PhotoFile};
+use crate::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+use crate::photo::{Photo, PhotoError};
 use crate::scene::{Bin, Scene};
 use crate::session::Session;
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
@@ -77,7 +77,7 @@ struct Line {
 }
 
 /// What was found in a photo, or why it cannot be read.
-type Answer = Result<Examined, PhotoError>;
+type Answer = Result<LocatedPhoto, PhotoError>;
 
 const UNREADABLE: &str = "unreadable";
 
@@ -143,8 +143,8 @@ fn locate_all(
     let families = scene.families();
     let bar = progress::photos("locating", photos.len());
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
-        let photo = PhotoFile::open(path);
-        Ok(photo.and_then(|photo| failing_alike::examine(&photo, tags.as_mut(), scene, camera)))
+        let photo = Photo::open(path);
+        Ok(photo.and_then(|photo| locate_photo(&photo, scene, camera, tags)))
     };
     let answers = workers::map(photos, || tag_detector.open(&families), look, || bar.inc(1));
     bar.finish_and_clear();
@@ -243,7 +243,7 @@ fn explain(photos: &[PathBuf], answers: &[Answer], alike: bool) {
         .iter()
         .flatten()
         .filter(|examined| examined.result.is_ok())
-        .filter_map(|examined| examined.fitted.as_ref())
+        .flat_map(|examined| &examined.fitted)
         .flat_map(Fitted::cautions)
         .collect();
     cautions.iter().for_each(|caution| say!("note: {caution}"));
@@ -290,7 +290,7 @@ fn draw(
 
 fn line(path: &Path, answer: &Answer) -> Line {
     let found = located(answer);
-    let fitted = answer.as_ref().ok().and_then(|examined| examined.fitted.as_ref());
+    let fitted = answer.as_ref().ok().and_then(|examined| examined.fitted.as_ref().ok());
     let reason = match answer {
         Ok(examined) => examined.result.as_ref().err().map(Abstention::to_string),
         Err(e) => Some(e.to_string()),

@@ -3,6 +3,7 @@
 #[macro_use]
 mod say;
 
+mod advice;
 mod at_hand;
 #[cfg(feature = "full")]
 mod attack;
@@ -149,7 +150,7 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::SomeInputBad) => ExitCode::from(2),
         Err(e) if is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
-        Err(e) => refuse(&e.to_string()),
+        Err(e) => refuse(&advice::sentence(e.as_ref())),
     }
 }
 

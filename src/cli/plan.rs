@@ -43,10 +43,11 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     } else {
         String::new()
     };
+    let digits = decimals(args.base_rate).max(decimals(args.drop));
     writeln!(
         out,
         "{pairs} pairs{each}: {} photos, one of each texture at each place and bin.\n\
-         A drop of the hit rate from {} to {:.3} is then shown (McNemar, p < 0.05) with a chance of at least {}. Repeats at the same place and \
+         A drop of the hit rate from {:.digits$} to {:.digits$} is then shown (McNemar, p < 0.05) with a chance of at least {}. Repeats at the same place and \
          bin count as one.",
         2 * pairs * bins,
         args.base_rate,
@@ -54,4 +55,9 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         args.power
     )?;
     Ok(Outcome::Done)
+}
+
+/// How many digits a number has behind its point.
+fn decimals(number: f64) -> usize {
+    number.to_string().split_once('.').map_or(0, |(_, digits)| digits.len())
 }

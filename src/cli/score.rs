@@ -1,17 +1,16 @@
 //! `scaleproof score`: how well do detectors see the model in these sessions?
 
+use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::sessions::{self, Opened};
+use super::sessions;
 use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress};
-use crate::detect::{Manifest, Recorded, RecordedPhoto, Recording, SCORE_FLOOR, SpeedError, Speeds, WeightFolders};
+use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds};
 use crate::files;
 use crate::report;
-use crate::score::shard::{DetectorUsed, Part, Run, SessionSeen, Shard};
-use crate::score::{
-    self, ApDefinition, Cache, Contestant, ContestantError, Criteria, Options, ScoreError, Scores, Source,
-};
+use crate::score::shard::{Run, Shard, ShardId};
+use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, ScoreError, Scores};
 use crate::session::Session;
 use crate::workers;
 
@@ -47,7 +46,7 @@ pub struct Args {
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "speed"])]
-    shard: Option<Part>,
+    shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
     json: bool,
@@ -81,8 +80,8 @@ impl Judging {
         })
     }
 
-    pub fn speeds(&self, contestants: &[Contestant]) -> Result<Option<Speeds>, SpeedError> {
-        self.speed.as_deref().map(|path| speeds(path, contestants)).transpose()
+    pub fn speeds(&self, detectors: &[EvaluatedDetector]) -> Result<Option<Speeds>, SpeedError> {
+        self.speed.as_deref().map(|path| speeds(path, detectors)).transpose()
     }
 }
 
@@ -104,8 +103,8 @@ impl Effort {
         self.threads.map(u32::from)
     }
 
-    pub fn options(&self, contestants: &[Contestant]) -> Result<Options, Box<dyn std::error::Error>> {
-        let runtime = score::runtime(contestants)?.map(|runtime| runtime.provenance());
+    pub fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options, Box<dyn std::error::Error>> {
+        let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
         let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());
         let folder = self
             .cache
@@ -123,6 +122,14 @@ impl Effort {
     }
 }
 
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        ScoreError::NotRecorded { .. } => Some("run without --recorded, or record them again with --record".into()),
+        _ => None,
+    }
+}
+
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let criteria = args.judging.criteria()?;
     let opened = args.photos.open()?;
@@ -133,22 +140,26 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     ] {
         opened.refuse_for_folders(option, is_given)?;
     }
-    let contestants = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
-    check_places(&args, &opened, &contestants)?;
-    let speeds = args.judging.speeds(&contestants)?;
-    let options = args.effort.options(&contestants)?;
-    if let Some(part) = args.shard {
-        let path = write_shard(&args, part, &opened.sessions, &contestants, &options)?;
+    let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    opened.check_output(&args.output)?;
+    if args.record {
+        score::check_recordings(&opened.sessions, &detectors, args.replace)?;
+    }
+    files::check_writable(&args.output)?;
+    let speeds = args.judging.speeds(&detectors)?;
+    let options = args.effort.options(&detectors)?;
+    if let Some(shard) = args.shard {
+        let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
         match args.json {
-            true => writeln!(out, "{}", serde_json::json!({"shard": part.to_string(), "file": path}))?,
-            false => writeln!(out, "shard {part}: {}", path.display())?,
+            true => writeln!(out, "{}", serde_json::json!({"shard": shard.to_string(), "file": path}))?,
+            false => writeln!(out, "shard {shard}: {}", path.display())?,
         }
         return Ok(Outcome::Done);
     }
-    let scores = score_with_progress(opened.sessions, contestants, &options)?.judged_by(criteria);
+    let scores = score_with_progress(opened.sessions, detectors, &options)?.judged_by(criteria);
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
-        record(&scores)?;
+        score::record(&scores)?;
     }
     show(&scores, speeds.as_ref(), &page, args.json, out)
 }
@@ -172,57 +183,21 @@ pub fn show(
     Ok(Outcome::Done)
 }
 
-/// Finds out before the work that its results can be stored, and that nothing is replaced unasked.
-fn check_places(args: &Args, opened: &Opened, contestants: &[Contestant]) -> Result<(), Box<dyn std::error::Error>> {
-    opened.check_output(&args.output)?;
-    for session in opened.sessions.iter().filter(|_| args.record) {
-        let folder = Contestant::recordings_of(&session.folder);
-        let is_there = |c: &&Contestant| Recording::is_in(&folder, &c.manifest.name);
-        if let Some(stored) = contestants.iter().find(is_there).filter(|_| !args.replace) {
-            return Err(format!(
-                "{} has a recording of {} already: add --replace to store it anew, or play it with --recorded",
-                session.folder.display(),
-                stored.manifest.name
-            )
-            .into());
-        }
-        files::check_writable(&folder)?;
-    }
-    Ok(files::check_writable(&args.output)?)
-}
-
-/// The named detectors, with the weights in `folders`, or played back from the sessions' recordings without any.
-pub fn contestants(
-    sessions: &[Session],
-    manifests: Vec<Manifest>,
-    folders: Option<&WeightFolders>,
-) -> Result<Vec<Contestant>, ContestantError> {
-    let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
-        return Ok(Vec::new());
-    };
-    let places: Vec<&Path> = sessions.iter().map(|s| s.folder.as_path()).collect();
-    let contestant = |m| match folders {
-        Some(folders) => Contestant::live(m, folders, class),
-        None => Contestant::recorded(m, &places, class),
-    };
-    manifests.into_iter().map(contestant).collect()
-}
-
 /// The times of these detectors in a file.
-pub fn speeds(path: &Path, contestants: &[Contestant]) -> Result<Speeds, SpeedError> {
-    let manifests: Vec<&Manifest> = contestants.iter().map(|c| &c.manifest).collect();
+pub fn speeds(path: &Path, detectors: &[EvaluatedDetector]) -> Result<Speeds, SpeedError> {
+    let manifests: Vec<&Manifest> = detectors.iter().map(|c| &c.manifest).collect();
     Speeds::open(path, &manifests)
 }
 
 /// Scores sessions and shows how far it has come.
 pub fn score_with_progress(
     sessions: Vec<Session>,
-    contestants: Vec<Contestant>,
+    detectors: Vec<EvaluatedDetector>,
     options: &Options,
 ) -> Result<Scores, ScoreError> {
     let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
     let sets: Vec<_> = sessions.iter().filter_map(failing_alike::Set::of).collect();
-    let scores = score::score(sessions, contestants, options, || bar.inc(1));
+    let scores = score::score(sessions, detectors, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
     failing_alike::explained(scores, &sets)
@@ -237,60 +212,27 @@ fn complain(options: &Options) {
 /// Looks at one part of the photos and writes what `merge` needs.
 fn write_shard(
     args: &Args,
-    part: Part,
+    id: ShardId,
     sessions: &[Session],
-    contestants: &[Contestant],
+    detectors: &[EvaluatedDetector],
     options: &Options,
 ) -> Result<PathBuf, Box<dyn std::error::Error>> {
-    let photos = (1..=sessions.iter().map(|s| s.photos.len() as u64).sum()).filter(|id| part.holds(*id));
-    let bar = progress::photos(&format!("scoring {part}"), photos.count());
-    let observed = score::observe(sessions, contestants, options, part, || bar.inc(1));
+    let photos = (1..=sessions.iter().map(|s| s.photos.len() as u64).sum()).filter(|photo| id.holds(*photo));
+    let bar = progress::photos(&format!("scoring {id}"), photos.count());
+    let observed = score::observe(sessions, detectors, options, id, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
+    let runtime = score::runtime(detectors)?.map(Runtime::provenance);
+    let chosen_as = detectors
+        .iter()
+        .map(|d| detectors::chosen_as(&d.manifest, &args.detectors));
+    let chosen_as = chosen_as.collect::<Result<_, _>>()?;
     let shard = Shard {
-        run: Run {
-            sessions: sessions.iter().map(session_seen).collect::<Result<_, _>>()?,
-            detectors: detectors_used(&args.detectors, contestants)?,
-            is_recorded: args.recorded,
-            runtime: score::runtime(contestants)?.map(|runtime| runtime.provenance()),
-            libraries: score::libraries(),
-        },
-        part,
+        run: Run::of(sessions, detectors, chosen_as, runtime)?,
+        id,
         observed: observed?,
     };
     Ok(shard.write(&args.output)?)
-}
-
-pub fn session_seen(session: &Session) -> std::io::Result<SessionSeen> {
-    Ok(SessionSeen {
-        folder: session.folder.canonicalize()?,
-        hashes: session.hashes.clone(),
-    })
-}
-
-/// The contestants by what chooses them again: a built-in one's name, a manifest's path.
-fn detectors_used(chosen: &[String], contestants: &[Contestant]) -> std::io::Result<Vec<DetectorUsed>> {
-    let used = contestants.iter().map(|c| {
-        let chosen_as = detectors::chosen_as(&c.manifest, chosen)?;
-        Ok(DetectorUsed {
-            chosen_as,
-            fingerprint: fingerprint(c),
-        })
-    });
-    used.collect()
-}
-
-/// SHA-256 of all that a manifest says except where it lies, and of the recordings that are played back.
-pub fn fingerprint(c: &Contestant) -> String {
-    let anywhere = Manifest {
-        folder: None,
-        ..c.manifest.clone()
-    };
-    let recordings: Vec<_> = match &c.source {
-        Source::Live(_) => Vec::new(),
-        Source::Recorded(recordings) => recordings.iter().map(|r| &r.recording).collect(),
-    };
-    files::sha256_hex(format!("{anywhere:?} {recordings:?}").as_bytes())
 }
 
 /// Says on standard error which photos were left out, and what to know before believing the figures.
@@ -299,32 +241,4 @@ pub fn caution(scores: &Scores) {
     for caution in &scores.cautions {
         say!("note: {caution}");
     }
-}
-
-fn record(scores: &Scores) -> Result<(), Box<dyn std::error::Error>> {
-    for (session_index, session) in scores.sessions.iter().enumerate() {
-        let photos: Vec<_> = scores.photos.iter().filter(|p| p.session == session_index).collect();
-        for (index, contestant) in scores.contestants.iter().enumerate() {
-            let recording = Recording {
-                detector: contestant.manifest.name.clone(),
-                weights_sha256: contestant.manifest.weights.sha256.clone(),
-                results_sha256: String::new(),
-                scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
-                runtime: scores.runtime.clone().unwrap_or_default(),
-                score_floor: SCORE_FLOOR,
-                photos: photos
-                    .iter()
-                    .map(|p| RecordedPhoto {
-                        id: p.id,
-                        file: p.file.clone(),
-                        sha256: p.sha256.clone(),
-                    })
-                    .collect(),
-            };
-            let detections: Vec<_> = photos.iter().map(|p| p.detections[index].as_slice()).collect();
-            let folder = Contestant::recordings_of(&session.folder);
-            Recorded::save(&folder, &contestant.manifest, recording, &detections)?;
-        }
-    }
-    Ok(())
 }

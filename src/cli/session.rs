@@ -6,11 +6,14 @@ mod show;
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::path::Path;
 
 use clap::Subcommand;
 
 use super::CommandResult;
+use super::sessions::quoted;
 use crate::session::PhotoEntry;
+use crate::spelling;
 
 /// Make a session of photos that are there already, or show what is in one.
 #[derive(clap::Args)]
@@ -44,8 +47,16 @@ fn by_variant(photos: &[PhotoEntry]) -> BTreeMap<&str, usize> {
     variants
 }
 
-/// The same in words: `checker 3, normal 4`.
-fn in_words(variants: &BTreeMap<&str, usize>) -> String {
-    let words: Vec<_> = variants.iter().map(|(name, count)| format!("{name} {count}")).collect();
-    words.join(", ")
+/// The session that was made, and what to do with it.
+fn in_words(path: &Path, photos: &[PhotoEntry], folder: &Path) -> String {
+    let variants = by_variant(photos).into_iter();
+    let variants: Vec<_> = variants.map(|(name, count)| format!("{name} {count}")).collect();
+    format!(
+        "{}: {} ({}); score {} with `scaleproof score {} -o REPORT`",
+        path.display(),
+        spelling::count(photos.len(), "photo"),
+        variants.join(", "),
+        spelling::choose(photos.len(), "it", "them"),
+        quoted(&folder.display().to_string())
+    )
 }

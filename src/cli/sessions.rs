@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::session::folders::{self, Gathered, Listing, PhotoFolder};
 use crate::session::{Session, SessionError};
+use crate::spelling;
 
 /// Where photos were taken when nobody says.
 const PLACE: &str = "here";
@@ -86,7 +87,9 @@ impl About {
             if let Some(first) = found.listing.other_pictures.first() {
                 let (count, folder) = (found.listing.other_pictures.len(), found.given.folder.display());
                 say!(
-                    "note: {count} pictures in {folder} are left out, being neither JPEG nor PNG or there in JPEG too (the first: {first})"
+                    "note: {} in {folder} {} left out, being neither JPEG nor PNG or there in JPEG too (the first: {first})",
+                    spelling::count(count, "image"),
+                    spelling::choose(count, "is", "are")
                 );
             }
         }

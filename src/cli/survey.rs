@@ -1,6 +1,5 @@
 //! `scaleproof survey`: where do the tags stand that were placed by hand?
 
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -8,12 +7,9 @@ use serde::Serialize;
 
 use super::{CommandResult, Outcome, print, progress, scene};
 use crate::camera::Camera;
-use crate::photo::Photo;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
-use crate::survey::{Given, PhotoTags, Sizes, Survey, TagReport, survey};
-use crate::tags::{AprilTagC, TagDetector};
-use crate::workers;
+use crate::survey::{Given, Look, Sizes, Survey, TagReport, look, survey};
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
 ///
@@ -51,7 +47,10 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scene = for_output(Scene::open(&args.scene)?, &args)?;
     let camera = Camera::open(&args.camera)?;
     let fixed = fixed(&args, &scene)?;
-    let photos = tags_of(&args, &scene, &camera)?;
+    let bar = progress::photos("finding tags", args.photos.len());
+    let found = look(&args.photos, &scene, args.family, &camera, || bar.inc(1));
+    bar.finish_and_clear();
+    let Look { photos, cautions } = found?;
     let given = Given {
         scene: &scene,
         fixed: &fixed,
@@ -73,6 +72,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         write_tables(&found, out)?;
         writeln!(out, "{}: {} tags", args.output.display(), found.scene.tags.len())?;
     }
+    cautions.iter().for_each(|caution| say!("note: {caution}"));
     Ok(Outcome::Done)
 }
 
@@ -102,43 +102,6 @@ fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
     let id = |text: &str| text.trim().parse().map(|id| (args.family, id));
     let ids: Result<Vec<_>, _> = args.fixed.split(',').map(id).collect();
     ids.map_err(|_| format!("--fixed `{}` is neither `mat` nor tag ids as in 0,5", args.fixed))
-}
-
-/// The tags of every photo; a photo that cannot be used, or is given twice, is refused.
-fn tags_of(args: &Args, scene: &Scene, camera: &Camera) -> Result<Vec<PhotoTags>, Box<dyn Error>> {
-    let mut families = scene.families();
-    if !families.contains(&args.family) {
-        families.push(args.family);
-    }
-    let bar = progress::photos("finding tags", args.photos.len());
-    let found = workers::map(
-        &args.photos,
-        || AprilTagC::new(&families).map_err(|e| e.to_string()),
-        |detector, path| {
-            let photo = Photo::open(path).map_err(|e| e.to_string())?;
-            let (width, height) = (photo.width(), photo.height());
-            if (width, height) != (camera.width, camera.height) {
-                let (cw, ch) = (camera.width, camera.height);
-                return Err(format!(
-                    "{} is {width}×{height} but the camera file is for {cw}×{ch}: use the original photo, or calibrate at this size",
-                    path.display()
-                ));
-            }
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let seen = detector.find(&photo.grey());
-            Ok((photo.sha256, PhotoTags { name, seen }))
-        },
-        || bar.inc(1),
-    );
-    bar.finish_and_clear();
-    let found = found?;
-    for (i, (hash, _)) in found.iter().enumerate() {
-        if let Some(first) = found[..i].iter().position(|(other, _)| other == hash) {
-            let (a, b) = (args.photos[i].display(), args.photos[first].display());
-            return Err(format!("{a} is the same photo as {b}, which would count twice: give it once").into());
-        }
-    }
-    Ok(found.into_iter().map(|(_, tags)| tags).collect())
 }
 
 #[derive(Serialize)]

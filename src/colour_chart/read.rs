@@ -1,5 +1,6 @@
 //! A photo of a chart → the colours that the printer made, or why not.
 
+use image::RgbImage;
 use palette::{LinSrgb, Srgb};
 
 use super::find::{FoundChart, find};
@@ -9,7 +10,7 @@ use super::sample::{Sample, sample};
 use super::{ChartError, place};
 use crate::pattern::colour::Lab;
 use crate::pattern::printed::{PrintedColours, Source};
-use crate::photo::Photo;
+use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
 use crate::tags::TagDetector;
 
@@ -66,10 +67,14 @@ pub struct Quality {
 /// Reads the chart in a photo.
 ///
 /// # Errors
-/// Whatever would make the colours wrong: see [`ChartError`].
-pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Reading, ChartError> {
-    let chart = find(&tags.find(&photo.grey()))?;
-    let take = |cell: Cell| match sample(&photo.rgb, &chart, cell) {
+/// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ChartError`].
+pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<Reading, ChartError>, PhotoError> {
+    let (luma, rgb) = (photo.luma()?, photo.rgb(1)?);
+    Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))
+}
+
+fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Reading, ChartError> {
+    let take = |cell: Cell| match sample(rgb, chart, cell) {
         Some(sample) => Ok((cell, sample)),
         None => Err(ChartError::NoChart),
     };
@@ -87,7 +92,7 @@ pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Reading, Chart
         .collect::<Result<Vec<_>, _>>()?;
     refuse_clipped(&whites)?;
     refuse_dark(&whites)?;
-    let light = light_on(&whites, &chart)?;
+    let light = light_on(&whites, chart)?;
     // A reflection is clipped as well, and exposing less would not help.
     refuse_reflections(&inked, &light)?;
     refuse_clipped(&inked)?;
@@ -98,7 +103,7 @@ pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Reading, Chart
     refuse_uneven_black(&patches)?;
     Ok(Reading {
         kind: chart.layout.kind,
-        sha256: photo.sha256.clone(),
+        sha256: sha256.to_owned(),
         patches,
         quality: Quality {
             patch_px: chart.patch_px,

@@ -149,6 +149,13 @@ mod tests {
         })
     }
 
+    /// Two pixels to a column: a case that failed once.
+    #[test]
+    fn a_row_that_becomes_a_column_is_opencvs() {
+        let photo = noise(2, 1, 490_256_226);
+        assert_eq!(resized(&photo, [1, 2]), by_opencv(&photo, [1, 2]));
+    }
+
     proptest! {
         /// Smaller, larger, halved, one side only: noise shows every rounding.
         #[test]

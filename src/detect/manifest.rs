@@ -171,11 +171,11 @@ pub enum ManifestError {
 
 /// The manifests that ship with the program, in the order lists and reports use.
 const BUILT_IN: [(&str, &str); 5] = [
-    ("yolox_nano.toml", include_str!("../../detectors/yolox_nano.toml")),
-    ("nanodet_m.toml", include_str!("../../detectors/nanodet_m.toml")),
-    ("fastestdet.toml", include_str!("../../detectors/fastestdet.toml")),
-    ("deimv2_femto.toml", include_str!("../../detectors/deimv2_femto.toml")),
-    ("deimv2_atto.toml", include_str!("../../detectors/deimv2_atto.toml")),
+    ("yolox_nano.toml", include_str!("manifests/yolox_nano.toml")),
+    ("nanodet_m.toml", include_str!("manifests/nanodet_m.toml")),
+    ("fastestdet.toml", include_str!("manifests/fastestdet.toml")),
+    ("deimv2_femto.toml", include_str!("manifests/deimv2_femto.toml")),
+    ("deimv2_atto.toml", include_str!("manifests/deimv2_atto.toml")),
 ];
 
 impl Manifest {

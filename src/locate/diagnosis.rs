@@ -7,20 +7,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::factor::{self, Factor, Of};
-use super::{Abstention, Located, Warning};
-use crate::camera::{Camera, Fitted, SizeError};
+use super::{Abstention, LocatedPhoto, Warning};
+use crate::camera::{Camera, SizeError};
 use crate::scene::{Scene, TagFamily};
 use crate::tags::SeenTag;
-
-/// A photo after it was looked at.
-#[derive(Debug, Clone)]
-pub struct Examined {
-    /// Every tag that was found, whether the scene has it or not.
-    pub seen: Vec<SeenTag>,
-    /// The camera as it fits this photo; `None` when it does not.
-    pub fitted: Option<Fitted>,
-    pub result: Result<Located, Abstention>,
-}
 
 /// What seems wrong with all photos of a set.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +50,7 @@ const SMALLEST: f64 = 0.01;
 const AGREEMENT: f64 = 0.5;
 
 /// The photos without a pose, or with one that its tags hardly fit.
-pub fn is_bad(photo: &Examined) -> bool {
+pub fn is_bad(photo: &LocatedPhoto) -> bool {
     match &photo.result {
         Ok(located) => located.warnings.contains(&Warning::PoorFit),
         Err(_) => true,
@@ -68,12 +58,12 @@ pub fn is_bad(photo: &Examined) -> bool {
 }
 
 /// Whether nearly all photos show no tag of the families that were searched, so that others should be.
-pub fn is_without_tags(photos: &[&Examined]) -> bool {
+pub fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
     is_most(photos, |p| matches!(p.result, Err(Abstention::NoTags)))
 }
 
 /// The one cause, if there is one. `others`: some photos searched for families that the scene lacks, if they were.
-pub fn diagnose(photos: &[&Examined], others: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
+pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
     if !is_most(photos, is_bad) {
         return None;
     }
@@ -84,16 +74,16 @@ pub fn diagnose(photos: &[&Examined], others: &[Vec<SeenTag>], scene: &Scene) ->
     if is_without_tags(photos) {
         return Some(other_families(others).unwrap_or_else(|| no_tags(photos, others)));
     }
-    let bad: Vec<&Examined> = photos.iter().copied().filter(|p| is_bad(p)).collect();
+    let bad: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p)).collect();
     other_ids(photos, scene).or_else(|| wrong_number(&bad, photos.len(), scene))
 }
 
-fn is_most(photos: &[&Examined], is: impl Fn(&Examined) -> bool) -> bool {
+fn is_most(photos: &[&LocatedPhoto], is: impl Fn(&LocatedPhoto) -> bool) -> bool {
     let count = photos.iter().filter(|p| is(p)).count();
     count >= FEWEST && count as f64 >= MOST * photos.len() as f64
 }
 
-fn camera_size(photos: &[&Examined]) -> Diagnosis {
+fn camera_size(photos: &[&LocatedPhoto]) -> Diagnosis {
     let mut errors: Vec<SizeError> = Vec::new();
     for photo in photos {
         if let Err(Abstention::WrongCameraSize(e)) = &photo.result
@@ -105,7 +95,7 @@ fn camera_size(photos: &[&Examined]) -> Diagnosis {
     Diagnosis::CameraSize { errors }
 }
 
-fn no_tags(photos: &[&Examined], others: &[Vec<SeenTag>]) -> Diagnosis {
+fn no_tags(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>]) -> Diagnosis {
     Diagnosis::NoTags {
         photos: photos.iter().filter(|p| p.seen.is_empty()).count(),
         of: photos.len(),
@@ -135,12 +125,12 @@ fn other_families(others: &[Vec<SeenTag>]) -> Option<Diagnosis> {
 }
 
 /// Most photos show two tags or more that the scene lacks, and at least as many of those as of the scene's own.
-fn other_ids(photos: &[&Examined], scene: &Scene) -> Option<Diagnosis> {
-    let unknown = |p: &Examined| -> BTreeSet<(TagFamily, u32)> {
+fn other_ids(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Diagnosis> {
+    let unknown = |p: &LocatedPhoto| -> BTreeSet<(TagFamily, u32)> {
         let unknown = p.seen.iter().filter(|t| scene.tag(t.family, t.id).is_none());
         unknown.map(|t| (t.family, t.id)).collect()
     };
-    let is_strange = |p: &Examined| {
+    let is_strange = |p: &LocatedPhoto| {
         let strange = unknown(p).len();
         strange >= 2 && strange >= p.seen.len() - strange.min(p.seen.len())
     };
@@ -163,7 +153,7 @@ fn other_ids(photos: &[&Examined], scene: &Scene) -> Option<Diagnosis> {
 }
 
 /// A wrong size of all tags, or a wrong focal length.
-fn wrong_number(bad: &[&Examined], photos: usize, scene: &Scene) -> Option<Diagnosis> {
+fn wrong_number(bad: &[&LocatedPhoto], photos: usize, scene: &Scene) -> Option<Diagnosis> {
     let size = factor::fit(Of::TagSize, bad, scene)?;
     let focal = factor::fit(Of::Focal, bad, scene)?;
     let best = size.cost.min(focal.cost);

@@ -2,7 +2,7 @@
 
 use super::matches::{self, Match};
 use super::solver::Solver;
-use super::{Examined, Located, Warning, locate};
+use super::{Located, LocatedPhoto, Warning, locate};
 use crate::camera::Camera;
 use crate::scene::Scene;
 
@@ -48,10 +48,10 @@ const FITTED: usize = 12;
 const WORST_DEG: f64 = 0.5;
 
 /// Fits a factor to the photos with two tags or more. `None` when there are none.
-pub(super) fn fit(of: Of, photos: &[&Examined], scene: &Scene) -> Option<Factor> {
-    let all: Vec<&Examined> = photos.iter().copied().filter(|p| is_telling(p, scene)).collect();
+pub(super) fn fit(of: Of, photos: &[&LocatedPhoto], scene: &Scene) -> Option<Factor> {
+    let all: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_telling(p, scene)).collect();
     let photos = spread(&all, FITTED);
-    let cost = |factor: f64, photos: &[&Examined]| {
+    let cost = |factor: f64, photos: &[&LocatedPhoto]| {
         let scene = scaled(of, scene, factor);
         let costs = photos.iter().map(|photo| cost(of, factor, photo, &scene));
         costs.sum::<f64>() / photos.len() as f64
@@ -88,9 +88,9 @@ pub fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
         .collect()
 }
 
-fn is_telling(photo: &Examined, scene: &Scene) -> bool {
+fn is_telling(photo: &LocatedPhoto, scene: &Scene) -> bool {
     let matched = matches::match_tags(&photo.seen, scene);
-    photo.fitted.is_some() && matched.is_ok_and(|(matches, _)| matches.len() >= 2)
+    photo.fitted.is_ok() && matched.is_ok_and(|(matches, _)| matches.len() >= 2)
 }
 
 /// The scene with its tags' sizes multiplied, when that is what the factor belongs to.
@@ -103,8 +103,8 @@ fn scaled(of: Of, scene: &Scene, factor: f64) -> Scene {
 }
 
 /// The photo's camera with its focal length multiplied, when that is what the factor belongs to.
-fn camera(of: Of, factor: f64, photo: &Examined) -> Option<Camera> {
-    let mut camera = photo.fitted.as_ref()?.camera.clone();
+fn camera(of: Of, factor: f64, photo: &LocatedPhoto) -> Option<Camera> {
+    let mut camera = photo.fitted.as_ref().ok()?.camera.clone();
     if of == Of::Focal {
         camera.fx *= factor;
         camera.fy *= factor;
@@ -113,12 +113,12 @@ fn camera(of: Of, factor: f64, photo: &Examined) -> Option<Camera> {
 }
 
 /// How badly all tags of a photo fit at best, (degrees)²; `scene` has the factor already.
-fn cost(of: Of, factor: f64, photo: &Examined, scene: &Scene) -> f64 {
+fn cost(of: Of, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> f64 {
     let worst = WORST_DEG * WORST_DEG;
     let rms_deg = || {
         let camera = camera(of, factor, photo)?;
         let (matches, _) = matches::match_tags(&photo.seen, scene).ok()?;
-        Some(best_rms_px(&matches, &camera)? * photo.fitted.as_ref()?.camera.deg_per_px())
+        Some(best_rms_px(&matches, &camera)? * photo.fitted.as_ref().ok()?.camera.deg_per_px())
     };
     rms_deg().map_or(worst, |rms| (rms * rms).min(worst))
 }
@@ -129,7 +129,7 @@ fn best_rms_px(matches: &[Match], camera: &Camera) -> Option<f64> {
 }
 
 /// Located by at least two tags that agree, as in a good photo by a right camera, hardly one left out.
-fn is_healed(of: Of, factor: f64, photo: &Examined, scene: &Scene) -> bool {
+fn is_healed(of: Of, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> bool {
     let agrees = |l: Located| {
         let outvoted = l.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()).count();
         l.tags.len() >= 2 && 4 * outvoted <= l.tags.len() && !l.warnings.contains(&Warning::PoorFit)

@@ -7,7 +7,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
 use crate::capture::Original;
-use crate::photo::{Budget, PhotoFile};
+use crate::photo::{Budget, Photo};
 
 /// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
@@ -15,7 +15,7 @@ pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<
         Original::Unreadable(_) => None,
         Original::Pixels(rgb) => jpeg(rgb, fitting([rgb.width(), rgb.height()], longest_side_px)),
         Original::Encoded(bytes) => {
-            let file = PhotoFile::of_bytes(Path::new("frame"), bytes.clone(), Budget::UPLOAD).ok()?;
+            let file = Photo::from_bytes(Path::new("frame"), bytes.clone(), Budget::UPLOAD).ok()?;
             of_file(&file, longest_side_px)
         }
     }
@@ -23,10 +23,10 @@ pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<
 
 /// The same of a photo on disk.
 pub(super) fn of_photo(path: &Path, longest_side_px: u32) -> Option<Vec<u8>> {
-    of_file(&PhotoFile::open(path).ok()?, longest_side_px)
+    of_file(&Photo::open(path).ok()?, longest_side_px)
 }
 
-fn of_file(file: &PhotoFile, longest_side_px: u32) -> Option<Vec<u8>> {
+fn of_file(file: &Photo, longest_side_px: u32) -> Option<Vec<u8>> {
     let size = fitting([file.width, file.height], longest_side_px);
     let reduction = file.reduction(size);
     if file.memory(reduction) > Budget::PREVIEW_MEMORY {

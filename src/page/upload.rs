@@ -10,7 +10,7 @@ use http_body_util::BodyExt;
 use tokio::time::{Instant, timeout_at};
 
 use crate::capture::{Frame, Original};
-use crate::photo::{Budget, PhotoFile};
+use crate::photo::{Budget, Photo};
 
 /// Of one photo.
 pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
@@ -95,7 +95,7 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
 /// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
 pub(super) fn frame(number: u64, bytes: Vec<u8>) -> Frame {
     let name = format!("upload {number}");
-    let original = match PhotoFile::of_bytes(Path::new(&name), bytes, Budget::UPLOAD) {
+    let original = match Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD) {
         Err(e) => Original::Unreadable(e.to_string()),
         Ok(file) => Original::Encoded(file.into_bytes()),
     };

@@ -22,14 +22,15 @@ pub struct Card {
 
 /// Why a pattern has no tile size.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CardError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{path} is no card of a pattern ({reason}): give --tile-mm, or remove the file", path = path.display())]
+    #[error("{path} is no card of a pattern ({reason})", path = path.display())]
     Content { path: PathBuf, reason: String },
-    #[error("{path} is the card of another pattern than {pattern}: give --tile-mm, or remove the file", path = path.display(), pattern = pattern.display())]
+    #[error("{path} is the card of another pattern than {pattern}", path = path.display(), pattern = pattern.display())]
     OtherPattern { path: PathBuf, pattern: PathBuf },
-    #[error("{pattern} has no card that says how wide a repeat is: give --tile-mm", pattern = pattern.display())]
+    #[error("{pattern} has no card that says how wide a repeat is", pattern = pattern.display())]
     None { pattern: PathBuf },
 }
 

@@ -135,7 +135,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
         path: path.to_owned(),
         reason,
     };
-    let decoder = open_png(bytes, &Budget::FILE).map_err(damaged)?;
+    let decoder = open_png(bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
     // The size stands in the header: a huge picture is refused before its pixels take memory.
     let (columns, rows) = decoder.dimensions();
     if columns > MAX_CELLS || rows > MAX_CELLS {

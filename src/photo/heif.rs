@@ -28,11 +28,11 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
         path: path.to_owned(),
         reason,
     };
-    let folder = Scratch::new().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
+    let folder = own_folder().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
     let (from, to, complaint) = (
-        folder.0.join("in.heic"),
-        folder.0.join("out.png"),
-        folder.0.join("said"),
+        folder.path().join("in.heic"),
+        folder.path().join("out.png"),
+        folder.path().join("said"),
     );
     std::fs::write(&from, bytes).map_err(|e| failed(format!("no room for decoding it: {e}")))?;
     let started = Command::new(&decoder)
@@ -45,7 +45,9 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
     let ended = started.and_then(within_time);
     let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
     // A file of several pictures becomes as many; the first is the one that is shown.
-    let picture = [to, folder.0.join("out-1.png")].into_iter().find(|path| path.is_file());
+    let picture = [to, folder.path().join("out-1.png")]
+        .into_iter()
+        .find(|path| path.is_file());
     match picture.filter(|_| is_done) {
         Some(picture) => Ok(Some(pixels_only(&files::read_at_most(&picture, Budget::FILE.bytes)?))),
         None => {
@@ -112,23 +114,10 @@ pub(super) fn exif(bytes: &[u8]) -> Option<Vec<u8>> {
     read.ok().map(|exif| exif.buf().to_vec())
 }
 
-/// A folder of one's own, gone when dropped.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new() -> std::io::Result<Scratch> {
-        let mut builder = std::fs::DirBuilder::new();
-        #[cfg(unix)]
-        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-        // Processes of two containers may have one number; a random name is nobody's, and making a folder that is there fails.
-        let folder = std::env::temp_dir().join(format!("scaleproof-{:032x}", rand::random::<u128>()));
-        builder.create(&folder)?;
-        Ok(Scratch(folder))
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
+/// A folder that only this user may enter; gone when dropped.
+fn own_folder() -> std::io::Result<tempfile::TempDir> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+    builder.prefix("scaleproof-").tempdir()
 }

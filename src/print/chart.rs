@@ -1,6 +1,6 @@
 //! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
 
-use super::PrintError;
+use super::SheetError;
 use super::lettering::number;
 use super::page::{Media, Page};
 use super::printer::Printer;
@@ -8,6 +8,18 @@ use super::shapes::{Placement, black_modules};
 use super::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet};
 use crate::colour_chart::layout::{ChartKind, ChartLayout, ChartTag, FAMILY, PATCH_MM, TAG_MM};
 use crate::tags::TagImage;
+
+/// Why no chart was printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChartPrintError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error("the smallest colour chart is {chart_mm} mm and the paper has {free_mm} mm for it; use larger paper")]
+    NoRoom { chart_mm: String, free_mm: String },
+    #[error("tag {id} of the colour chart could not be drawn by the AprilTag library")]
+    NoTagImage { id: u32 },
+}
 
 /// A chart ready to be written.
 #[derive(Debug, Clone)]
@@ -22,7 +34,7 @@ pub struct Chart {
 ///
 /// # Errors
 /// Paper without room for the smallest chart, upright and across.
-pub fn chart(media: Media) -> Result<Chart, PrintError> {
+pub fn chart(media: Media) -> Result<Chart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);
     let mut marks: Vec<Mark> = layout
@@ -38,7 +50,7 @@ pub fn chart(media: Media) -> Result<Chart, PrintError> {
     Ok(Chart { layout, area, sheet })
 }
 
-fn placed(media: Media) -> Result<(ChartLayout, Page, RectMm), PrintError> {
+fn placed(media: Media) -> Result<(ChartLayout, Page, RectMm), ChartPrintError> {
     let pages = Page::both_ways(media)?;
     for kind in ChartKind::ALL {
         let layout = ChartLayout::new(kind);
@@ -57,7 +69,7 @@ fn placed(media: Media) -> Result<(ChartLayout, Page, RectMm), PrintError> {
     let free = pages
         .first()
         .map(|page| (page.0.usable.width_mm(), page.0.usable.height_mm()));
-    Err(PrintError::NoRoomForChart {
+    Err(ChartPrintError::NoRoom {
         chart_mm: size(ChartLayout::new(smallest).size_mm),
         free_mm: size(free.unwrap_or_default()),
     })
@@ -74,8 +86,8 @@ fn patch(centre_mm: [f64; 2], colour: [u8; 3], corner: PointMm) -> Mark {
     Mark::Fill(Fill { area, colour })
 }
 
-fn drawn(tag: &ChartTag, corner: PointMm) -> Result<Mark, PrintError> {
-    let image = TagImage::new(FAMILY, tag.id).ok_or(PrintError::NoTagImage { id: tag.id })?;
+fn drawn(tag: &ChartTag, corner: PointMm) -> Result<Mark, ChartPrintError> {
+    let image = TagImage::new(FAMILY, tag.id).ok_or(ChartPrintError::NoTagImage { id: tag.id })?;
     let place = Placement {
         centre: on_page(tag.centre_mm, corner),
         right: [1.0, 0.0],

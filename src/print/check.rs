@@ -1,6 +1,6 @@
 //! The page that measures a printer: rulers along both axes, boxes, diagonals, and room to write down.
 
-use super::PrintError;
+use super::SheetError;
 use super::date::Date;
 use super::frame::{Frame, Setup};
 use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, wrapped};
@@ -48,7 +48,7 @@ pub struct CheckPlan {
 ///
 /// # Errors
 /// A margin that is no length, paper too small for the boxes and their blanks.
-pub fn plan(request: &CheckRequest) -> Result<CheckPlan, PrintError> {
+pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
     let page = match request.paper {
         Stock::Cut(paper) => paper.portrait(),
         Stock::Roll { width_mm } => Paper {
@@ -72,7 +72,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, PrintError> {
             page.width_mm + (needed.0 - area.width_mm()).max(0.0),
             page.height_mm + (needed.1 - area.height_mm()).max(0.0),
         );
-        return Err(PrintError::PaperTooSmall {
+        return Err(SheetError::PaperTooSmall {
             paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
             margin_mm: request.margin_mm,
             needed_mm: format!("{} × {}", number(more.0.ceil()), number(more.1.ceil())),
@@ -93,7 +93,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, PrintError> {
 ///
 /// # Errors
 /// As for [`plan`].
-pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, PrintError> {
+pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
     let plan = plan(request)?;
     let mut marks = ruler::horizontal(plan.frame.horizontal_ruler);
     marks.extend(ruler::vertical(plan.frame.vertical_ruler));

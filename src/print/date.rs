@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::PrintError;
+use super::SheetError;
 
 /// A day of the Gregorian calendar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,11 +14,11 @@ pub struct Date {
 }
 
 impl FromStr for Date {
-    type Err = PrintError;
+    type Err = SheetError;
 
     /// Reads `YYYY-MM-DD` (ISO 8601).
-    fn from_str(text: &str) -> Result<Self, PrintError> {
-        parse(text).ok_or_else(|| PrintError::BadDate { text: text.to_owned() })
+    fn from_str(text: &str) -> Result<Self, SheetError> {
+        parse(text).ok_or_else(|| SheetError::BadDate { text: text.to_owned() })
     }
 }
 

@@ -3,7 +3,7 @@
 //! Everything is planned in the millimetres that come out on paper. A printer that stretches is answered last, by
 //! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
 
-use super::PrintError;
+use super::SheetError;
 use super::lettering::number;
 use super::paper::Paper;
 use super::printer::Printer;
@@ -81,7 +81,7 @@ pub struct Frame {
 impl Frame {
     /// # Errors
     /// A margin that is no length, paper too small for the rulers and the captions.
-    pub fn new(page: Paper, setup: Setup) -> Result<Self, PrintError> {
+    pub fn new(page: Paper, setup: Setup) -> Result<Self, SheetError> {
         let margin_mm = length::strip_mm("margin", setup.margin_mm)?;
         let share = setup.share();
         let needed = (
@@ -89,7 +89,7 @@ impl Frame {
             LEAST_MM.1 / share.1 + 2.0 * margin_mm,
         );
         if page.width_mm < needed.0 || page.height_mm < needed.1 {
-            return Err(PrintError::PaperTooSmall {
+            return Err(SheetError::PaperTooSmall {
                 paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
                 margin_mm,
                 needed_mm: format!("{} × {}", number(needed.0), number(needed.1)),

@@ -1,6 +1,6 @@
 //! How wide text is, and how it is made to fit.
 //!
-//! Every sheet is lettered in DejaVu Sans (`assets/fonts`).
+//! Every sheet is lettered in DejaVu Sans (`fonts`).
 
 /// The font's name where it is not embedded (SVG).
 pub const FAMILY: &str = "DejaVu Sans";

@@ -1,6 +1,6 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
-use super::PrintError;
+use super::SheetError;
 use super::frame::{Frame, Setup};
 use super::lettering::{fitting_size_mm, printable};
 use super::paper::{MAX_SIDE_MM, Orientation, Stock};
@@ -33,7 +33,7 @@ impl Page {
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn new(media: Media, orientation: Orientation) -> Result<Self, PrintError> {
+    pub fn new(media: Media, orientation: Orientation) -> Result<Self, SheetError> {
         let turned = orientation == Orientation::Landscape;
         let setup = Setup {
             margin_mm: MARGIN_MM,
@@ -52,7 +52,7 @@ impl Page {
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn shortened(self, media: Media, usable_mm: f64) -> Result<Self, PrintError> {
+    pub fn shortened(self, media: Media, usable_mm: f64) -> Result<Self, SheetError> {
         let Stock::Roll { width_mm } = media.paper else {
             return Ok(self);
         };
@@ -64,7 +64,7 @@ impl Page {
     ///
     /// # Errors
     /// Paper too small for the rulers either way.
-    pub fn both_ways(media: Media) -> Result<Vec<Self>, PrintError> {
+    pub fn both_ways(media: Media) -> Result<Vec<Self>, SheetError> {
         let upright = Self::new(media, Orientation::Portrait);
         let across = Self::new(media, Orientation::Landscape);
         match (upright, across) {

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::PrintError;
+use super::SheetError;
 
 /// The longest side a PDF page may have without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
 pub const MAX_SIDE_MM: f64 = 5000.0;
@@ -52,11 +52,11 @@ impl Paper {
 }
 
 impl FromStr for Paper {
-    type Err = PrintError;
+    type Err = SheetError;
 
     /// A name (`a4`, `a3`, `letter`, `tabloid`) or `WIDTHxHEIGHT` in millimetres.
-    fn from_str(text: &str) -> Result<Self, PrintError> {
-        let unknown = || PrintError::UnknownPaper { text: text.to_owned() };
+    fn from_str(text: &str) -> Result<Self, SheetError> {
+        let unknown = || SheetError::UnknownPaper { text: text.to_owned() };
         match text.to_ascii_lowercase().as_str() {
             "a4" => Ok(Self::A4),
             "a3" => Ok(Self::A3),
@@ -91,16 +91,16 @@ impl From<Paper> for Stock {
 }
 
 impl FromStr for Stock {
-    type Err = PrintError;
+    type Err = SheetError;
 
     /// A [`Paper`], or `roll` and a width in millimetres, as in `roll610`.
-    fn from_str(text: &str) -> Result<Self, PrintError> {
+    fn from_str(text: &str) -> Result<Self, SheetError> {
         let Some(width) = text.to_ascii_lowercase().strip_prefix("roll").map(str::to_owned) else {
             return Ok(Self::Cut(text.parse()?));
         };
         match width.trim().parse() {
             Ok(width_mm) if width_mm > 0.0 && width_mm <= MAX_SIDE_MM => Ok(Self::Roll { width_mm }),
-            _ => Err(PrintError::UnknownPaper { text: text.to_owned() }),
+            _ => Err(SheetError::UnknownPaper { text: text.to_owned() }),
         }
     }
 }
@@ -119,8 +119,8 @@ pub enum Orientation {
 ///
 /// # Errors
 /// Anything but two numbers with an `x` between them. Whether the numbers make sense is for the caller to say.
-pub fn size_mm(text: &str) -> Result<(f64, f64), PrintError> {
-    two_lengths(&text.to_ascii_lowercase()).ok_or_else(|| PrintError::UnknownSize { text: text.to_owned() })
+pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
+    two_lengths(&text.to_ascii_lowercase()).ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })
 }
 
 fn two_lengths(text: &str) -> Option<(f64, f64)> {

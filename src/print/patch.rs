@@ -1,19 +1,19 @@
 //! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
-use super::PrintError;
+use super::SheetError;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use super::template::{Layout, SheetPlan, check_scale, furniture, layout};
+use super::template::{Layout, SheetPlan, TemplateError, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
-use crate::geometry::length;
+use crate::geometry::length::{self, BadLength, shown};
 use crate::pattern::world_aligned::Side;
-use crate::photo::{Budget, PhotoFile, open_png};
+use crate::photo::{Budget, Photo, open_png};
 
 /// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
 pub const MAX_PIXELS: u32 = 8192;
@@ -23,6 +23,32 @@ const MAX_RECTANGLES: u32 = 128;
 const ROOM_MM: f64 = 3.0;
 /// Less than this of a patch off its panel is rounding.
 const LEAST_SHARE: f64 = 1e-6;
+
+/// Why no patches were printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PatchError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Scale(#[from] TemplateError),
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    #[error("the patch {path} cannot be used ({reason})", path = path.display())]
+    BadImage { path: PathBuf, reason: String },
+    #[error("patch {what} cannot be {}; give a width and height of 1 to 10000 mm", shown(*value))]
+    Size { what: &'static str, value: f64 },
+    #[error("the paint has no {side} panel; choose another panel or other materials")]
+    NoPanel { side: &'static str },
+    #[error(
+        "the patch lies wholly beside the {side} panel, which reaches from {low_mm} to {high_mm} mm (right, up); give a place on it"
+    )]
+    OffPanel {
+        side: &'static str,
+        low_mm: String,
+        high_mm: String,
+    },
+}
 
 /// A picture to be printed as it is.
 #[derive(Debug, Clone)]
@@ -36,8 +62,8 @@ impl Picture {
     ///
     /// # Errors
     /// An unreadable or damaged file, see-through pixels, more than [`MAX_PIXELS`] along a side.
-    pub fn load(path: &Path) -> Result<Self, PrintError> {
-        let bad = |reason: String| PrintError::BadPatch {
+    pub fn load(path: &Path) -> Result<Self, PatchError> {
+        let bad = |reason: String| PatchError::BadImage {
             path: path.to_owned(),
             reason,
         };
@@ -55,12 +81,12 @@ impl Picture {
         };
         let picture = match format {
             ImageFormat::Png => {
-                let decoder = open_png(&bytes, &Budget::FILE).map_err(damaged)?;
+                let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
                 check_size(decoder.dimensions())?;
                 DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))?
             }
             _ => {
-                let file = PhotoFile::of_bytes(path, bytes.clone(), Budget::FILE).map_err(|e| bad(e.to_string()))?;
+                let file = Photo::from_bytes(path, bytes.clone(), Budget::FILE).map_err(|e| bad(e.to_string()))?;
                 check_size((file.width, file.height))?;
                 file.rgb(1).map_err(|e| bad(e.to_string()))?.into()
             }
@@ -163,7 +189,7 @@ pub struct Patches {
 /// # Errors
 /// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
 /// layout refuses.
-pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PrintError> {
+pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PatchError> {
     check_scale(request.scale)?;
     // All before the first is drawn: a panel's sheets show every patch on it.
     patches.iter().try_for_each(check)?;
@@ -176,13 +202,13 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
     for (i, patch) in patches.iter().enumerate() {
         let side = patch.side.name();
         let panel = panels.iter().find(|panel| panel.side == patch.side);
-        let panel = panel.ok_or(PrintError::NoPanel { side })?;
+        let panel = panel.ok_or(PatchError::NoPanel { side })?;
         let whole = patch.region();
         let cut = whole.and(&panel.region);
         let off = 1.0 - cut.area_mm2() / whole.area_mm2();
         if cut.is_empty() || off > 1.0 - LEAST_SHARE {
             let (low, high) = panel.region.bounds().unwrap_or_default();
-            return Err(PrintError::OffPanel {
+            return Err(PatchError::OffPanel {
                 side,
                 low_mm: format!("{:.0},{:.0}", low[0], low[1]),
                 high_mm: format!("{:.0},{:.0}", high[0], high[1]),
@@ -201,11 +227,10 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
 
 /// # Errors
 /// A place or size that no patch has.
-pub fn check(patch: &Patch) -> Result<(), PrintError> {
-    for (what, value) in [("patch width", patch.size_mm.0), ("patch height", patch.size_mm.1)] {
+pub fn check(patch: &Patch) -> Result<(), PatchError> {
+    for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {
-            let wanted = "a width and height of 1 to 10000 mm";
-            return Err(PrintError::BadNumber { what, value, wanted });
+            return Err(PatchError::Size { what, value });
         }
     }
     for at in patch.at_mm {
@@ -223,7 +248,7 @@ impl Patches {
         edges: &[[Point; 2]],
         on_it: &[&Patch],
         request: &WrapRequest,
-    ) -> Result<(), PrintError> {
+    ) -> Result<(), SheetError> {
         let (low, high) = region.bounds().unwrap_or_default();
         let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
         let side = on_it[0].side;

@@ -14,7 +14,7 @@ use printpdf::{
     WindingOrder, XObject, XObjectId, XObjectTransform,
 };
 
-use super::PrintError;
+use super::SheetError;
 use super::lettering;
 use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
 use crate::files;
@@ -23,7 +23,7 @@ use crate::files;
 ///
 /// # Errors
 /// Only if the PDF library fails; no sheet is refused.
-pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, PrintError> {
+pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, SheetError> {
     let mut pdf = PdfDocument::new(title);
     let mut stamps = Stamps::default();
     for sheet in sheets {
@@ -44,7 +44,7 @@ pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, PrintError> {
         ..PdfSaveOptions::default()
     };
     let mut document = pdf.to_lopdf_document(&options, &mut Vec::new());
-    finish(&mut document, title, sheets).map_err(|e| PrintError::Pdf { reason: e.to_string() })?;
+    finish(&mut document, title, sheets).map_err(|e| SheetError::Pdf { reason: e.to_string() })?;
     bytes_of(document)
 }
 
@@ -88,8 +88,8 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
 }
 
 /// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
-fn bytes_of(mut document: Document) -> Result<Vec<u8>, PrintError> {
-    let failed = |e: std::io::Error| PrintError::Pdf { reason: e.to_string() };
+fn bytes_of(mut document: Document) -> Result<Vec<u8>, SheetError> {
+    let failed = |e: std::io::Error| SheetError::Pdf { reason: e.to_string() };
     document.compress();
     document.trailer.remove(b"ID");
     let mut bytes = Vec::new();

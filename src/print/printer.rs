@@ -1,22 +1,38 @@
 //! A printer's own scale: measured once on paper, kept in `printer.toml`, and taken back from every later sheet. The file may
 //! also carry the printer's colours, which no sheet is changed by.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::PrintError;
 use super::lettering::number;
 use super::ruler;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use crate::files;
+use crate::geometry::length::shown;
 use crate::pattern::printed::PrintedColours;
 
 /// What the rulers of every sheet measure on a perfect printer.
 pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
 /// A printer that is further off than this share was told to scale; that is to be undone in its settings, not here.
 pub const MOST_OFF: f64 = 0.05;
+
+/// Why nothing is known of a printer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PrinterError {
+    #[error(
+        "100 mm that measure {measured_mm} mm along {axis} are more than 5 % off: the print was scaled; print the check page again \
+         at 100 % (no fit to page) and measure both rulers in mm",
+        measured_mm = shown(*measured_mm)
+    )]
+    Implausible { axis: &'static str, measured_mm: f64 },
+    #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`", path = path.display())]
+    BadFile { path: PathBuf, reason: String },
+    #[error("the printer file could not be put together: {reason}")]
+    Encoding { reason: String },
+}
 
 /// What 100 mm measure on paper. x runs along the short side of cut paper and across a roll, y along the other side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,12 +70,12 @@ impl Printer {
     ///
     /// # Errors
     /// A length more than [`MOST_OFF`] from 100 mm.
-    pub fn measured(x_mm: f64, y_mm: f64) -> Result<Self, PrintError> {
+    pub fn measured(x_mm: f64, y_mm: f64) -> Result<Self, PrinterError> {
         for (axis, measured_mm) in [("x", x_mm), ("y", y_mm)] {
             // False for NaN too.
             let plausible = (measured_mm / NOMINAL_MM - 1.0).abs() <= MOST_OFF;
             if !plausible {
-                return Err(PrintError::ImplausiblePrinter { axis, measured_mm });
+                return Err(PrinterError::Implausible { axis, measured_mm });
             }
         }
         Ok(Self { x_mm, y_mm })
@@ -69,7 +85,7 @@ impl Printer {
     ///
     /// # Errors
     /// As for [`Printer::measured`].
-    pub fn remeasured(&self, again: &Self) -> Result<Self, PrintError> {
+    pub fn remeasured(&self, again: &Self) -> Result<Self, PrinterError> {
         Self::measured(self.x_mm * again.x_mm / NOMINAL_MM, self.y_mm * again.y_mm / NOMINAL_MM)
     }
 
@@ -103,7 +119,7 @@ impl Printer {
     ///
     /// # Errors
     /// A file that is missing, no printer file, contradicts itself or tells of an implausible printer.
-    pub fn load(path: &Path) -> Result<Self, PrintError> {
+    pub fn load(path: &Path) -> Result<Self, PrinterError> {
         Ok(PrinterFile::load(path)?.printer)
     }
 
@@ -139,10 +155,10 @@ impl PrinterFile {
     ///
     /// # Errors
     /// As for [`Printer::load`], and colours that contradict themselves.
-    pub fn load(path: &Path) -> Result<Self, PrintError> {
+    pub fn load(path: &Path) -> Result<Self, PrinterError> {
         let text = files::read_text(path).map_err(|e| e.to_string());
         text.and_then(|text| Self::parse(&text))
-            .map_err(|reason| PrintError::BadPrinterFile {
+            .map_err(|reason| PrinterError::BadFile {
                 path: path.to_owned(),
                 reason,
             })
@@ -173,8 +189,8 @@ impl PrinterFile {
     ///
     /// # Errors
     /// Only if the encoder fails.
-    pub fn to_toml(&self) -> Result<String, PrintError> {
-        let failed = |e: toml::ser::Error| PrintError::Pdf { reason: e.to_string() };
+    pub fn to_toml(&self) -> Result<String, PrinterError> {
+        let failed = |e: toml::ser::Error| PrinterError::Encoding { reason: e.to_string() };
         let mut parts = Vec::new();
         if self.printer != Printer::EXACT || self.colours.is_none() {
             let lengths = toml::to_string(&self.printer.lengths()).map_err(failed)?;

@@ -11,11 +11,11 @@ pub use furniture::{Captions, around, guides, rulers};
 pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
 pub use seams::{Seams, letters};
 
-use super::PrintError;
+use super::SheetError;
 use super::date::Date;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use crate::geometry::length::SCALES;
+use crate::geometry::length::{SCALES, shown};
 use crate::pattern::Pattern;
 
 /// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
@@ -27,6 +27,29 @@ pub const MAX_TILE_MM: f64 = 10_000.0;
 const STAMP_MM: f64 = 50.0;
 /// More placements than this fill hundreds of megabytes: 2400 m² of pattern on the largest sheets.
 const MOST_PLACEMENTS: f64 = 1e6;
+
+/// Why no template was printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TemplateError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(
+        "tile width cannot be {}; give the printed width of one repeat of the pattern, above 0 and up to 10000 mm",
+        shown(*tile_mm)
+    )]
+    TileWidth { tile_mm: f64 },
+    #[error("scale cannot be {}; give 10 for a 1:10 model, from 0.01 to 10000", shown(*scale))]
+    Scale { scale: f64 },
+    #[error(
+        "a cell would be {cell_mm:.3} mm, smaller than the {least_mm} mm a printer can show; use a larger tile or fewer cells"
+    )]
+    CellTooSmall { cell_mm: f64, least_mm: f64 },
+    #[error(
+        "the pattern would be placed {count:.0} times, more than {most:.0}; use a larger tile, a smaller size, or less overlap and bleed"
+    )]
+    TooManyPlacements { count: f64, most: f64 },
+}
 
 /// What to print. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +117,7 @@ impl Template {
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`], more placements of the pattern than a file can hold, and whatever
 /// [`layout`] refuses.
-pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, PrintError> {
+pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, TemplateError> {
     let cell_mm = cell_mm(pattern, request)?;
     let layout = layout(&request.layout)?;
     let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
@@ -129,20 +152,15 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
 ///
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`].
-pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, PrintError> {
+pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
     let tile_mm = request.tile_mm;
     if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
-        let wanted = "the printed width of one repeat of the pattern, above 0 and up to 10000 mm";
-        return Err(PrintError::BadNumber {
-            what: "tile width",
-            value: tile_mm,
-            wanted,
-        });
+        return Err(TemplateError::TileWidth { tile_mm });
     }
     check_scale(request.scale)?;
     let cell_mm = tile_mm / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
-        return Err(PrintError::CellTooSmall {
+        return Err(TemplateError::CellTooSmall {
             cell_mm,
             least_mm: MIN_CELL_MM,
         });
@@ -151,16 +169,12 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Prin
 }
 
 /// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
-pub fn check_scale(scale: f64) -> Result<(), PrintError> {
+pub fn check_scale(scale: f64) -> Result<(), TemplateError> {
     // False for NaN too.
     if SCALES.contains(&scale) {
         return Ok(());
     }
-    Err(PrintError::BadNumber {
-        what: "scale",
-        value: scale,
-        wanted: "10 for a 1:10 model, from 0.01 to 10000",
-    })
+    Err(TemplateError::Scale { scale })
 }
 
 /// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
@@ -201,7 +215,7 @@ impl PatternStamp {
     pub(super) fn check_placements<'a>(
         &self,
         sheets: impl IntoIterator<Item = &'a SheetPlan>,
-    ) -> Result<(), PrintError> {
+    ) -> Result<(), TemplateError> {
         let along = |sheet_mm: f64, block_mm: f64| (sheet_mm / block_mm).ceil() + 1.0;
         let on = |plan: &SheetPlan| {
             let (width, height) = (plan.printed.width_mm(), plan.printed.height_mm());
@@ -210,7 +224,7 @@ impl PatternStamp {
         let count: f64 = sheets.into_iter().map(on).sum();
         if count > MOST_PLACEMENTS {
             let most = MOST_PLACEMENTS;
-            return Err(PrintError::TooManyPlacements { count, most });
+            return Err(TemplateError::TooManyPlacements { count, most });
         }
         Ok(())
     }

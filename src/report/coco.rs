@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::counted;
 use crate::scene::Viewpoint;
-use crate::score::{Contestant, ScoredPhoto, Scores};
+use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 
 #[derive(Serialize)]
 struct Truth<'a> {
@@ -69,23 +69,23 @@ impl Categories {
             names: BTreeMap::new(),
             model: 1,
         };
-        let first = scores.contestants.first();
+        let first = scores.detectors.first();
         let model = first.and_then(|c| c.labels().category_id(*c.counted.first()?));
         categories.model = model.unwrap_or(1);
         categories
             .names
             .insert(categories.model, counted::classes(scores).joined());
-        for contestant in &scores.contestants {
-            for label in others(contestant) {
-                categories.add(contestant, label);
+        for detector in &scores.detectors {
+            for label in others(detector) {
+                categories.add(detector, label);
             }
         }
         categories
     }
 
     /// Under its own id where that is free, else behind all others.
-    fn add(&mut self, contestant: &Contestant, label: usize) {
-        let labels = contestant.labels();
+    fn add(&mut self, detector: &EvaluatedDetector, label: usize) {
+        let labels = detector.labels();
         let (Some(name), Some(own)) = (labels.name(label), labels.category_id(label)) else {
             return;
         };
@@ -102,17 +102,17 @@ impl Categories {
     }
 
     /// The category of a detector's label.
-    pub(super) fn id(&self, contestant: &Contestant, label: usize) -> Option<u32> {
-        match contestant.counted.contains(&label) {
+    pub(super) fn id(&self, detector: &EvaluatedDetector, label: usize) -> Option<u32> {
+        match detector.counted.contains(&label) {
             true => Some(self.model),
-            false => self.other(contestant.labels().name(label)?),
+            false => self.other(detector.labels().name(label)?),
         }
     }
 }
 
 /// A detector's labels that do not count as the model.
-fn others(contestant: &Contestant) -> impl Iterator<Item = usize> {
-    (0..contestant.labels().count()).filter(|label| !contestant.counted.contains(label))
+fn others(detector: &EvaluatedDetector) -> impl Iterator<Item = usize> {
+    (0..detector.labels().count()).filter(|label| !detector.counted.contains(label))
 }
 
 pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {

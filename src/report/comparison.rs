@@ -7,9 +7,10 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, counted, latex};
+use super::{ReportError, counted, latex, p_value};
 use crate::files;
 use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, NotScored, Scores};
+use crate::spelling;
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -59,14 +60,19 @@ pub fn comparison_table(comparison: &Comparison) -> String {
     let mut lines = Vec::new();
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
-        lines.push(format!("{head}, {} pairs from {} places × bins", r.pairs, r.clusters));
-        let p = format!("McNemar p = {:.3}: ", r.hit_rate.mcnemar_p);
+        let from = spelling::choose(r.clusters, "place × bin", "places × bins");
+        lines.push(format!(
+            "{head}, {} from {} {from}",
+            spelling::count(r.pairs, "pair"),
+            r.clusters
+        ));
+        let p = format!("McNemar p {}: ", p_value(r.hit_rate.mcnemar_p));
         lines.push(line("hit rate", &r.hit_rate.rate, &p));
         lines.push(line("mean confidence", &r.mean_confidence, ""));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), &r.ap50, ""));
         for bin in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
             let name = format!("hit rate at {}°", bin.0.azimuth_deg);
-            lines.push(line(&name, &bin.0.hits.rate, &format!("Holm p = {:.3}: ", bin.1)));
+            lines.push(line(&name, &bin.0.hits.rate, &format!("Holm p {}: ", p_value(bin.1))));
         }
     }
     lines.join("\n")

@@ -1,7 +1,7 @@
 //! What counts as the model: said wherever figures stand.
 
 use crate::scene::Classes;
-use crate::score::{Contestant, Scores};
+use crate::score::{EvaluatedDetector, Scores};
 
 /// The labels that count, of the first session; all sessions of a run have the same.
 pub(super) fn classes(scores: &Scores) -> &Classes {
@@ -10,7 +10,7 @@ pub(super) fn classes(scores: &Scores) -> &Classes {
 
 /// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
 pub fn counted(scores: &Scores) -> String {
-    let mapped: Vec<String> = scores.contestants.iter().filter_map(mapped).collect();
+    let mapped: Vec<String> = scores.detectors.iter().filter_map(mapped).collect();
     match mapped.is_empty() {
         true => classes(scores).to_string(),
         false => format!("{} ({})", classes(scores), mapped.join("; ")),
@@ -18,9 +18,9 @@ pub fn counted(scores: &Scores) -> String {
 }
 
 /// The labels that a detector counts by another name than their own.
-fn mapped(contestant: &Contestant) -> Option<String> {
-    let manifest = &contestant.manifest;
-    let renamed = contestant.counted.iter().filter_map(|label| {
+fn mapped(detector: &EvaluatedDetector) -> Option<String> {
+    let manifest = &detector.manifest;
+    let renamed = detector.counted.iter().filter_map(|label| {
         let (own, counted) = (manifest.labels.name(*label)?, manifest.counts_as(*label)?);
         (own != counted).then(|| format!("{own} as {counted}"))
     });
@@ -29,7 +29,7 @@ fn mapped(contestant: &Contestant) -> Option<String> {
 }
 
 /// A detector's own labels that count.
-pub(super) fn labels_of(contestant: &Contestant) -> Vec<&'static str> {
-    let names = contestant.counted.iter().map(|label| contestant.labels().name(*label));
+pub(super) fn labels_of(detector: &EvaluatedDetector) -> Vec<&'static str> {
+    let names = detector.counted.iter().map(|label| detector.labels().name(*label));
     names.flatten().collect()
 }

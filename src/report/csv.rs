@@ -5,7 +5,7 @@ use std::error::Error;
 use serde::Serialize;
 
 use super::other_label;
-use crate::score::{Contestant, NotScored, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, NotScored, ScoredPhoto, Scores, Verdict};
 
 #[derive(Serialize, Default)]
 struct Row<'a> {
@@ -42,8 +42,8 @@ struct Row<'a> {
 pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for photo in &scores.photos {
-        for (index, contestant) in scores.contestants.iter().enumerate() {
-            writer.serialize(scored(scores, photo, index, contestant))?;
+        for (index, detector) in scores.detectors.iter().enumerate() {
+            writer.serialize(scored(scores, photo, index, detector))?;
         }
     }
     for photo in &scores.not_scored {
@@ -52,9 +52,9 @@ pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, contestant: &'a Contestant) -> Row<'a> {
+fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> Row<'a> {
     let (viewpoint, bin, outcome) = (photo.viewpoint, photo.bin, &photo.outcomes[index]);
-    let other = other_label(photo, index, contestant);
+    let other = other_label(photo, index, detector);
     Row {
         photo_id: Some(photo.id),
         session: scores.sessions[photo.session].name.clone(),
@@ -75,7 +75,7 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, contestant:
         truth_y1_px: Some(photo.truth.y1),
         truth_x2_px: Some(photo.truth.x2),
         truth_y2_px: Some(photo.truth.y2),
-        detector: &contestant.manifest.name,
+        detector: &detector.manifest.name,
         verdict: Some(outcome.verdict),
         confidence: Some(outcome.confidence),
         other_label: other.map_or("", |(label, _)| label),

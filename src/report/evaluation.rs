@@ -7,7 +7,8 @@ use serde::Serialize;
 use super::html::evaluation as page;
 use super::{ReportError, counted, latex};
 use crate::files;
-use crate::score::{BASE_VARIANT, Comparison, Contestant, Difference, Figures, Finding, Scores};
+use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
+use crate::spelling;
 
 /// What the tables of an evaluation are made of.
 pub struct Evaluation<'a> {
@@ -21,21 +22,21 @@ pub struct Evaluation<'a> {
 }
 
 impl<'a> Evaluation<'a> {
-    pub fn targets(&self) -> Vec<&'a Contestant> {
+    pub fn targets(&self) -> Vec<&'a EvaluatedDetector> {
         self.detectors(|name| self.targets.is_empty() || self.targets.iter().any(|t| t == name))
     }
 
-    pub fn others(&self) -> Vec<&'a Contestant> {
+    pub fn others(&self) -> Vec<&'a EvaluatedDetector> {
         let targets = self.targets();
         self.detectors(|name| targets.iter().all(|t| t.manifest.name != name))
     }
 
-    fn detectors(&self, keep: impl Fn(&str) -> bool) -> Vec<&'a Contestant> {
-        let all = self.scores.contestants.iter();
+    fn detectors(&self, keep: impl Fn(&str) -> bool) -> Vec<&'a EvaluatedDetector> {
+        let all = self.scores.detectors.iter();
         all.filter(|c| keep(&c.manifest.name)).collect()
     }
 
-    pub(super) fn figures(&self, pattern: &str, detector: &Contestant) -> Option<&'a Figures> {
+    pub(super) fn figures(&self, pattern: &str, detector: &EvaluatedDetector) -> Option<&'a Figures> {
         let summaries = &self.scores.summaries;
         let own = summaries
             .iter()
@@ -44,7 +45,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// AP@0.5 of `base` minus that of `pattern` on pairs; `base` is listed before `pattern`.
-    pub(super) fn drop(&self, base: &str, pattern: &str, detector: &Contestant) -> Option<&Difference> {
+    pub(super) fn drop(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Difference> {
         let comparison = self.comparisons.iter().find(|c| c.base == base)?;
         let of = |r: &&crate::score::Compared| r.variant == pattern && r.detector == detector.manifest.name;
         comparison.results.iter().find(of).map(|r| &r.ap50)
@@ -83,7 +84,8 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
     let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
     let ap = evaluation.scores.criteria.ap.name();
     let mut lines = vec![format!(
-        "Table 1. AP@0.5 ({ap}) / mean confidence, {photos} photos a pattern"
+        "Table 1. AP@0.5 ({ap}) / mean confidence, {} a pattern",
+        spelling::count(photos, "photo")
     )];
     lines.extend(table(evaluation, &targets, |f| {
         format!("{:.2} / {:.2}", f.ap50, f.mean_confidence)
@@ -122,7 +124,7 @@ pub fn evaluation_tables(evaluation: &Evaluation) -> String {
     lines.join("\n")
 }
 
-fn table(evaluation: &Evaluation, detectors: &[&Contestant], cell: fn(&Figures) -> String) -> Vec<String> {
+fn table(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: fn(&Figures) -> String) -> Vec<String> {
     let (head, width) = WIDTHS;
     let row = |first: &str, cells: Vec<String>| {
         let cells: String = cells.iter().map(|c| format!("  {c:<width$}")).collect();
@@ -139,7 +141,7 @@ fn table(evaluation: &Evaluation, detectors: &[&Contestant], cell: fn(&Figures) 
     lines
 }
 
-fn line(base: &str, pattern: &str, detector: &Contestant, d: &Difference) -> String {
+fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, d: &Difference) -> String {
     let mark = if is_shown(d) { " *" } else { "" };
     let pair = format!("{base} − {pattern}");
     format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))

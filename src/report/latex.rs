@@ -1,8 +1,9 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
 
 use super::evaluation::Evaluation;
+use super::p_value;
 use crate::score::{
-    BASE_VARIANT, Compared, Comparison, Contestant, Difference, Drop, Finding, MATCH_IOU, Scores, Summary,
+    BASE_VARIANT, Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, MATCH_IOU, Scores, Summary,
 };
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
@@ -28,7 +29,7 @@ pub(super) fn table(scores: &Scores) -> String {
     for own in scores.summaries.chunk_by(|a, b| a.detector == b.detector) {
         lines.push("\\midrule".into());
         lines.extend(own.iter().enumerate().map(|(i, s)| {
-            let title = if i == 0 { title(scores, &s.detector) } else { "" };
+            let title = if i == 0 { scores.title(&s.detector) } else { "" };
             row(cells(title, s))
         }));
     }
@@ -52,11 +53,6 @@ fn comment(scores: &Scores) -> String {
 /// What counts as the model, as one line of a comment.
 fn commented(scores: &Scores) -> String {
     super::counted(scores).replace(char::is_control, " ")
-}
-
-fn title<'a>(scores: &'a Scores, detector: &'a str) -> &'a str {
-    let contestant = scores.contestants.iter().find(|c| c.manifest.name == detector);
-    contestant.map_or(detector, |c| &c.manifest.title)
 }
 
 fn cells(title: &str, s: &Summary) -> [String; 10] {
@@ -115,14 +111,14 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
 fn compared_cells(scores: &Scores, r: &Compared) -> [String; 10] {
     let both = |d: &Difference, digits| format!("{} / {}", number(d.base, digits), number(d.other, digits));
     [
-        escaped(title(scores, &r.detector)),
+        escaped(scores.title(&r.detector)),
         escaped(&r.variant),
         r.pairs.to_string(),
         both(&r.ap50, 3),
         drop_cell(&r.ap50),
         both(&r.hit_rate.rate, 2),
         drop_cell(&r.hit_rate.rate),
-        format!("{:.3}", r.hit_rate.mcnemar_p),
+        p_value(r.hit_rate.mcnemar_p).replace("= ", "").replace("< ", "$<$"),
         both(&r.mean_confidence, 2),
         drop_cell(&r.mean_confidence),
     ]
@@ -152,7 +148,7 @@ pub(super) fn evaluation(evaluation: &Evaluation) -> String {
         commented(evaluation.scores)
     )];
     let cell = |value: Option<f64>| value.map_or("--".to_owned(), |v| number(v, 2));
-    let heads = |of: &dyn Fn(&str) -> String, detectors: &[&Contestant]| -> Vec<String> {
+    let heads = |of: &dyn Fn(&str) -> String, detectors: &[&EvaluatedDetector]| -> Vec<String> {
         detectors.iter().map(|c| of(&escaped(&c.manifest.title))).collect()
     };
     let mut rows = vec![joined(

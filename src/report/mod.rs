@@ -19,7 +19,7 @@ use serde::Deserialize;
 
 use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
-use crate::score::{Contestant, ScoredPhoto, Scores};
+use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 
 pub use comparison::{comparison_json, comparison_table, write_comparison};
 pub use counted::counted;
@@ -59,10 +59,10 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         ("report.html".to_owned(), html::render(scores, speeds)),
     ];
     let categories = coco::Categories::of(scores);
-    for (index, contestant) in scores.contestants.iter().enumerate() {
+    for (index, detector) in scores.detectors.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
-        let results = coco_results(photos, |label| categories.id(contestant, label)).map_err(format)?;
-        contents.push((results_name(&contestant.manifest.name), results));
+        let results = coco_results(photos, |label| categories.id(detector, label)).map_err(format)?;
+        contents.push((results_name(&detector.manifest.name), results));
     }
     let files: Vec<_> = contents
         .into_iter()
@@ -70,7 +70,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .collect();
     let before = detectors_before(folder);
     files::replace_all_atomically(&files)?;
-    remove_stale(folder, &before, &scores.contestants)?;
+    remove_stale(folder, &before, &scores.detectors)?;
     Ok(folder.join("report.html"))
 }
 
@@ -99,7 +99,7 @@ fn detectors_before(folder: &Path) -> Vec<String> {
 }
 
 /// Removes the COCO results an earlier run left for detectors that are not in this one: their ids mean other photos now.
-fn remove_stale(folder: &Path, before: &[String], contestants: &[Contestant]) -> Result<(), ReportError> {
+fn remove_stale(folder: &Path, before: &[String], detectors: &[EvaluatedDetector]) -> Result<(), ReportError> {
     let built_in = Manifest::all()
         .unwrap_or_default()
         .into_iter()
@@ -107,7 +107,7 @@ fn remove_stale(folder: &Path, before: &[String], contestants: &[Contestant]) ->
     // The summary may be somebody else's: only what can be a detector's name becomes part of a path.
     let names = before.iter().filter(|name| Manifest::is_name(name)).cloned();
     for name in built_in.chain(names) {
-        if contestants.iter().all(|c| c.manifest.name != name) {
+        if detectors.iter().all(|c| c.manifest.name != name) {
             files::remove(&folder.join(results_name(&name)))?;
         }
     }
@@ -118,8 +118,17 @@ fn results_name(detector: &str) -> String {
     format!("coco_results_{detector}.json")
 }
 
+/// A p value with its sign, as behind `p`.
+fn p_value(p: f64) -> String {
+    if p < 0.001 {
+        "< 0.001".to_owned()
+    } else {
+        format!("= {p:.3}")
+    }
+}
+
 /// What another label on the model is called, with its confidence.
-fn other_label(photo: &ScoredPhoto, index: usize, contestant: &Contestant) -> Option<(&'static str, f64)> {
+fn other_label(photo: &ScoredPhoto, index: usize, detector: &EvaluatedDetector) -> Option<(&'static str, f64)> {
     let (label, confidence) = photo.outcomes[index].other?;
-    Some((contestant.labels().name(label).unwrap_or("?"), confidence))
+    Some((detector.labels().name(label).unwrap_or("?"), confidence))
 }

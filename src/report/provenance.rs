@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::counted;
 use crate::detect::SCORE_FLOOR;
-use crate::score::{Contestant, MATCH_IOU, Scores, Source};
+use crate::score::{DetectionSource, EvaluatedDetector, MATCH_IOU, Scores};
 use crate::tags::TagDetectorChoice;
 
 #[derive(Serialize)]
@@ -60,15 +60,15 @@ pub(super) fn of(scores: &Scores) -> Provenance {
         match_iou: MATCH_IOU,
         hit_confidence: scores.criteria.hit_confidence,
         score_floor: SCORE_FLOOR,
-        detectors: scores.contestants.iter().map(detector).collect(),
+        detectors: scores.detectors.iter().map(detector).collect(),
         sessions: (0..scores.sessions.len()).map(|i| session(scores, i)).collect(),
     }
 }
 
-fn detector(c: &Contestant) -> DetectorProvenance {
+fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
     let recorded_by = match &c.source {
-        Source::Live(_) => None,
-        Source::Recorded(recordings) => recordings
+        DetectionSource::Live(_) => None,
+        DetectionSource::Recorded(recordings) => recordings
             .first()
             .map(|r| format!("scaleproof {}, {}", r.recording.scaleproof, r.recording.runtime)),
     };

@@ -36,7 +36,7 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Re
         hit_confidence: scores.criteria.hit_confidence,
         results: &scores.summaries,
         transfer: transfer(&scores.summaries),
-        reliability: reliability(&scores.photos, &scores.contestants),
+        reliability: reliability(&scores.photos, &scores.detectors),
         speed: speeds,
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,

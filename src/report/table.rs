@@ -18,7 +18,7 @@ pub fn summary_table(scores: &Scores) -> String {
     if !rows.is_empty() {
         lines.push(String::new());
         let heading = format!("drop from {BASE_VARIANT}: AP@0.5 / hit rate");
-        let names = scores.contestants.iter().map(|c| c.manifest.name.as_str());
+        let names = scores.detectors.iter().map(|c| c.manifest.name.as_str());
         lines.push(line(&heading, names.map(str::to_owned), TRANSFER_WIDTHS));
     }
     for row in rows {

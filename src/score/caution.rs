@@ -2,22 +2,23 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BASE_VARIANT, Contestant, NotScored, ScoredPhoto};
+use super::{BASE_VARIANT, EvaluatedDetector, NotScored, ScoredPhoto, Scores};
 use crate::session::Session;
+use crate::spelling;
 
 /// Every caution of a run, as sentences.
 pub(super) fn cautions(
     photos: &[ScoredPhoto],
     not_scored: &[NotScored],
     sessions: &[Session],
-    contestants: &[Contestant],
+    detectors: &[EvaluatedDetector],
 ) -> Vec<String> {
     let mut cautions = Vec::new();
-    cautions.extend(no_base(photos));
+    cautions.extend(no_base(photos, BASE_VARIANT));
     cautions.extend(copies(photos));
-    cautions.extend(uneven_directions(photos));
+    cautions.extend(uneven_directions(photos, BASE_VARIANT));
     cautions.extend(left_out(not_scored));
-    cautions.extend(unknown_classes(sessions, contestants));
+    cautions.extend(unknown_classes(sessions, detectors));
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
     cautions.extend(guessed_cameras(photos, sessions));
@@ -25,9 +26,25 @@ pub(super) fn cautions(
     cautions
 }
 
-fn no_base(photos: &[ScoredPhoto]) -> Option<String> {
-    let has_base = photos.iter().any(|p| p.variant == BASE_VARIANT);
-    (!has_base).then(|| format!("no photo has the variant “{BASE_VARIANT}”, so no drop can be given"))
+impl Scores {
+    /// The same run, whose cautions speak of drops from `base`.
+    pub fn against(mut self, base: &str) -> Scores {
+        if base != BASE_VARIANT {
+            let cautions = |base| {
+                let uneven = uneven_directions(&self.photos, base);
+                no_base(&self.photos, base).into_iter().chain(uneven)
+            };
+            let of_usual: Vec<String> = cautions(BASE_VARIANT).collect();
+            let others = self.cautions.iter().filter(|c| !of_usual.contains(c)).cloned();
+            self.cautions = cautions(base).chain(others).collect();
+        }
+        self
+    }
+}
+
+fn no_base(photos: &[ScoredPhoto], base: &str) -> Option<String> {
+    let has_base = photos.iter().any(|p| p.variant == base);
+    (!has_base).then(|| format!("no photo has the variant “{base}”, so no drop can be given"))
 }
 
 /// Copies are scored, but a copy is no second observation.
@@ -39,31 +56,39 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     let (first, copy) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
-        "{count} photos are byte-for-byte copies of others (the first: {} of {}); the intervals count them as independent",
-        copy.file, first.file
+        "{} {} (the first: {} of {}); the intervals count {} as independent",
+        spelling::count(count, "photo"),
+        spelling::choose(
+            count,
+            "is a byte-for-byte copy of another",
+            "are byte-for-byte copies of others"
+        ),
+        copy.file,
+        first.file,
+        spelling::choose(count, "it", "them")
     ))
 }
 
 /// A drop between textures that were not photographed from the same directions mixes texture with direction.
-fn uneven_directions(photos: &[ScoredPhoto]) -> Vec<String> {
+fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeMap<i64, usize>> = BTreeMap::new();
     for photo in photos {
         // Milli-degrees: a key that can be compared.
         let bin = photo.bin.map_or(-1, |b| (b.azimuth_deg * 1000.0).round() as i64);
         *counts.entry(&photo.variant).or_default().entry(bin).or_default() += 1;
     }
-    let Some(base) = counts.get(BASE_VARIANT) else {
+    let Some(base) = counts.get(base_variant) else {
         return Vec::new();
     };
     let others = counts
         .iter()
-        .filter(|(variant, bins)| **variant != BASE_VARIANT && *bins != base);
+        .filter(|(variant, bins)| **variant != base_variant && *bins != base);
     others
         .map(|(variant, bins)| {
             let all: BTreeSet<&i64> = base.keys().chain(bins.keys()).collect();
             let uneven = all.iter().filter(|bin| base.get(**bin) != bins.get(**bin)).count();
             format!(
-                "“{variant}” and “{BASE_VARIANT}” have different numbers of photos in {uneven} of {} directions: the drop over all photos \
+                "“{variant}” and “{base_variant}” have different numbers of photos in {uneven} of {} directions: the drop over all photos \
                  mixes texture with direction; go by the figures of each direction, or by `compare`, which pairs the photos",
                 all.len()
             )
@@ -73,16 +98,21 @@ fn uneven_directions(photos: &[ScoredPhoto]) -> Vec<String> {
 
 fn left_out(not_scored: &[NotScored]) -> Option<String> {
     let count = not_scored.len();
-    (count > 0)
-        .then(|| format!("{count} photos could not be scored and are in no figure; they are listed with their reasons"))
+    match count {
+        0 => None,
+        1 => Some("1 photo could not be scored and is in no figure; it is listed with its reason".to_owned()),
+        _ => Some(format!(
+            "{count} photos could not be scored and are in no figure; they are listed with their reasons"
+        )),
+    }
 }
 
 /// A detector that knows some of the labels that count has fewer ways to find the model.
-fn unknown_classes(sessions: &[Session], contestants: &[Contestant]) -> Vec<String> {
+fn unknown_classes(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Vec<String> {
     let Some(classes) = sessions.first().map(|s| &s.scene.model.class) else {
         return Vec::new();
     };
-    let unknown = contestants.iter().filter_map(|c| {
+    let unknown = detectors.iter().filter_map(|c| {
         let unknown = c.manifest.unknown_classes(classes.labels());
         let quoted: Vec<String> = unknown.iter().map(|label| format!("`{label}`")).collect();
         let name = &c.manifest.name;
@@ -150,8 +180,11 @@ fn other_sizes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
         .count();
     (count > 0).then(|| {
         format!(
-            "{count} photos have another size than their camera file, which was scaled for them: right for pictures made smaller or larger as a \
-             whole, wrong for pictures cut out of larger ones"
+            "{} another size than {} camera file, which was scaled for {}: right for photos made smaller or larger as a whole, wrong for \
+             photos cut out of larger ones",
+            spelling::choose(count, "1 photo has", &format!("{count} photos have")),
+            spelling::choose(count, "its", "their"),
+            spelling::choose(count, "it", "them")
         )
     })
 }

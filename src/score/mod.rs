@@ -3,14 +3,18 @@
 mod cache;
 mod caution;
 mod compare;
-mod contestant;
 mod criteria;
+mod decoded;
+mod error;
+mod evaluated;
 mod observe;
 mod outcome;
 mod photo;
 mod preview;
+mod record;
 mod reliability;
 mod run;
+mod scores;
 pub mod shard;
 mod summary;
 mod transfer;
@@ -21,13 +25,16 @@ pub use compare::{
     BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare, compare_with,
     pairs_needed, power,
 };
-pub use contestant::{Contestant, ContestantError, Source};
 pub use criteria::Criteria;
-pub use observe::{Observation, Options};
+pub use error::ScoreError;
+pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors, runtime};
+pub use observe::{LeftOutReason, Observation, Options, libraries};
 pub use outcome::{Outcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto, TagMark};
+pub use record::{RecordError, check_recordings, record};
 pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
-pub use run::{ScoreError, Scores, libraries, merge, observe, runtime, score};
+pub use run::{merge, observe, score};
+pub use scores::Scores;
 pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
 pub use transfer::{TransferDrop, TransferRow, transfer};
 

@@ -1,14 +1,15 @@
 //! What the pixels of a photo say: tags, detections, a preview. All that is slow is in here, and all of it can be kept.
 
-use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
 use super::cache::{Cache, Key};
-use super::{Contestant, NotScored, ScoreError, Source, preview};
+use super::decoded::DecodedPhoto;
+use super::error::ScoreError;
+use super::{DetectionSource, EvaluatedDetector, NotScored, preview};
 use crate::detect::{DetectError, Detection, Detector, Runtime};
 use crate::geometry::BoxPx;
-use crate::locate::{self, Abstention, Located};
-use crate::photo::{PhotoError, PhotoFile};
+use crate::locate::{Located, locate_tags};
+use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
 use crate::session::{PhotoEntry, Session};
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
@@ -32,6 +33,11 @@ impl Default for Options {
     }
 }
 
+/// What the results depend on besides the photos, the detectors and this program: versions of libraries.
+pub fn libraries() -> String {
+    TagDetectorChoice::default().provenance()
+}
+
 /// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
@@ -44,14 +50,25 @@ pub struct Observation {
     pub turned_deg: u32,
     /// Empty when the session says where the model is.
     pub tags: Vec<SeenTag>,
-    /// One list per contestant, best first.
+    /// One list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
     /// A small JPEG for the report; empty when it shows other photos.
     pub preview_jpeg: Vec<u8>,
 }
 
+/// Why a photo is left out, as a sentence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[error("{0}")]
+pub struct LeftOutReason(pub(super) String);
+
+impl LeftOutReason {
+    fn of(reason: impl ToString) -> LeftOutReason {
+        LeftOutReason(reason.to_string())
+    }
+}
+
 /// One photo to be scored.
-pub(super) struct Job<'a> {
+pub(super) struct ScoringJob<'a> {
     /// From 1, in the order of the sessions.
     pub id: u64,
     pub session_index: usize,
@@ -59,15 +76,15 @@ pub(super) struct Job<'a> {
     pub entry: &'a PhotoEntry,
 }
 
-impl Job<'_> {
-    pub fn all(sessions: &[Session]) -> Vec<Job<'_>> {
+impl ScoringJob<'_> {
+    pub fn all(sessions: &[Session]) -> Vec<ScoringJob<'_>> {
         let entries = sessions
             .iter()
             .enumerate()
             .flat_map(|(i, s)| s.photos.iter().map(move |entry| (i, s, entry)));
         (1..)
             .zip(entries)
-            .map(|(id, (session_index, session, entry))| Job {
+            .map(|(id, (session_index, session, entry))| ScoringJob {
                 id,
                 session_index,
                 session,
@@ -76,12 +93,12 @@ impl Job<'_> {
             .collect()
     }
 
-    pub fn left_out(&self, reason: String) -> NotScored {
+    pub fn left_out(&self, reason: LeftOutReason) -> NotScored {
         NotScored {
             session: self.session.name.clone(),
             file: self.entry.file.clone(),
             variant: self.entry.variant.clone(),
-            reason,
+            reason: reason.0,
         }
     }
 
@@ -91,98 +108,94 @@ impl Job<'_> {
 }
 
 /// Where the model is in a photo, and from where it was seen.
-pub(super) struct Place {
+pub(super) struct PlacedModel {
     pub located: Option<Located>,
     pub truth: BoxPx,
 }
 
 /// The session's own truth and viewpoint where it has them, else from the tags; or why there is none.
-pub(super) fn place(job: &Job, seen: &Observation) -> Result<Place, String> {
+pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel, LeftOutReason> {
     let scene = &job.session.scene;
     let given = job
         .entry
         .box_xyxy_px
         .map(|b| b.clipped(seen.width.into(), seen.height.into()));
     if given.is_some_and(|b| !b.is_solid()) {
-        return Err("box_xyxy_px lies outside the picture: is it another photo's?".into());
+        return Err(LeftOutReason::of(
+            "box_xyxy_px lies outside the photo: is it another photo's?",
+        ));
     }
     if let (Some(truth), false) = (given, job.needs_tags()) {
-        return Ok(Place { located: None, truth });
+        return Ok(PlacedModel { located: None, truth });
     }
-    let camera = job.session.known_camera().map_err(|e| e.to_string())?;
-    let fitted = camera.for_photo(seen.width, seen.height, seen.turned_deg);
-    let located = fitted.map_err(Abstention::from).and_then(|fitted| {
-        let located = locate::locate(&seen.tags, scene, &fitted.camera)?;
-        Ok((located, fitted.camera))
-    });
-    match (located, given) {
-        (located, Some(truth)) => Ok(Place {
-            located: located.ok().map(|(located, _)| located),
-            truth,
-        }),
-        (Ok((located, camera)), None) => {
-            let truth = job
-                .session
-                .outline
-                .box_in_photo(&located.pose, &camera)
-                .map_err(|e| e.to_string())?;
-            Ok(Place {
-                located: Some(located),
-                truth,
-            })
-        }
-        (Err(abstention), None) => Err(abstention.to_string()),
+    let camera = job.session.known_camera().map_err(LeftOutReason::of)?;
+    let photo = locate_tags(
+        seen.tags.clone(),
+        (seen.width, seen.height),
+        seen.turned_deg,
+        scene,
+        camera,
+    );
+    if let Some(truth) = given {
+        let located = photo.result.ok();
+        return Ok(PlacedModel { located, truth });
     }
+    let (located, fitted) = photo.pose_and_camera().map_err(LeftOutReason::of)?;
+    let truth = job.session.outline.box_in_photo(&located.pose, &fitted.camera);
+    Ok(PlacedModel {
+        truth: truth.map_err(LeftOutReason::of)?,
+        located: Some(located),
+    })
 }
 
 /// What each thread owns.
 pub(super) struct Observer<'a> {
     families: &'a [TagFamily],
-    contestants: &'a [Contestant],
+    detectors: &'a [EvaluatedDetector],
     runtime: Option<&'static Runtime>,
     cache: Option<&'a Cache>,
     /// Photos of the whole run, of which this one may see a part.
     photos: usize,
     tags: Box<dyn TagDetector>,
     /// Opened when first needed, so that a run whose results are kept loads no network.
-    detectors: Vec<Option<Detector>>,
+    loaded: Vec<Option<Detector>>,
 }
 
 /// Why a photo could not be observed.
 enum Stop {
     /// It is left out.
-    Photo(String),
+    Photo(LeftOutReason),
     /// The run ends.
     Run(ScoreError),
 }
 
 impl From<PhotoError> for Stop {
     fn from(e: PhotoError) -> Stop {
-        Stop::Photo(e.to_string())
+        Stop::Photo(LeftOutReason::of(e))
     }
 }
 
 impl<'a> Observer<'a> {
     pub fn new(
         families: &'a [TagFamily],
-        contestants: &'a [Contestant],
+        detectors: &'a [EvaluatedDetector],
         runtime: Option<&'static Runtime>,
         cache: Option<&'a Cache>,
         photos: usize,
     ) -> Result<Observer<'a>, ScoreError> {
         Ok(Observer {
             families,
-            contestants,
+            detectors,
             runtime,
             cache,
             photos,
             tags: TagDetectorChoice::default().open(families)?,
-            detectors: contestants.iter().map(|_| None).collect(),
+            loaded: detectors.iter().map(|_| None).collect(),
         })
     }
 
     /// The outer error ends the run, the inner one only leaves the photo out.
-    pub fn photo(&mut self, job: &Job) -> Result<Result<(Observation, Place), NotScored>, ScoreError> {
+    pub fn photo(&mut self, job: &ScoringJob) -> Result<Result<(Observation, PlacedModel), NotScored>, ScoreError> {
         match self.observe(job) {
             Ok(seen) => Ok(Ok(seen)),
             Err(Stop::Photo(reason)) => Ok(Err(job.left_out(reason))),
@@ -191,77 +204,82 @@ impl<'a> Observer<'a> {
     }
 
     /// Tags first: no detector looks at a photo that cannot be placed.
-    fn observe(&mut self, job: &Job) -> Result<(Observation, Place), Stop> {
-        let file = PhotoFile::open(&job.session.photo_path(job.entry))?;
+    fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
+        let photo = Photo::open(&job.session.photo_path(job.entry))?;
         let mut seen = Observation {
-            sha256: file.sha256.clone(),
-            width: file.width,
-            height: file.height,
-            turned_deg: file.turned_deg,
+            sha256: photo.sha256.clone(),
+            width: photo.width,
+            height: photo.height,
+            turned_deg: photo.turned_deg,
             tags: match job.needs_tags() {
-                true => self.tags(&file)?,
+                true => self.tags(&photo)?,
                 false => Vec::new(),
             },
             detections: Vec::new(),
             preview_jpeg: Vec::new(),
         };
         let place = place(job, &seen).map_err(Stop::Photo)?;
-        let mut pictures = Pictures::of(&file);
-        for index in 0..self.contestants.len() {
-            seen.detections.push(self.detections(index, job, &mut pictures)?);
+        let mut decoded = DecodedPhoto::of(&photo);
+        for index in 0..self.detectors.len() {
+            seen.detections.push(self.detections(index, job, &mut decoded)?);
         }
         if preview::has_preview(job.id, self.photos) {
             let side_px = preview::longest_side_px(self.photos);
-            let key = self.key(&["preview", &file.sha256, &side_px.to_string()]);
-            seen.preview_jpeg = self.kept(key, |_| Ok(preview::jpeg(&mut pictures, side_px)?))?;
+            let key = self.key(&["preview", &photo.sha256, &side_px.to_string()]);
+            seen.preview_jpeg = self.kept(key, |_| Ok(preview::jpeg(&mut decoded, side_px)?))?;
         }
         Ok((seen, place))
     }
 
-    fn tags(&mut self, file: &PhotoFile) -> Result<Vec<SeenTag>, Stop> {
-        let key = self.key(&["tags", &file.sha256, &format!("{:?}", self.families)]);
-        self.kept(key, |own| Ok(own.tags.find(&file.grey()?)))
+    fn tags(&mut self, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
+        let key = self.key(&["tags", &photo.sha256, &format!("{:?}", self.families)]);
+        self.kept(key, |own| Ok(own.tags.find(&photo.luma()?)))
     }
 
-    fn detections(&mut self, index: usize, job: &Job, pictures: &mut Pictures) -> Result<Vec<Detection>, Stop> {
-        let contestant = &self.contestants[index];
-        let weights = match &contestant.source {
-            Source::Live(weights) => weights,
-            Source::Recorded(recordings) => {
-                let found = recordings.iter().find_map(|r| r.of_photo(&pictures.file.sha256));
+    fn detections(
+        &mut self,
+        index: usize,
+        job: &ScoringJob,
+        decoded: &mut DecodedPhoto,
+    ) -> Result<Vec<Detection>, Stop> {
+        let detector = &self.detectors[index];
+        let weights = match &detector.source {
+            DetectionSource::Live(weights) => weights,
+            DetectionSource::Recorded(recordings) => {
+                let found = recordings.iter().find_map(|r| r.of_photo(&decoded.file.sha256));
                 let not_recorded = || ScoreError::NotRecorded {
                     file: job.entry.file.clone(),
-                    detector: contestant.manifest.name.clone(),
+                    detector: detector.manifest.name.clone(),
                 };
                 return Ok(found.ok_or_else(not_recorded).map_err(Stop::Run)?.to_vec());
             }
         };
-        let manifest = &contestant.manifest;
+        let manifest = &detector.manifest;
         let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
-        let key = self.key(&["detections", &pictures.file.sha256, &manifest.weights.sha256, &read]);
+        let key = self.key(&["detections", &decoded.file.sha256, &manifest.weights.sha256, &read]);
         self.kept(key, |own| {
-            let (width, height) = (pictures.file.width, pictures.file.height);
-            let picture = pictures.at_least(manifest.least_px(width, height))?;
-            let detector = own.detector(index, weights).map_err(|e| Stop::Run(e.into()))?;
-            detector.detect_reduced(picture, width, height).map_err(|e| match e {
-                DetectError::NotANumber { .. } => Stop::Photo(e.to_string()),
+            let (width, height) = (decoded.file.width, decoded.file.height);
+            let picture = decoded.at_least(manifest.least_px(width, height))?;
+            let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
+            loaded.detect_reduced(picture, width, height).map_err(|e| match e {
+                DetectError::NotANumber { .. } => Stop::Photo(LeftOutReason::of(e)),
                 e => Stop::Run(e.into()),
             })
         })
     }
 
-    fn detector(&mut self, index: usize, weights: &std::path::Path) -> Result<&mut Detector, DetectError> {
-        let opened = match self.detectors[index].take() {
+    fn loaded(&mut self, index: usize, weights: &std::path::Path) -> Result<&mut Detector, DetectError> {
+        let opened = match self.loaded[index].take() {
             Some(detector) => detector,
             None => {
                 let runtime = match self.runtime {
                     Some(runtime) => runtime,
                     None => Runtime::load()?,
                 };
-                Detector::open(runtime, &self.contestants[index].manifest, weights)?
+                Detector::open(runtime, &self.detectors[index].manifest, weights)?
             }
         };
-        Ok(self.detectors[index].insert(opened))
+        Ok(self.loaded[index].insert(opened))
     }
 
     fn key(&self, parts: &[&str]) -> Option<Key> {
@@ -283,35 +301,5 @@ impl<'a> Observer<'a> {
         let value = compute(self)?;
         cache.put(&key, &value);
         Ok(value)
-    }
-}
-
-/// The colours of a photo at the sizes that somebody asked for.
-pub(super) struct Pictures<'a> {
-    pub file: &'a PhotoFile,
-    /// With how much smaller each is.
-    decoded: Vec<(u32, RgbImage)>,
-}
-
-impl Pictures<'_> {
-    fn of(file: &PhotoFile) -> Pictures<'_> {
-        Pictures {
-            file,
-            decoded: Vec::new(),
-        }
-    }
-
-    /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
-    /// picture whichever others take part.
-    pub fn at_least(&mut self, least: [u32; 2]) -> Result<&RgbImage, PhotoError> {
-        let reduction = self.file.reduction(least);
-        let at = match self.decoded.iter().position(|(r, _)| *r == reduction) {
-            Some(at) => at,
-            None => {
-                self.decoded.push((reduction, self.file.rgb(reduction)?));
-                self.decoded.len() - 1
-            }
-        };
-        Ok(&self.decoded[at].1)
     }
 }

@@ -33,9 +33,9 @@ pub struct ScoredPhoto {
     pub truth: BoxPx,
     /// True when the truth box came with the session instead of from the pose.
     pub truth_given: bool,
-    /// One list per contestant, best first.
+    /// One list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
-    /// One per contestant.
+    /// One per detector.
     pub outcomes: Vec<Outcome>,
     /// A small JPEG for the report.
     pub preview_jpeg: Vec<u8>,

@@ -3,10 +3,10 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 
-use super::observe::Pictures;
+use super::decoded::DecodedPhoto;
 use crate::photo::PhotoError;
 
-/// More pictures than this make a page that no browser shows, and a run that no memory holds.
+/// More decoded than this make a page that no browser shows, and a run that no memory holds.
 const MAX_PREVIEWS: usize = 1000;
 
 /// Longest side in pixels of the previews of so many photos: the fewer, the larger.
@@ -25,11 +25,11 @@ pub(super) fn has_preview(id: u64, photos: usize) -> bool {
 }
 
 /// The photo with its longest side made `longest_side_px`; never larger than it is.
-pub(super) fn jpeg(pictures: &mut Pictures, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
-    let (width, height) = (f64::from(pictures.file.width), f64::from(pictures.file.height));
+pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
+    let (width, height) = (f64::from(decoded.file.width), f64::from(decoded.file.height));
     let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
     let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
-    let picture = pictures.at_least([width, height])?;
+    let picture = decoded.at_least([width, height])?;
     let small = imageops::resize(picture, width, height, FilterType::Triangle);
     let mut jpeg = Vec::new();
     // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.

@@ -4,7 +4,7 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, Discrete};
 
 use super::summary::boxes;
-use super::{Contestant, MATCH_IOU, Rate, ScoredPhoto};
+use super::{EvaluatedDetector, MATCH_IOU, Rate, ScoredPhoto};
 use crate::statistics::wilson_95;
 
 /// Detections below this are left out: there are up to a hundred a photo, nearly all wrong and known to be.
@@ -39,19 +39,19 @@ pub struct ConfidenceBin {
     pub correct: Option<Rate>,
 }
 
-/// The reliability of every contestant, in their order.
-pub fn reliability(photos: &[ScoredPhoto], contestants: &[Contestant]) -> Vec<Reliability> {
-    let of = |(index, contestant): (usize, &Contestant)| {
-        let detections = photos.iter().flat_map(|p| judged(p, index, &contestant.counted));
-        Reliability::of(contestant.manifest.name.clone(), &detections.collect::<Vec<_>>())
+/// The reliability of every detector, in their order.
+pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
+    let of = |(index, detector): (usize, &EvaluatedDetector)| {
+        let detections = photos.iter().flat_map(|p| judged(p, index, &detector.counted));
+        Reliability::of(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())
     };
-    contestants.iter().enumerate().map(of).collect()
+    detectors.iter().enumerate().map(of).collect()
 }
 
 /// (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that
 /// overlaps the truth enough; every further one is a double, and wrong, as for AP.
-fn judged(photo: &ScoredPhoto, contestant: usize, counted: &[usize]) -> Vec<(f64, bool)> {
-    let mut detections = boxes(photo, contestant, counted).detections;
+fn judged(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> Vec<(f64, bool)> {
+    let mut detections = boxes(photo, detector, counted).detections;
     detections.sort_by(|a, b| b.0.total_cmp(&a.0));
     let first = detections.iter().position(|(_, b)| b.iou(&photo.truth) >= MATCH_IOU);
     let numbered = detections.iter().enumerate();

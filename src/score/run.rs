@@ -2,92 +2,44 @@
 
 use std::collections::BTreeMap;
 
-use super::observe::{Job, Observation, Observer, Options, Place, place};
-use super::{
-    Contestant, Criteria, HIT_CONFIDENCE, NotScored, Outcome, ScoredPhoto, Summary, TagMark, caution, shard, summary,
-};
-use crate::detect::{DetectError, Runtime};
+use super::error::ScoreError;
+use super::evaluated::{EvaluatedDetector, runtime};
+use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
+use super::scores::Scores;
+use super::shard::{ShardId, ShardObservations};
+use super::{HIT_CONFIDENCE, LeftOutReason, NotScored, Outcome, ScoredPhoto, TagMark};
+use crate::detect::Runtime;
 use crate::locate::Located;
 use crate::session::Session;
-use crate::tags::{SeenTag, StartError, TagDetectorChoice};
+use crate::tags::SeenTag;
 use crate::workers;
 
-/// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
-#[derive(Debug, thiserror::Error)]
-pub enum ScoreError {
-    #[error("no session to score")]
-    NoSession,
-    #[error("{a} and {b} have different bins or model classes: score them in separate runs")]
-    DifferentScenes { a: String, b: String },
-    #[error("the session {folder} is named twice: each photo counts once")]
-    SessionTwice { folder: String },
-    #[error(
-        "{file} has no recorded detections of {detector}: run without --recorded, or record them again with --record"
-    )]
-    NotRecorded { file: String, detector: String },
-    #[error("none of the {photos} photos could be scored; {file}, for one: {reason}")]
-    NothingScored {
-        photos: usize,
-        file: String,
-        reason: String,
-    },
-    #[error("the shards do not hold {file} of {session}: score them again")]
-    NotObserved { session: String, file: String },
-    #[error(transparent)]
-    Detect(#[from] DetectError),
-    #[error(transparent)]
-    Tags(#[from] StartError),
-}
-
-/// The result of a run.
-#[derive(Debug)]
-pub struct Scores {
-    pub sessions: Vec<Session>,
-    pub contestants: Vec<Contestant>,
-    /// In the order of the sessions' lists.
-    pub photos: Vec<ScoredPhoto>,
-    pub not_scored: Vec<NotScored>,
-    /// Per contestant and variant, contestants first.
-    pub summaries: Vec<Summary>,
-    /// What the figures depend on; see [`Scores::judged_by`].
-    pub criteria: Criteria,
-    /// What a reader must know before believing the figures, as sentences.
-    pub cautions: Vec<String>,
-    /// Version and build of the ONNX Runtime; `None` when every contestant was played back.
-    pub runtime: Option<String>,
-}
-
-/// Scores every photo of the sessions with every contestant, by the default criteria. `on_photo` is called after each photo.
+/// Scores every photo of the sessions with every detector, by the default criteria. `on_photo` is called after each photo.
 pub fn score(
     sessions: Vec<Session>,
-    contestants: Vec<Contestant>,
+    detectors: Vec<EvaluatedDetector>,
     options: &Options,
     on_photo: impl Fn() + Sync,
 ) -> Result<Scores, ScoreError> {
-    let results = over_photos(&sessions, &contestants, options, None, on_photo, |job, seen| {
-        Ok(seen.map(|(observation, place)| scored(job, &contestants, observation, place)))
+    let results = over_photos(&sessions, &detectors, options, None, on_photo, |job, seen| {
+        Ok(seen.map(|(observation, place)| scored(job, &detectors, observation, place)))
     })?;
-    let runtime = runtime(&contestants)?.map(Runtime::provenance);
-    Scores::new(sessions, contestants, results, runtime)
-}
-
-/// What the results depend on besides the photos, the detectors and this program: versions of libraries.
-pub fn libraries() -> String {
-    TagDetectorChoice::default().provenance()
+    let runtime = runtime(&detectors)?.map(Runtime::provenance);
+    Scores::new(sessions, detectors, results, runtime)
 }
 
 /// Looks at the photos of one shard only; [`merge`] judges them with the others.
 pub fn observe(
     sessions: &[Session],
-    contestants: &[Contestant],
+    detectors: &[EvaluatedDetector],
     options: &Options,
-    part: shard::Part,
+    shard: ShardId,
     on_photo: impl Fn() + Sync,
-) -> Result<shard::Observed, ScoreError> {
-    over_photos(sessions, contestants, options, Some(part), on_photo, |job, seen| {
+) -> Result<ShardObservations, ScoreError> {
+    over_photos(sessions, detectors, options, Some(shard), on_photo, |job, seen| {
         let observation = seen
             .map(|(observation, _)| observation)
-            .map_err(|left_out| left_out.reason);
+            .map_err(|left_out| LeftOutReason(left_out.reason));
         Ok((job.id, observation))
     })
 }
@@ -95,96 +47,53 @@ pub fn observe(
 /// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.
 pub fn merge(
     sessions: Vec<Session>,
-    contestants: Vec<Contestant>,
-    mut observed: BTreeMap<u64, Result<Observation, String>>,
+    detectors: Vec<EvaluatedDetector>,
+    mut observed: BTreeMap<u64, Result<Observation, LeftOutReason>>,
     runtime: Option<String>,
 ) -> Result<Scores, ScoreError> {
     check_alike(&sessions)?;
-    let mut judge = |job: &Job| {
+    let mut judge = |job: &ScoringJob| {
         let not_observed = || ScoreError::NotObserved {
             session: job.session.name.clone(),
             file: job.entry.file.clone(),
         };
         let observation = observed.remove(&job.id).ok_or_else(not_observed)?;
         Ok(observation
-            .and_then(|o| place(job, &o).map(|place| scored(job, &contestants, o, place)))
+            .and_then(|o| place(job, &o).map(|place| scored(job, &detectors, o, place)))
             .map_err(|reason| job.left_out(reason)))
     };
-    let jobs = Job::all(&sessions);
+    let jobs = ScoringJob::all(&sessions);
     let results = jobs.iter().map(&mut judge).collect::<Result<_, ScoreError>>()?;
     drop(jobs);
-    Scores::new(sessions, contestants, results, runtime)
+    Scores::new(sessions, detectors, results, runtime)
 }
 
-/// Looks at every photo, or those of a part, and keeps what `judge` makes of each.
+/// Looks at every photo, or those of a shard, and keeps what `judge` makes of each.
 fn over_photos<R: Send>(
     sessions: &[Session],
-    contestants: &[Contestant],
+    detectors: &[EvaluatedDetector],
     options: &Options,
-    part: Option<shard::Part>,
+    shard: Option<ShardId>,
     on_photo: impl Fn() + Sync,
-    judge: impl Fn(&Job, Result<(Observation, Place), NotScored>) -> Result<R, ScoreError> + Sync,
+    judge: impl Fn(&ScoringJob, Result<(Observation, PlacedModel), NotScored>) -> Result<R, ScoreError> + Sync,
 ) -> Result<Vec<R>, ScoreError> {
     check_alike(sessions)?;
-    let runtime = runtime(contestants)?;
+    let runtime = runtime(detectors)?;
     let families = sessions.iter().flat_map(|s| s.scene.families());
     let families: Vec<_> = families
         .collect::<std::collections::BTreeSet<_>>()
         .into_iter()
         .collect();
-    let mut jobs = Job::all(sessions);
+    let mut jobs = ScoringJob::all(sessions);
     let photos = jobs.len();
-    jobs.retain(|job| part.is_none_or(|part| part.holds(job.id)));
+    jobs.retain(|job| shard.is_none_or(|shard| shard.holds(job.id)));
     workers::map_over(
         options.threads,
         &jobs,
-        || Observer::new(&families, contestants, runtime, options.cache.as_ref(), photos),
+        || Observer::new(&families, detectors, runtime, options.cache.as_ref(), photos),
         |observer, job| judge(job, observer.photo(job)?),
         on_photo,
     )
-}
-
-/// The ONNX Runtime, when some contestant runs.
-pub fn runtime(contestants: &[Contestant]) -> Result<Option<&'static Runtime>, DetectError> {
-    let is_needed = contestants.iter().any(|c| !c.is_recorded());
-    is_needed.then(Runtime::load).transpose()
-}
-
-impl Scores {
-    /// Puts the figures together.
-    fn new(
-        sessions: Vec<Session>,
-        contestants: Vec<Contestant>,
-        results: Vec<Result<ScoredPhoto, NotScored>>,
-        runtime: Option<String>,
-    ) -> Result<Scores, ScoreError> {
-        let (mut photos, mut not_scored) = (Vec::new(), Vec::new());
-        for result in results {
-            match result {
-                Ok(photo) => photos.push(photo),
-                Err(reason) => not_scored.push(reason),
-            }
-        }
-        if let (true, Some(first)) = (photos.is_empty(), not_scored.first()) {
-            let (file, reason) = (first.file.clone(), first.reason.clone());
-            return Err(ScoreError::NothingScored {
-                photos: not_scored.len(),
-                file,
-                reason,
-            });
-        }
-        let criteria = Criteria::default();
-        Ok(Scores {
-            cautions: caution::cautions(&photos, &not_scored, &sessions, &contestants),
-            summaries: summary::summaries(&photos, &contestants, &sessions[0].scene.bins, criteria.ap),
-            criteria,
-            runtime,
-            sessions,
-            contestants,
-            photos,
-            not_scored,
-        })
-    }
 }
 
 fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
@@ -212,8 +121,13 @@ fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
 }
 
 /// The per-photo values of a photo whose model was placed.
-fn scored(job: &Job, contestants: &[Contestant], observation: Observation, place: Place) -> ScoredPhoto {
-    let outcomes = contestants
+fn scored(
+    job: &ScoringJob,
+    detectors: &[EvaluatedDetector],
+    observation: Observation,
+    place: PlacedModel,
+) -> ScoredPhoto {
+    let outcomes = detectors
         .iter()
         .zip(&observation.detections)
         .map(|(c, found)| Outcome::of(found, &place.truth, &c.counted, HIT_CONFIDENCE))

@@ -7,24 +7,27 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::observe::Observation;
-use crate::files;
+use super::evaluated::{EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors};
+use super::observe::{LeftOutReason, Observation, libraries};
+use crate::detect::Manifest;
+use crate::files::{self, FileError};
+use crate::session::{Session, SessionError};
 
 /// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
-pub type Observed = Vec<(u64, Result<Observation, String>)>;
+pub type ShardObservations = Vec<(u64, Result<Observation, LeftOutReason>)>;
 
 /// Which photos a shard looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Part {
+pub struct ShardId {
     /// From 1 to `count`.
     pub index: u64,
     pub count: u64,
 }
 
-impl Part {
+impl ShardId {
     /// Photos are dealt like cards, so that every shard gets some of each texture and all take about as long.
-    pub fn holds(&self, id: u64) -> bool {
-        id % self.count == self.index % self.count
+    pub fn holds(&self, photo: u64) -> bool {
+        photo % self.count == self.index % self.count
     }
 
     fn is_there(&self) -> bool {
@@ -32,12 +35,12 @@ impl Part {
     }
 
     /// Reads `2/3`, `slurm`, or `k8s/3`. The environment is looked at only when it is named.
-    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<Part, PartError> {
+    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, ShardIdError> {
         let number = |name: &'static str| {
-            let value = environment(name).ok_or(PartError::NotSet { name })?;
-            value.parse::<u64>().map_err(|_| PartError::NoNumber { name, value })
+            let value = environment(name).ok_or(ShardIdError::NotSet { name })?;
+            value.parse::<u64>().map_err(|_| ShardIdError::NoNumber { name, value })
         };
-        let part = match text.split_once('/') {
+        let id = match text.split_once('/') {
             None if text == "slurm" => {
                 let (first, last) = (number("SLURM_ARRAY_TASK_MIN")?, number("SLURM_ARRAY_TASK_MAX")?);
                 let (id, count) = (number("SLURM_ARRAY_TASK_ID")?, number("SLURM_ARRAY_TASK_COUNT")?);
@@ -45,25 +48,25 @@ impl Part {
                     .checked_sub(first)
                     .is_none_or(|steps| steps.checked_add(1) != Some(count))
                 {
-                    return Err(PartError::Gaps { first, last, count });
+                    return Err(ShardIdError::Gaps { first, last, count });
                 }
                 let index = id.checked_sub(first).and_then(|steps| steps.checked_add(1));
-                index.map(|index| Part { index, count })
+                index.map(|index| ShardId { index, count })
             }
             Some(("k8s", count)) => {
                 let index = number("JOB_COMPLETION_INDEX")?.checked_add(1);
                 index
                     .zip(count.parse().ok())
-                    .map(|(index, count)| Part { index, count })
+                    .map(|(index, count)| ShardId { index, count })
             }
             Some((index, count)) => {
                 let both = index.parse().ok().zip(count.parse().ok());
-                both.map(|(index, count)| Part { index, count })
+                both.map(|(index, count)| ShardId { index, count })
             }
             None => None,
         };
-        part.filter(Part::is_there)
-            .ok_or_else(|| PartError::NoPart { text: text.to_owned() })
+        id.filter(ShardId::is_there)
+            .ok_or_else(|| ShardIdError::NoShard { text: text.to_owned() })
     }
 
     /// The name of this shard's file.
@@ -72,33 +75,34 @@ impl Part {
     }
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for ShardId {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}/{}", self.index, self.count)
     }
 }
 
-impl FromStr for Part {
-    type Err = PartError;
+impl FromStr for ShardId {
+    type Err = ShardIdError;
 
-    fn from_str(text: &str) -> Result<Part, PartError> {
-        Part::parse(text, |name| std::env::var(name).ok())
+    fn from_str(text: &str) -> Result<ShardId, ShardIdError> {
+        ShardId::parse(text, |name| std::env::var(name).ok())
     }
 }
 
 /// Why it is not clear which shard is meant.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum PartError {
+#[non_exhaustive]
+pub enum ShardIdError {
     #[error(
         "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
     )]
-    NoPart { text: String },
+    NoShard { text: String },
     #[error("{name} is not set: this is no such job, write the shard as 2/3")]
     NotSet { name: &'static str },
     #[error("{name} is {value}, which is no number")]
     NoNumber { name: &'static str, value: String },
     #[error(
-        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, as in --array=1-{count}"
+        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, from 1 to {count}"
     )]
     Gaps { first: u64, last: u64, count: u64 },
 }
@@ -116,6 +120,59 @@ pub struct Run {
     pub libraries: String,
 }
 
+impl Run {
+    /// A run of detectors over sessions; `chosen_as` has the name or the manifest that chooses each detector again.
+    pub fn of(
+        sessions: &[Session],
+        detectors: &[EvaluatedDetector],
+        chosen_as: Vec<String>,
+        runtime: Option<String>,
+    ) -> Result<Run, FileError> {
+        let used = chosen_as.into_iter().zip(detectors);
+        Ok(Run {
+            sessions: sessions.iter().map(SessionSeen::of).collect::<Result<_, _>>()?,
+            detectors: used
+                .map(|(chosen_as, detector)| DetectorUsed {
+                    chosen_as,
+                    fingerprint: detector.fingerprint(),
+                })
+                .collect(),
+            is_recorded: detectors.iter().all(EvaluatedDetector::is_recorded),
+            runtime,
+            libraries: libraries(),
+        })
+    }
+
+    /// The sessions as they were when the shards were scored, with the same libraries.
+    pub fn sessions(&self) -> Result<Vec<Session>, ShardError> {
+        let (theirs, own) = (self.libraries.clone(), libraries());
+        if theirs != own {
+            return Err(ShardError::OtherLibraries { theirs, own });
+        }
+        self.sessions.iter().map(SessionSeen::opened).collect()
+    }
+
+    /// The detectors as they were, given their manifests; they need no weights here.
+    pub fn detectors(
+        &self,
+        manifests: Vec<Manifest>,
+        sessions: &[Session],
+    ) -> Result<Vec<EvaluatedDetector>, ShardError> {
+        let class = sessions.first().map(|s| &s.scene.model.class);
+        let detectors: Vec<EvaluatedDetector> = match self.is_recorded {
+            true => evaluated_detectors(sessions, manifests, None)?,
+            false => (manifests.into_iter().zip(class.into_iter().cycle()))
+                .map(|(manifest, class)| EvaluatedDetector::ran_elsewhere(manifest, class))
+                .collect::<Result<_, _>>()?,
+        };
+        let fingerprints = detectors.iter().map(EvaluatedDetector::fingerprint);
+        match fingerprints.eq(self.detectors.iter().map(|used| used.fingerprint.clone())) {
+            true => Ok(detectors),
+            false => Err(ShardError::DetectorChanged),
+        }
+    }
+}
+
 /// A session, and what it was made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SessionSeen {
@@ -124,10 +181,27 @@ pub struct SessionSeen {
     pub hashes: Vec<(String, String)>,
 }
 
+impl SessionSeen {
+    fn of(session: &Session) -> Result<SessionSeen, FileError> {
+        Ok(SessionSeen {
+            folder: files::whole_path(&session.folder)?,
+            hashes: session.hashes.clone(),
+        })
+    }
+
+    fn opened(&self) -> Result<Session, ShardError> {
+        let (session, folder) = (Session::open(&self.folder)?, self.folder.clone());
+        match session.hashes == self.hashes {
+            true => Ok(session),
+            false => Err(ShardError::SessionChanged { folder }),
+        }
+    }
+}
+
 /// A detector: how it was chosen, and what it was.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DetectorUsed {
-    /// What `--detector` takes.
+    /// The name or the manifest that chooses it again.
     pub chosen_as: String,
     /// SHA-256 of its manifest, which names the weights by theirs, and of what was played back.
     pub fingerprint: String,
@@ -137,16 +211,21 @@ pub struct DetectorUsed {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shard {
     pub run: Run,
-    pub part: Part,
-    pub observed: Observed,
+    pub id: ShardId,
+    pub observed: ShardObservations,
 }
 
 /// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShardError {
     #[error(transparent)]
-    File(#[from] files::FileError),
-    #[error("{path} is not a shard: name the files that score --shard wrote", path = path.display())]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(transparent)]
+    Detector(#[from] EvaluatedDetectorError),
+    #[error("{path} is not a shard, which a scoring run of a part of the photos writes", path = path.display())]
     NotAShard { path: PathBuf },
     #[error("{path} was written by scaleproof {found}, and this is {}: score it again, or merge with that version", VERSION, path = path.display())]
     OtherVersion { path: PathBuf, found: String },
@@ -168,8 +247,14 @@ pub enum ShardError {
         /// The first of them, up to one more than the sentence names.
         missing: Vec<u64>,
     },
+    #[error("the shards were scored with {theirs}, and here is {own}: merge where they were scored")]
+    OtherLibraries { theirs: String, own: String },
+    #[error("{folder} has changed since the shards were scored: score them again", folder = folder.display())]
+    SessionChanged { folder: PathBuf },
+    #[error("a manifest or a recording has changed since the shards were scored: score them again")]
+    DetectorChanged,
     #[error("the shard cannot be written: {0}")]
-    Write(String),
+    Write(#[from] postcard::Error),
 }
 
 const MISSING_NAMED: usize = 5;
@@ -192,9 +277,9 @@ const MAGIC: &str = "scaleproof shard, version ";
 impl Shard {
     /// Writes the shard into a folder and returns the file's path.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, ShardError> {
-        let content = postcard::to_allocvec(self).map_err(|e| ShardError::Write(e.to_string()))?;
+        let content = postcard::to_allocvec(self)?;
         let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
-        let path = folder.join(self.part.file_name());
+        let path = folder.join(self.id.file_name());
         files::replace_atomically(&path, &[head.into_bytes(), content].concat())?;
         Ok(path)
     }
@@ -216,7 +301,7 @@ impl Shard {
         let whole = line(rest).filter(|(sum, content)| *sum == files::sha256_hex(content));
         whole
             .and_then(|(_, content)| postcard::from_bytes(content).ok())
-            .filter(|shard: &Shard| shard.part.is_there())
+            .filter(|shard: &Shard| shard.id.is_there())
             .ok_or_else(|| ShardError::Damaged { path: path() })
     }
 }
@@ -228,7 +313,7 @@ fn line(bytes: &[u8]) -> Option<(&str, &[u8])> {
 }
 
 /// The run that some shards are all of, and what they saw, by photo id.
-pub type WholeRun = (Run, BTreeMap<u64, Result<Observation, String>>);
+pub type WholeRun = (Run, BTreeMap<u64, Result<Observation, LeftOutReason>>);
 
 /// Puts the shards of one run together: every one once, and none of another run.
 pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
@@ -238,15 +323,15 @@ pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
     for path in paths {
         let shard = Shard::open(path)?;
         match &run {
-            None => (run, count) = (Some(shard.run), shard.part.count),
+            None => (run, count) = (Some(shard.run), shard.id.count),
             Some(first) => {
-                if let Some(what) = difference(first, &shard.run, count, shard.part.count) {
+                if let Some(what) = difference(first, &shard.run, count, shard.id.count) {
                     let (a, b) = (paths[0].clone(), path.clone());
                     return Err(ShardError::OtherRun { a, b, what });
                 }
             }
         }
-        if let Some(same) = seen.insert(shard.part.index, path) {
+        if let Some(same) = seen.insert(shard.id.index, path) {
             let (a, b) = (same.clone(), path.clone());
             return Err(ShardError::Twice { a, b });
         }
@@ -284,28 +369,28 @@ fn difference(a: &Run, b: &Run, a_count: u64, b_count: u64) -> Option<&'static s
 mod tests {
     use super::*;
 
-    fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<Part, PartError> {
+    fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<ShardId, ShardIdError> {
         let find = |name: &str| {
             environment
                 .iter()
                 .find(|(n, _)| *n == name)
                 .map(|(_, v)| (*v).to_owned())
         };
-        Part::parse(text, find)
+        ShardId::parse(text, find)
     }
 
     #[test]
     fn a_shard_is_named_by_the_user_or_by_the_job() {
-        let part = |index, count| Ok(Part { index, count });
-        assert_eq!(parsed("2/3", &[]), part(2, 3));
+        let id = |index, count| Ok(ShardId { index, count });
+        assert_eq!(parsed("2/3", &[]), id(2, 3));
         let slurm = [
             ("SLURM_ARRAY_TASK_ID", "7"),
             ("SLURM_ARRAY_TASK_MIN", "5"),
             ("SLURM_ARRAY_TASK_MAX", "8"),
             ("SLURM_ARRAY_TASK_COUNT", "4"),
         ];
-        assert_eq!(parsed("slurm", &slurm), part(3, 4));
-        assert_eq!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "0")]), part(1, 4));
+        assert_eq!(parsed("slurm", &slurm), id(3, 4));
+        assert_eq!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "0")]), id(1, 4));
         for text in ["0/3", "4/3", "3", "a/b", "-1/2", "1/0", "", "k8s", "k8s/0"] {
             assert!(parsed(text, &[("JOB_COMPLETION_INDEX", "0")]).is_err(), "{text}");
         }
@@ -323,9 +408,9 @@ mod tests {
     fn a_mistyped_count_is_refused_at_once() {
         let folder = tempfile::tempdir().unwrap();
         let written = |index, count| {
-            let (run, observed) = (Run::default(), Observed::new());
-            let part = Part { index, count };
-            let shard = Shard { run, part, observed };
+            let (run, observed) = (Run::default(), ShardObservations::new());
+            let id = ShardId { index, count };
+            let shard = Shard { run, id, observed };
             shard.write(folder.path()).unwrap()
         };
         let refused = whole_run(&[written(2, u64::MAX)]).unwrap_err().to_string();
@@ -336,9 +421,9 @@ mod tests {
     #[test]
     fn every_photo_is_in_one_shard() {
         for count in 1..8 {
-            for id in 1..100 {
-                let parts = (1..=count).map(|index| Part { index, count });
-                assert_eq!(parts.filter(|part| part.holds(id)).count(), 1);
+            for photo in 1..100 {
+                let shards = (1..=count).map(|index| ShardId { index, count });
+                assert_eq!(shards.filter(|shard| shard.holds(photo)).count(), 1);
             }
         }
     }

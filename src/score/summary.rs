@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    ApDefinition, BASE_VARIANT, Contestant, Criteria, ImageBoxes, MATCH_IOU, Outcome, ScoredPhoto, Scores,
-    average_precision_as,
+    ApDefinition, BASE_VARIANT, EvaluatedDetector, ImageBoxes, MATCH_IOU, Outcome, ScoredPhoto, average_precision_as,
 };
 use crate::scene::{Bin, Bins};
 use crate::statistics::{median, wilson_95};
@@ -97,35 +96,18 @@ pub struct Summary {
     pub places: Vec<PlaceFigures>,
 }
 
-impl Scores {
-    /// The same photos and detections under other criteria; nothing is detected again.
-    pub fn judged_by(mut self, criteria: Criteria) -> Scores {
-        for photo in &mut self.photos {
-            let judged = self.contestants.iter().zip(&photo.detections);
-            let confidence = criteria.hit_confidence;
-            photo.outcomes = judged
-                .map(|(c, found)| Outcome::of(found, &photo.truth, &c.counted, confidence))
-                .collect();
-        }
-        let bins = &self.sessions[0].scene.bins;
-        self.summaries = summaries(&self.photos, &self.contestants, bins, criteria.ap);
-        self.criteria = criteria;
-        self
-    }
-}
-
-/// Figures of every contestant on every variant, the base variant first, the others by name.
+/// Figures of every detector on every variant, the base variant first, the others by name.
 pub(super) fn summaries(
     photos: &[ScoredPhoto],
-    contestants: &[Contestant],
+    detectors: &[EvaluatedDetector],
     bins: &Bins,
     ap: ApDefinition,
 ) -> Vec<Summary> {
     let mut summaries = Vec::new();
-    for (index, contestant) in contestants.iter().enumerate() {
+    for (index, detector) in detectors.iter().enumerate() {
         let side = Side {
-            contestant: index,
-            counted: &contestant.counted,
+            detector: index,
+            counted: &detector.counted,
             ap,
         };
         let groups: Vec<Group> = variants(photos)
@@ -135,7 +117,7 @@ pub(super) fn summaries(
         let base = groups.iter().find(|g| g.variant == BASE_VARIANT);
         summaries.extend(groups.iter().map(|group| {
             let base = base.filter(|base| base.variant != group.variant);
-            group.summary(contestant.manifest.name.clone(), base, bins)
+            group.summary(detector.manifest.name.clone(), base, bins)
         }));
     }
     summaries
@@ -144,12 +126,12 @@ pub(super) fn summaries(
 /// Whose figures, and by which AP.
 #[derive(Clone, Copy)]
 struct Side<'a> {
-    contestant: usize,
+    detector: usize,
     counted: &'a [usize],
     ap: ApDefinition,
 }
 
-/// The figures of one contestant on one variant.
+/// The figures of one detector on one variant.
 struct Group {
     variant: String,
     overall: Figures,
@@ -238,10 +220,10 @@ pub(super) fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
     variants
 }
 
-/// Figures of one contestant on a group of photos; `None` for an empty group.
+/// Figures of one detector on a group of photos; `None` for an empty group.
 fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
-    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.contestant, side.counted)).collect();
-    let outcomes = || photos.iter().map(|p| &p.outcomes[side.contestant]);
+    let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.detector, side.counted)).collect();
+    let outcomes = || photos.iter().map(|p| &p.outcomes[side.detector]);
     let mean = |of: fn(&Outcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
     let rate = |counts: fn(&Outcome) -> bool| {
         let count = outcomes().filter(|o| counts(o)).count();
@@ -262,10 +244,8 @@ fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
 }
 
 /// The boxes of the model's class in one photo, as AP takes them.
-pub(super) fn boxes(photo: &ScoredPhoto, contestant: usize, counted: &[usize]) -> ImageBoxes {
-    let detections = photo.detections[contestant]
-        .iter()
-        .filter(|d| counted.contains(&d.label));
+pub(super) fn boxes(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> ImageBoxes {
+    let detections = photo.detections[detector].iter().filter(|d| counted.contains(&d.label));
     ImageBoxes {
         truths: vec![photo.truth],
         detections: detections.map(|d| (d.score, d.box_px)).collect(),

@@ -160,7 +160,7 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
         return Err(FoldersError::NoPhotos { variant, folder, hint });
     }
     Ok(Listed {
-        real: folder.canonicalize().map_err(|e| unreadable(&folder, &e))?,
+        real: files::whole_path(&folder)?,
         given: given.clone(),
         listing,
     })

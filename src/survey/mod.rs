@@ -6,6 +6,7 @@
 mod adjust;
 mod edges;
 mod grow;
+mod look;
 mod network;
 mod planar;
 mod problem;
@@ -21,6 +22,7 @@ use adjust::{Free, Loss, adjust};
 use network::{Network, Poses, Sighting, SizedTag, TagKey};
 use suspects::Fault;
 
+pub use look::{Look, LookError, look};
 pub use problem::{Reason, SurveyError};
 pub use sizes::Sizes;
 

@@ -1,5 +1,6 @@
 //! Headless Chromium, driven by its own protocol (DevTools over a WebSocket).
 
+use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -7,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use base64::Engine;
 use serde_json::{Value, json};
+use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
 use crate::common::with_chromium;
@@ -37,7 +39,8 @@ impl Browser {
             .unwrap();
         let stream = TcpStream::connect(&host).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(40))).unwrap();
-        let (socket, _) = tungstenite::client(tab["webSocketDebuggerUrl"].as_str().unwrap(), stream).unwrap();
+        let url = tab["webSocketDebuggerUrl"].as_str().unwrap();
+        let socket = upgraded(stream, &host, url.split_once(&host).unwrap().1);
         let mut browser = Browser {
             child,
             socket,
@@ -144,6 +147,25 @@ fn spawn(profile: &Path) -> Child {
             .stderr(Stdio::null())
             .spawn()
     })
+}
+
+/// The stream as a WebSocket (RFC 6455, 4.1), once the browser has agreed.
+fn upgraded(mut stream: TcpStream, host: &str, path: &str) -> WebSocket<TcpStream> {
+    let key = "c2NhbGVwcm9vZiBzY2FsZQ==";
+    let request = format!(
+        "GET {path} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n"
+    );
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    while !answer.ends_with(b"\r\n\r\n") {
+        let mut byte = [0];
+        stream.read_exact(&mut byte).unwrap();
+        answer.push(byte[0]);
+    }
+    let answer = String::from_utf8_lossy(&answer);
+    assert!(answer.starts_with("HTTP/1.1 101"), "{answer}");
+    WebSocket::from_raw_socket(stream, Role::Client, None)
 }
 
 /// Chromium writes the port it chose into its profile.

@@ -62,7 +62,7 @@ fn said<T, E: ToString>(result: Result<T, E>) -> Read {
 /// The card of a pattern that is in the project.
 fn card(text: &str, at: &Path) -> Read {
     let path = at.join("pattern.png");
-    std::fs::copy(common::home().join("patterns/yolox_nano_er.png"), &path).unwrap();
+    std::fs::copy(common::home().join("print_templates/patterns/yolox_nano_er.png"), &path).unwrap();
     std::fs::write(at.join("pattern.json"), text).unwrap();
     said(card::tile_mm(None, &path, &Pattern::load(&path).unwrap()))
 }

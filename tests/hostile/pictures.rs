@@ -8,7 +8,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder, ImageFormat, Luma, RgbImage};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof::photo::PhotoFile;
+use scaleproof::photo::Photo;
 use scaleproof::scene::TagFamily;
 use scaleproof::tags::TagDetectorChoice;
 
@@ -241,7 +241,7 @@ fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
         ("zeros.jpg", 1),
         ("nothing.jpg", 1),
     ] {
-        let file = PhotoFile::open(&folder.path().join(name)).unwrap();
+        let file = Photo::open(&folder.path().join(name)).unwrap();
         let begin = Instant::now();
         let read = file.rgb(reduction).map(|picture| picture.dimensions());
         println!("{name} at 1/{reduction}: {:?}, {read:?}", begin.elapsed());

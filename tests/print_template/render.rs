@@ -13,7 +13,7 @@ use scaleproof::print::template::LayoutRequest;
 use crate::common::pictured;
 
 pub fn scaleproof(command: &str) -> Output {
-    Command::new(assert_cmd::cargo::cargo_bin!("scaleproof"))
+    Command::new(env!("CARGO_BIN_EXE_scaleproof"))
         .args(command.split(' '))
         .output()
         .unwrap()

@@ -142,7 +142,7 @@ fn photos(extent: &Extent) {
     let mut detectors = tag_detectors(extent.is_few);
     let name = |(photo, divisor): &(&PathBuf, u32)| format!("{} 1/{divisor}", photo.display());
     extent.each(&items, name, |(photo, divisor)| {
-        let whole = Photo::open(photo).expect("a stored photo").grey();
+        let whole = Photo::open(photo).expect("a stored photo").luma().expect("a whole photo");
         let [width, height] = [whole.width() / divisor, whole.height() / divisor];
         let grey = match divisor {
             1 => whole,
@@ -178,9 +178,8 @@ fn corpus(extent: &Extent) {
         let (_, parse) = known.expect("every folder of the corpus stands in PARSERS");
         parse(&std::fs::read(file).expect("the corpus can be read"));
         if folder == "photo"
-            && let Ok(photo) = Photo::open(file)
+            && let Ok(grey) = Photo::open(file).and_then(|photo| photo.luma())
         {
-            let grey = photo.grey();
             detectors.iter_mut().for_each(|detector| drop(detector.find(&grey)));
         }
     });
@@ -236,7 +235,9 @@ struct Contents {
 impl Contents {
     fn stored() -> Contents {
         let photo = Photo::open(&home("captures/skyline/normal_000.jpg")).expect("a stored photo");
-        Contents { photo: photo.grey() }
+        Contents {
+            photo: photo.luma().expect("a whole photo"),
+        }
     }
 
     /// Black, white, noise of all greys and of two, a checkerboard, the middle of a tag as it is, and the whole tag made to fit.

@@ -81,6 +81,7 @@ fn missing(evaluation: &Evaluation, folder: &Path) -> Result<Missing, EvaluateEr
 fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
     let bytes = files::read(path)?;
     let decoded = open_png(&bytes, &Budget::FILE)
+        .map_err(|e| e.to_string())
         .and_then(|decoder| DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()));
     let reason = match decoded {
         Err(reason) => reason,

@@ -67,7 +67,7 @@ pub fn read_png(path: &Path, key: &str, size_px: [u32; 2], kind: ColorType) -> R
     if image::guess_format(&bytes).ok() != Some(image::ImageFormat::Png) {
         return Err(content(format!("the {key} is no PNG: make the frame again")));
     }
-    let decoder = open_png(&bytes, &Budget::FILE).map_err(damaged)?;
+    let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
     // The size stands in the header: a huge picture is refused before its pixels take memory.
     let (found, wanted) = (decoder.dimensions(), (size_px[0], size_px[1]));
     if found != wanted {

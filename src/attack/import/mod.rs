@@ -243,7 +243,7 @@ fn paint(text: &str) -> Result<Paint, String> {
 fn picture(folder: &Path, name: &str) -> Result<RgbImage, ImportError> {
     let names = ["png", "jpg", "jpeg"].map(|ending| folder.join(format!("rgb/{name}.{ending}")));
     let there = names.iter().find(|path| path.is_file()).unwrap_or(&names[0]);
-    Ok(Photo::open(there)?.rgb)
+    Ok(Photo::open(there)?.rgb(1)?)
 }
 
 fn start(about: &About, rgb: &RgbImage, made_by: &str) -> FrameList {
@@ -266,7 +266,7 @@ fn start(about: &About, rgb: &RgbImage, made_by: &str) -> FrameList {
 
 /// Object and paint.
 fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], ImportError> {
-    let mask = Photo::open(path)?.rgb;
+    let mask = Photo::open(path)?.rgb(1)?;
     if mask.dimensions() != rgb.dimensions() {
         let (width, height) = mask.dimensions();
         return Err(content(

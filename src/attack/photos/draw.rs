@@ -152,14 +152,14 @@ impl<'a> Canvas<'a> {
     fn light(&self, shot: &Shot) -> Result<LightPicture, PhotosError> {
         let photo = Photo::open(&shot.file)?;
         let (width, height) = (shot.camera.width, shot.camera.height);
-        if photo.rgb.dimensions() != (width, height) {
+        if (photo.width, photo.height) != (width, height) {
             return Err(PhotosError::Changed {
                 photo: shot.file.clone(),
             });
         }
         let reduction = shot.camera.fx.min(shot.camera.fy) / self.fine_pinhole().focal_length_px;
         Ok(LightPicture::new(
-            &photo.rgb,
+            &photo.rgb(1)?,
             (reduction as usize).clamp(1, width.min(height) as usize),
         ))
     }

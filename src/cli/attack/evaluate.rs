@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::detectors::{self, Folder};
 use super::print::wrap::ModelArgs;
 use super::render::{azimuths, cache, hex, size, viewpoints};
-use super::score::{Effort, caution, contestants, score_with_progress};
+use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, Evaluation};
 use crate::attack::render::{Colour, Light, RenderRequest, blender};
@@ -16,7 +16,7 @@ use crate::files;
 use crate::pattern::Pattern;
 use crate::report;
 use crate::scene::Classes;
-use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with};
+use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with, evaluated_detectors};
 use crate::session::{self, PhotoEntry, Session};
 
 /// Judge patterns on the model: render them anew at the paper's viewpoints under other lights, and score the detectors on the photos
@@ -194,9 +194,9 @@ impl EvaluateArgs {
     /// A photo that cannot be scored: the tables would miss it on one side.
     fn scores(&self, folder: &Path, manifests: Vec<Manifest>) -> Result<Scores, Box<dyn Error>> {
         let sessions = vec![Session::open(folder)?];
-        let contestants = contestants(&sessions, manifests, Some(&self.folder.folders()?))?;
-        let options = self.effort.options(&contestants)?;
-        let scores = score_with_progress(sessions, contestants, &options)?;
+        let detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
+        let options = self.effort.options(&detectors)?;
+        let scores = score_with_progress(sessions, detectors, &options)?;
         match scores.not_scored.first() {
             None => Ok(scores),
             Some(photo) => {

@@ -14,7 +14,7 @@ use crate::attack::light;
 use crate::attack::photos::{LeftOut, Made, MadeView, Paper, Request, Shot, make};
 use crate::envelope;
 use crate::files;
-use crate::locate::{Abstention, Warning, locate};
+use crate::locate::{Warning, locate_photo};
 use crate::mesh::Mesh;
 use crate::photo::Photo;
 use crate::session::{PhotoEntry, Session};
@@ -278,28 +278,24 @@ fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<(Shot, Vec<String>), St
     let file = session.photo_path(job.entry);
     let photo = Photo::open(&file).map_err(|e| e.to_string())?;
     let camera = session.known_camera().map_err(|e| e.to_string())?;
-    let fitted = camera
-        .for_photo(photo.width(), photo.height(), photo.turned_deg)
-        .map_err(|e| e.to_string())?;
-    let seen = tags.find(&photo.grey());
-    let located = locate(&seen, &session.scene, &fitted.camera).map_err(|e: Abstention| e.to_string())?;
+    let found = locate_photo(&photo, &session.scene, camera, tags).map_err(|e| e.to_string())?;
+    let seen = found.seen.clone();
+    let (located, fitted) = found.pose_and_camera().map_err(|e| e.to_string())?;
     if located.warnings.contains(&Warning::PoorFit) {
         return Err(format!(
             "its tags fit badly (off by {:.1} px), so that the paint would not lie where it is: was a card moved, or is this another camera?",
             located.rms_px
         ));
     }
+    let rgb = photo.rgb(1).map_err(|e| e.to_string())?;
     let trusted = |id: u32| located.tags.contains(&id);
-    let papers = seen
-        .iter()
-        .zip(paper_levels(&photo.rgb, &seen))
-        .filter_map(|(tag, level)| {
-            (tag.is_whole && trusted(tag.id)).then_some(Paper {
-                family: tag.family,
-                id: tag.id,
-                level: level?,
-            })
-        });
+    let papers = seen.iter().zip(paper_levels(&rgb, &seen)).filter_map(|(tag, level)| {
+        (tag.is_whole && trusted(tag.id)).then_some(Paper {
+            family: tag.family,
+            id: tag.id,
+            level: level?,
+        })
+    });
     let notes = fitted.cautions();
     let shot = Shot {
         flat_rgb: job.rgb,

@@ -11,7 +11,7 @@ use crate::cli::{CommandResult, Outcome};
 use crate::detect::{Detection, Detector, Manifest, Runtime};
 use crate::files;
 use crate::geometry::BoxPx;
-use crate::photo::PhotoFile;
+use crate::photo::Photo;
 
 #[derive(clap::Args)]
 pub struct Args {
@@ -57,7 +57,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let photos = args
         .photos
         .iter()
-        .map(|p| PhotoFile::open(p))
+        .map(|p| Photo::open(p))
         .collect::<Result<Vec<_>, _>>()?;
     let mut saved = Saved::new(&args)?;
     let runtime = Runtime::load()?;
@@ -122,7 +122,7 @@ impl Saved {
     }
 
     /// Draws and writes the copies; with `json` their paths are not told, as each line there is a detection.
-    fn write(&self, photos: &[PhotoFile], out: &mut dyn Write, json: bool) -> Result<(), Box<dyn std::error::Error>> {
+    fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<(), Box<dyn std::error::Error>> {
         for ((path, photo), marks) in self.paths.iter().zip(photos).zip(&self.marks) {
             let mut picture = photo.rgb(1)?;
             for (detector, box_px, text) in marks {

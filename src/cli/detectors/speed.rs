@@ -36,7 +36,7 @@ pub struct Args {
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
     let manifests = present(&args.detectors, &folders)?;
-    let opened = args.photos.iter().map(|p| Photo::open(p).map(|photo| photo.rgb));
+    let opened = args.photos.iter().map(|p| Photo::open(p)?.rgb(1));
     let photos = opened.collect::<Result<Vec<_>, _>>()?;
     let pixels: f64 = photos
         .iter()

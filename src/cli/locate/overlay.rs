@@ -14,8 +14,8 @@ use crate::draw::{self, Anchor, Colour, Lettering, Pen};
 use crate::envelope::Outline;
 use crate::files::{self, FileError};
 use crate::geometry::Rigid;
-use crate::locate::{Examined, Ignored, Located};
-use crate::photo::{PhotoError, PhotoFile};
+use crate::locate::{Ignored, Located, LocatedPhoto};
+use crate::photo::{Photo, PhotoError};
 use crate::scene::Scene;
 use crate::tags::SeenTag;
 
@@ -64,11 +64,11 @@ pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesE
 pub fn write(
     place: &Path,
     photo: &Path,
-    examined: &Examined,
+    examined: &LocatedPhoto,
     scene: &Scene,
     outline: &Outline,
 ) -> Result<(), OverlayError> {
-    let file = PhotoFile::open(photo)?;
+    let file = Photo::open(photo)?;
     let (mut picture, scale) = reduced(&file)?;
     Sheet {
         picture: &mut picture,
@@ -88,7 +88,7 @@ pub fn write(
 }
 
 /// The photo with a longest side of [`LONGEST_SIDE_PX`] at most, and how much smaller it is in both directions.
-fn reduced(file: &PhotoFile) -> Result<(RgbImage, [f64; 2]), PhotoError> {
+fn reduced(file: &Photo) -> Result<(RgbImage, [f64; 2]), PhotoError> {
     let sides = [file.width, file.height];
     let share = (f64::from(LONGEST_SIDE_PX) / f64::from(sides[0].max(sides[1]))).min(1.0);
     let small = sides.map(|side| (f64::from(side) * share).round().max(1.0) as u32);
@@ -104,14 +104,14 @@ fn reduced(file: &PhotoFile) -> Result<(RgbImage, [f64; 2]), PhotoError> {
 struct Sheet<'a> {
     picture: &'a mut RgbImage,
     scale: [f64; 2],
-    examined: &'a Examined,
+    examined: &'a LocatedPhoto,
     scene: &'a Scene,
     outline: &'a Outline,
 }
 
 impl Sheet<'_> {
     fn draw(&mut self, photo: &Path) {
-        if let (Ok(located), Some(fitted)) = (&self.examined.result, &self.examined.fitted) {
+        if let (Ok(located), Ok(fitted)) = (&self.examined.result, &self.examined.fitted) {
             let (located, camera) = (located.clone(), fitted.camera.clone());
             self.model(&located.pose, &camera);
         }

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::{CutSheetArgs, write_files, write_json};
 use crate::cli::{CommandResult, Outcome, units};
 use crate::files;
-use crate::print::board::{BoardKind, BoardRequest, board};
+use crate::print::board::{BoardError, BoardKind, BoardRequest, board};
 
 #[derive(clap::Args)]
 pub struct BoardArgs {
@@ -81,7 +81,8 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
         marker_mm: args.marker_mm,
         dictionary: args.dictionary.clone(),
         media: args.sheets.media()?,
-    })?;
+    })
+    .map_err(advised)?;
     let line = made.definition.line();
     let mut files = args.sheets.files(&line, std::slice::from_ref(&made.sheet))?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
@@ -95,4 +96,14 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let (pdf, definition) = (files[0].0.display(), definition_path.display());
     writeln!(out, "{pdf}: {line}; print at 100 %; described by {definition}")?;
     Ok(Outcome::Done)
+}
+
+/// The error with the options that mend it.
+fn advised(error: BoardError) -> String {
+    match &error {
+        BoardError::MarkerTooLarge { .. } => format!("{error}; use a smaller --marker-mm"),
+        BoardError::MarkerSizeUnused { board } => format!("--marker-mm means nothing on {board}; leave it out"),
+        BoardError::DictionaryUnused { board } => format!("--dictionary means nothing on {board}; leave it out"),
+        _ => error.to_string(),
+    }
 }

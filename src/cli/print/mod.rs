@@ -20,6 +20,8 @@ use serde_json::Value;
 
 use super::{CommandResult, Outcome};
 use crate::files;
+use crate::pattern::Pattern;
+use crate::pattern::card::{self, CardError};
 use crate::print::page::Media;
 use crate::print::paper::Stock;
 use crate::print::printer::Printer;
@@ -210,6 +212,17 @@ impl CutSheetArgs {
         let format = Format::of(self.format, &self.output);
         as_files(format, &self.output, title, (names, sheets))
     }
+}
+
+/// The width of a repeat: as given, else as the pattern's card says.
+fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
+    card::tile_mm(given, path, pattern).map_err(|error| match error {
+        CardError::None { .. } => format!("{error}: give --tile-mm"),
+        CardError::Content { .. } | CardError::OtherPattern { .. } => {
+            format!("{error}: give --tile-mm, or remove the file")
+        }
+        _ => error.to_string(),
+    })
 }
 
 fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {

@@ -11,7 +11,7 @@ use crate::cli::progress;
 use crate::pattern::Pattern;
 use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
 use crate::print::lettering::{counted, number};
-use crate::print::paint::{PaintArea, PaintRequest, PaintSheets, paint_sheets};
+use crate::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
 use crate::print::template::TemplateRequest;
 
 #[derive(clap::Args)]
@@ -91,7 +91,7 @@ pub fn run(
         min_feature_mm: paints.min_feature_mm,
         mirror: paints.mirror,
     };
-    let made = paint_sheets(pattern, &painted, &request)?;
+    let made = paint_sheets(pattern, &painted, &request).map_err(advised)?;
     let files = as_files(format, output, &title, (&made.names, &made.pages))?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -102,6 +102,17 @@ pub fn run(
     let first = files.first().map_or(output, |(path, _)| path);
     report(first, &painted, &made, out)?;
     Ok(Outcome::Done)
+}
+
+/// The error with the options that mend it.
+fn advised(error: PaintError) -> String {
+    match &error {
+        PaintError::CellTooSmall { most, least_tile, .. } => {
+            format!("{error}; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more")
+        }
+        PaintError::NoStencil(_) => format!("{error}; give a smaller --min-feature-mm or a larger --tile-mm"),
+        _ => error.to_string(),
+    }
 }
 
 /// `--json`.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{CutSheetArgs, NewFile, write_files};
 use crate::cli::{CommandResult, Outcome};
 use crate::print::lettering::counted;
-use crate::print::tags::{Ground, TagRequest, TagSheets, tag_sheets};
+use crate::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, TagSheets, tag_sheets};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -40,7 +40,8 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
             plain: args.plain,
             whole_mat: args.whole_mat,
         },
-    )?;
+    )
+    .map_err(advised)?;
     let title = format!("Tags of {}", scene.model.name);
     // In a file's name, `cards 1` is `cards-1`.
     let names: Vec<String> = made.names.iter().map(|name| name.replace(' ', "-")).collect();
@@ -54,9 +55,33 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     let contents = made.contents.join(", ");
     writeln!(out, "{}: {sheets}: {contents}; print at 100 %", files[0].0.display())?;
     for note in &made.notes {
-        say!("note: {note}");
+        say!("note: {}", noted(note));
     }
     Ok(Outcome::Done)
+}
+
+/// The error with the option that mends it.
+fn advised(error: TagPrintError) -> String {
+    let instead = match &error {
+        TagPrintError::TooLarge { instead, .. } => *instead,
+        _ => Instead::Nothing,
+    };
+    let option = match instead {
+        Instead::Nothing => "",
+        Instead::WholeMat => " (--whole-mat)",
+        Instead::PlainCards => " (--plain)",
+    };
+    format!("{error}{option}")
+}
+
+/// The note with the option that serves.
+fn noted(note: &TagNote) -> String {
+    let option = match note {
+        TagNote::CutTags(_) => " (--plain)",
+        TagNote::PlaceStrips => "; --whole-mat prints every card's place on the mat",
+        _ => "",
+    };
+    format!("{note}{option}")
 }
 
 /// What was written.
@@ -73,7 +98,7 @@ fn json(made: &TagSheets, files: &[NewFile]) -> Value {
         "sheets": sheets,
         "cards": cards.collect::<Vec<_>>(),
         "mat": made.ground.as_ref().map(mat),
-        "notes": made.notes,
+        "notes": made.notes.iter().map(noted).collect::<Vec<_>>(),
     })
 }
 

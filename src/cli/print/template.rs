@@ -10,7 +10,7 @@ use serde_json::json;
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, Format, NewFile, Outcome, as_files, printer, write_files, write_json};
 use crate::cli::{progress, units};
-use crate::pattern::{Pattern, card};
+use crate::pattern::Pattern;
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
 use crate::print::{lettering, paper};
 
@@ -182,7 +182,7 @@ fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Bo
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
     Ok(TemplateRequest {
-        tile_mm: card::tile_mm(args.tile_mm, &args.pattern, pattern)?,
+        tile_mm: super::tile_mm(args.tile_mm, &args.pattern, pattern)?,
         scale: args.scale,
         pattern_name,
         front: args.front.into(),

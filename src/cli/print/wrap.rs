@@ -9,10 +9,10 @@ use serde_json::json;
 use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::mesh::{Mesh, MeshError, Placement};
-use crate::pattern::{Pattern, card};
+use crate::pattern::Pattern;
 use crate::print::lettering;
 use crate::print::template::check_scale;
-use crate::print::wrap::{Kept, Wrap, WrapRequest, check_size, wrap};
+use crate::print::wrap::{Kept, Wrap, WrapError, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
@@ -112,7 +112,7 @@ impl ModelArgs {
             (None, None) => return Err("give --mesh, --scene, or both".into()),
         };
         if let Some(scene) = &scene {
-            check_size(&mesh, scene.model.size_mm)?;
+            check_size(&mesh, scene.model.size_mm).map_err(advised)?;
         }
         mesh.check_is_model()?;
         let scale = self.scale.or(scene.as_ref().map(|s| s.model.scale)).unwrap_or(10.0);
@@ -182,13 +182,13 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let request = WrapRequest {
         max_stretch: args.flatten.then_some(args.max_stretch),
         ..sheets.request(
-            card::tile_mm(args.tile_mm, &args.pattern, &pattern)?,
+            super::tile_mm(args.tile_mm, &args.pattern, &pattern)?,
             model.scale,
             &args.pattern,
         )?
     };
     let busy = progress::busy("wrapping");
-    let made = wrap(&model.mesh, &model.materials, &pattern, &request)?;
+    let made = wrap(&model.mesh, &model.materials, &pattern, &request).map_err(advised)?;
     let title = format!(
         "Panels of {}, tile {} mm",
         request.pattern_name,
@@ -224,6 +224,24 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         writeln!(out, "{fact}")?;
     }
     Ok(Outcome::Done)
+}
+
+/// The error with the options that mend it.
+fn advised(error: WrapError) -> String {
+    let advice = match &error {
+        WrapError::OtherSize { .. } => {
+            "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene"
+        }
+        WrapError::TooManySteep { count, most } => {
+            return format!(
+                "{count} triangles are steeper than --max-stretch, and no more than {most} can be unrolled; simplify the mesh, or give a \
+                 larger --max-stretch"
+            );
+        }
+        WrapError::TooManyStripCells { .. } => ", or a larger --max-stretch",
+        _ => "",
+    };
+    format!("{error}{advice}")
 }
 
 fn say_notes(args: &WrapArgs, made: &Wrap) {

@@ -7,6 +7,7 @@ use super::{by_variant, in_words};
 use crate::cli::{CommandResult, Outcome};
 use crate::files;
 use crate::session::import::{self, Request};
+use crate::spelling;
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]
@@ -42,7 +43,11 @@ pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     files::write_atomically(&imported.path, imported.text.as_bytes())?;
     if let Some(first) = imported.without_box.first() {
         let count = imported.without_box.len();
-        say!("note: {count} photos have no box of the model and are left out (the first: {first})");
+        say!(
+            "note: {} no box of the model and {} left out (the first: {first})",
+            spelling::choose(count, "1 photo has", &format!("{count} photos have")),
+            spelling::choose(count, "is", "are")
+        );
     }
     let photos = &imported.session.photos;
     let variants = by_variant(photos);
@@ -54,14 +59,7 @@ pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
             });
             writeln!(out, "{made}")?;
         }
-        false => writeln!(
-            out,
-            "{}: {} photos ({}); score them with `scaleproof score {} -o REPORT`",
-            imported.path.display(),
-            photos.len(),
-            in_words(&variants),
-            args.photos.display()
-        )?,
+        false => writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?,
     }
     Ok(Outcome::Done)
 }

@@ -49,14 +49,7 @@ pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
             });
             writeln!(out, "{made}")?;
         }
-        false => writeln!(
-            out,
-            "{}: {} photos ({}); score them with `scaleproof score {} -o REPORT`",
-            made.path.display(),
-            made.photos.len(),
-            in_words(&variants),
-            quoted(&args.folder.display().to_string())
-        )?,
+        false => writeln!(out, "{}", in_words(&made.path, &made.photos, &args.folder))?,
     }
     Ok(Outcome::Done)
 }

@@ -9,9 +9,10 @@ use serde::Serialize;
 
 use crate::cli::{CommandResult, Outcome, progress, sessions};
 use crate::detect::{Manifest, Recorded, Recording};
-use crate::photo::PhotoFile;
-use crate::score::Contestant;
+use crate::photo::Photo;
+use crate::score::EvaluatedDetector;
 use crate::session::{Contents, Look, PhotoEntry, Session};
+use crate::spelling;
 use crate::workers;
 
 /// So many groups of photos are listed; the rest is counted.
@@ -61,11 +62,15 @@ fn page(session: &Session) -> Page {
     let (mut notes, mut recordings) = (Vec::new(), Vec::new());
     if let Some(first) = contents.unreadable.first() {
         let count = contents.unreadable.len();
-        notes.push(format!("{count} photos cannot be read (the first: {})", first.reason));
+        notes.push(format!(
+            "{} cannot be read (the first: {})",
+            spelling::count(count, "photo"),
+            first.reason
+        ));
     }
     notes.extend(copies(session, &looks));
     notes.extend(session.camera.as_ref().and_then(|c| Some(c.guess?.caution())));
-    let folder = Contestant::recordings_of(&session.folder);
+    let folder = EvaluatedDetector::recordings_of(&session.folder);
     for detector in Recording::names_in(&folder) {
         let opened = match Manifest::named(&detector) {
             Ok(manifest) => Recorded::open(&folder, &manifest).map(|recorded| recorded.recording),
@@ -91,7 +96,7 @@ fn page(session: &Session) -> Page {
 /// Reads every photo, as far as its header.
 fn looks(session: &Session) -> Vec<Look> {
     let bar = progress::photos("reading", session.photos.len());
-    let look = |photo: &PhotoEntry| match PhotoFile::open(&session.photo_path(photo)) {
+    let look = |photo: &PhotoEntry| match Photo::open(&session.photo_path(photo)) {
         Ok(file) => Ok(file.sha256),
         Err(e) => Err(e.to_string()),
     };
@@ -113,7 +118,13 @@ fn copies(session: &Session, looks: &[Look]) -> Option<String> {
     let (first, _) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
-        "{count} photos are byte-for-byte copies of others (the first: {})",
+        "{} {} (the first: {})",
+        spelling::count(count, "photo"),
+        spelling::choose(
+            count,
+            "is a byte-for-byte copy of another",
+            "are byte-for-byte copies of others"
+        ),
         first.file
     ))
 }
@@ -126,10 +137,17 @@ fn stored(session: &Session, looks: &[Look], recording: &Recording) -> (Stored, 
     let without: Vec<_> = readable.filter(|(_, look)| !is_there(look)).collect();
     let detector = recording.detector.clone();
     let note = without.first().map(|(first, _)| {
+        let count = without.len();
         format!(
-            "{} photos have no recorded detections of {detector} (the first: {}): they are new, or other files than those recorded",
-            without.len(),
-            first.file
+            "{} {} no recorded detections of {detector} (the first: {}): {}",
+            spelling::count(count, "photo"),
+            spelling::choose(count, "has", "have"),
+            first.file,
+            spelling::choose(
+                count,
+                "it is new, or another file than the one recorded",
+                "they are new, or other files than those recorded"
+            )
         )
     });
     let photos = looks.iter().filter(|look| is_there(look)).count();
@@ -140,7 +158,11 @@ fn text(page: &Page) -> String {
     let Contents {
         scene, camera, photos, ..
     } = &page.contents;
-    let mut lines = vec![format!("{}: {photos} photos", page.contents.session)];
+    let mut lines = vec![format!(
+        "{}: {}",
+        page.contents.session,
+        spelling::count(*photos, "photo")
+    )];
     let mut line = |name: &str, what: String| lines.push(format!("{name:<9}{what}"));
     let [length, width, height] = scene.size_mm;
     line(
@@ -191,12 +213,16 @@ fn text(page: &Page) -> String {
         .checked_sub(MOST_GROUPS)
         .filter(|more| *more > 0)
     {
-        line("", format!("… and {more} more groups, see --json"));
+        line("", format!("… and {}, see --json", spelling::count(more, "more group")));
     }
     if page.contents.with_truth > 0 {
         line(
             "truth",
-            format!("{} photos have their own truth box", page.contents.with_truth),
+            format!(
+                "{} {} own truth box",
+                spelling::count(page.contents.with_truth, "photo"),
+                spelling::choose(page.contents.with_truth, "has its", "have their")
+            ),
         );
     }
     line("recorded", recordings(page));
@@ -210,7 +236,7 @@ fn recordings(page: &Page) -> String {
     let stored: Vec<_> = page
         .recordings
         .iter()
-        .map(|stored| format!("{} ({} photos)", stored.detector, stored.photos))
+        .map(|stored| format!("{} ({})", stored.detector, spelling::count(stored.photos, "photo")))
         .collect();
     match stored.is_empty() {
         true => "nothing".into(),

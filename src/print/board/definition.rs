@@ -2,7 +2,6 @@
 
 use super::{BoardError, BoardKind, BoardRequest, Definition, MIN_MODULE_MM};
 use crate::geometry::length;
-use crate::print::PrintError;
 use crate::tags::MarkerDictionary;
 
 /// The definition of a board that can be printed.
@@ -12,7 +11,7 @@ pub(super) fn definition(request: &BoardRequest) -> Result<Definition, BoardErro
     if !(least..=Definition::MOST_SQUARES).contains(&columns) || !(least..=Definition::MOST_SQUARES).contains(&rows) {
         return Err(BoardError::Squares { columns, rows, least });
     }
-    size_mm("square", request.square_mm)?;
+    length::size_mm("square", request.square_mm)?;
     match request.kind {
         BoardKind::Charuco => charuco(request),
         BoardKind::Chessboard => chessboard(request),
@@ -44,15 +43,12 @@ fn charuco(request: &BoardRequest) -> Result<Definition, BoardError> {
 }
 
 fn chessboard(request: &BoardRequest) -> Result<Definition, BoardError> {
-    let not_here = |option| BoardError::NotForThisBoard {
-        option,
-        board: "a chessboard",
-    };
+    let board = "a chessboard";
     if request.marker_mm.is_some() {
-        return Err(not_here("--marker-mm"));
+        return Err(BoardError::MarkerSizeUnused { board });
     }
     if request.dictionary.is_some() {
-        return Err(not_here("--dictionary"));
+        return Err(BoardError::DictionaryUnused { board });
     }
     printable(request.square_mm)?;
     let (columns, rows) = request.squares;
@@ -65,8 +61,7 @@ fn chessboard(request: &BoardRequest) -> Result<Definition, BoardError> {
 
 fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
     if request.dictionary.is_some() {
-        return Err(BoardError::NotForThisBoard {
-            option: "--dictionary",
+        return Err(BoardError::DictionaryUnused {
             board: "an AprilGrid, which is made of tag36h11",
         });
     }
@@ -97,7 +92,7 @@ fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
 /// The marker's size, asked for or usual, in thousandths of a millimetre.
 fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError> {
     let usual = (request.square_mm * usual_share * 1000.0).round() / 1000.0;
-    let marker_mm = size_mm("marker", request.marker_mm.unwrap_or(usual))?;
+    let marker_mm = length::size_mm("marker", request.marker_mm.unwrap_or(usual))?;
     if marker_mm >= 0.95 * request.square_mm {
         return Err(BoardError::MarkerTooLarge {
             marker_mm,
@@ -105,10 +100,6 @@ fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError
         });
     }
     Ok(marker_mm)
-}
-
-fn size_mm(what: &str, value: f64) -> Result<f64, PrintError> {
-    Ok(length::size_mm(what, value)?)
 }
 
 fn printable(module_mm: f64) -> Result<(), BoardError> {

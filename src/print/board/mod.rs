@@ -5,13 +5,14 @@ mod draw;
 
 pub use crate::board::Definition;
 
-use super::PrintError;
+use super::SheetError;
 use super::lettering::number;
 use super::page::{Media, Page};
 use super::printer::Printer;
 use super::shapes::Outline;
 use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
 use crate::board::DefinitionError;
+use crate::geometry::length::BadLength;
 use crate::tags::DictionaryError;
 
 /// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
@@ -21,16 +22,17 @@ const QUIET_MM: f64 = 1.0;
 
 /// Why no board was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BoardError {
     #[error(transparent)]
-    Print(#[from] PrintError),
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Length(#[from] BadLength),
     #[error(transparent)]
     Dictionary(#[from] DictionaryError),
     #[error("a board of {columns}×{rows} squares cannot be printed; give {least} to {most} each way", most = Definition::MOST_SQUARES)]
     Squares { columns: u32, rows: u32, least: u32 },
-    #[error(
-        "a marker of {marker_mm} mm does not fit into a square of {square_mm} mm with white around it; use a smaller --marker-mm"
-    )]
+    #[error("a marker of {marker_mm} mm does not fit into a square of {square_mm} mm with white around it")]
     MarkerTooLarge { marker_mm: f64, square_mm: f64 },
     #[error("this board needs {needed} markers and {dictionary} has {count}; use fewer squares or a larger dictionary")]
     NotEnoughMarkers {
@@ -42,8 +44,10 @@ pub enum BoardError {
         "the markers would have modules of {module_mm:.3} mm, smaller than the {MIN_MODULE_MM} mm a printer can show; make them larger"
     )]
     ModuleTooSmall { module_mm: f64 },
-    #[error("{option} means nothing on {board}; leave it out")]
-    NotForThisBoard { option: &'static str, board: &'static str },
+    #[error("a marker size means nothing on {board}; leave it out")]
+    MarkerSizeUnused { board: &'static str },
+    #[error("a dictionary means nothing on {board}; leave it out")]
+    DictionaryUnused { board: &'static str },
     #[error("tag {id} of tag36h11 could not be drawn by the AprilTag library")]
     NoImage { id: u32 },
     #[error("the board is {board_mm} mm and the paper has {free_mm} mm for it; use larger paper or smaller squares")]

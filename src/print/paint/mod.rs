@@ -13,12 +13,13 @@ mod stencil_sheet;
 
 pub use stencil::{NoStencil, Rules, Stencil, stencil};
 
-use super::PrintError;
+use super::SheetError;
 use super::lettering::number;
 use super::printer;
 use super::sheet::Sheet;
 use super::template::cover::cover;
-use super::template::{Captions, Layout, MAX_SHEETS, SheetPlan, TemplateRequest, cell_mm};
+use super::template::{Captions, Layout, MAX_SHEETS, SheetPlan, TemplateError, TemplateRequest, cell_mm};
+use crate::geometry::length::shown;
 use crate::pattern::Pattern;
 use crate::pattern::palette::Painted;
 use regions::CellGrid;
@@ -35,19 +36,26 @@ const MOST_CELLS: usize = 250_000;
 
 /// Why there are no paint sheets.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PaintError {
     #[error(transparent)]
-    Print(#[from] PrintError),
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Template(#[from] TemplateError),
     #[error(transparent)]
     NoStencil(#[from] NoStencil),
+    #[error("minimum feature width cannot be {}; give 0.2 to 10 mm", shown(*feature_mm))]
+    FeatureWidth { feature_mm: f64 },
     #[error(
         "cells of {cell} mm are too small for stencils with features of {feature} mm (a bridge and an opening on either side of it \
-         take three times that); give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more"
+         take three times that)"
     )]
     CellTooSmall {
         cell: String,
         feature: String,
+        /// The widest features that these cells have room for.
         most: String,
+        /// The smallest tile that has room for these features.
         least_tile: String,
     },
     #[error(
@@ -161,12 +169,7 @@ fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRe
 
 fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), PaintError> {
     if !(MIN_FEATURE_MM..=MAX_FEATURE_MM).contains(&feature_mm) {
-        let refused = PrintError::BadNumber {
-            what: "minimum feature width",
-            value: feature_mm,
-            wanted: "0.2 to 10 mm",
-        };
-        return Err(refused.into());
+        return Err(PaintError::FeatureWidth { feature_mm });
     }
     if cell_mm < FEATURES_PER_CELL * feature_mm {
         return Err(PaintError::CellTooSmall {

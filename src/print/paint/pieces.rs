@@ -1,14 +1,14 @@
 //! A panel spread over sheets that stand alone: each has a rim around its part, and seams follow the cells' borders where they can,
 //! so that no cell is cut into slivers.
 
-use super::PaintError;
+use crate::print::SheetError;
 use crate::print::frame::Frame;
 use crate::print::sheet::RectMm;
 use crate::print::template::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
 
 /// The sheets: of each, `own` is its part of the panel, `carried` that and the rim. `trim` and `printed` are the rim's
 /// outer edge. Overlap and bleed of the request do not matter.
-pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layout, PaintError> {
+pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layout, SheetError> {
     // A strip of two rims between sheets and one around them leaves each sheet its part and its own rim.
     let spread = layout(&LayoutRequest {
         overlap_mm: 2.0 * rim_mm,
@@ -30,7 +30,7 @@ pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layo
     );
     let (columns, rows) = (x.len() - 1, y.len() - 1);
     if columns * rows > MAX_SHEETS {
-        return Err(crate::print::PrintError::TooManySheets { most: MAX_SHEETS }.into());
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS });
     }
     let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
     let sheet = |(row, column): (usize, usize)| {

@@ -45,9 +45,7 @@ pub struct Stencil {
 
 /// The rules cannot be held; on whole cells of three times the least width this does not happen.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error(
-    "no stencil with features of {min_feature_mm} mm was found for this shape; give a smaller --min-feature-mm or a larger --tile-mm"
-)]
+#[error("no stencil with features of {min_feature_mm} mm was found for this shape")]
 pub struct NoStencil {
     min_feature_mm: f64,
 }

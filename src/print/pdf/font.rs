@@ -6,8 +6,8 @@ use printpdf::BuiltinFont;
 use super::name;
 use crate::print::lettering;
 
-/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `assets/fonts`.
-const FILE: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-latin1.ttf");
+/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `print/fonts`.
+const FILE: &[u8] = include_bytes!("../fonts/DejaVuSans-latin1.ttf");
 /// With the tag of a subset (ISO 32000-1, 9.6.4).
 const NAME: &str = "LATINA+DejaVuSans";
 /// What the pages call their font until [`embed`] exchanges it. printpdf encodes the text of its built-in fonts in WinAnsi,

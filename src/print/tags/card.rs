@@ -1,7 +1,7 @@
 //! Plain cards: one tag each, upright, inside a cut line.
 
 use super::piece::{Piece, cut_line};
-use super::{TagPrintError, family_name, image_of};
+use super::{Instead, TagPrintError, family_name, image_of};
 use crate::print::lettering::{fitting_size_mm, number};
 use crate::print::shapes::{Placement, black_modules};
 use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, RectMm};
@@ -22,7 +22,7 @@ pub fn pieces<'a>(tags: &[&'a Tag]) -> Result<Vec<Piece<'a>>, TagPrintError> {
             size_mm: (width, width + STRIP_MM),
             name: format!("id {}", tag.id),
             what: format!("the card of tag {}", tag.id),
-            instead: "",
+            instead: Instead::Nothing,
             draw: Box::new(move |at| Ok(marks(tag, &image, at))),
         })
     };

@@ -9,7 +9,7 @@ use super::seams::Axis;
 use super::strip::{Standing, Strip};
 use super::view::{bounds, union, within};
 use super::{TagPrintError, TagRequest};
-use crate::print::PrintError;
+use crate::print::SheetError;
 use crate::print::page::{Media, Page};
 use crate::print::paper::Stock;
 use crate::print::shapes::{clipped, stroked};
@@ -63,7 +63,7 @@ impl Ground {
                 }
             }
         }
-        let none = PrintError::TooManySheets { most: MAX_SHEETS };
+        let none = SheetError::TooManySheets { most: MAX_SHEETS };
         best.map(|(_, ground)| ground.finished())
             .ok_or_else(|| refused.unwrap_or_else(|| none.into()))
     }
@@ -190,7 +190,7 @@ fn tiled(page: Page, media: Media, mat: &Mat, content: RectMm) -> Result<(Layout
         keep: tags.iter().map(|tag| (-tag.top_mm, -tag.bottom_mm)).collect(),
     };
     if across.sheets().saturating_mul(down.sheets()) > MAX_SHEETS {
-        return Err(PrintError::TooManySheets { most: MAX_SHEETS }.into());
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS }.into());
     }
     let (mut x, mut y) = (across.edges(), down.edges());
     // A roll is cut off where the mat ends.

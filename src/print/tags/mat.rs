@@ -80,15 +80,13 @@ impl Mat {
         Ok(mat)
     }
 
-    /// Things that stand on each other, or closer than a tag's white ring, as sentences.
-    pub fn crowded(&self) -> Vec<String> {
-        let mut found = Vec::new();
-        for (i, (a, outline_a)) in self.footprints.iter().enumerate() {
-            let later = self.footprints[i + 1..].iter();
-            let over = later.filter(|(_, outline_b)| overlap(outline_a, outline_b));
-            found.extend(over.map(|(b, _)| format!("{a} and {b} overlap on the mat: move one of them in the scene")));
-        }
-        found
+    /// Things that stand on each other, or closer than a tag's white ring, by their names.
+    pub fn overlaps(&self) -> impl Iterator<Item = [String; 2]> {
+        let pairs = (0..self.footprints.len()).flat_map(|i| (i + 1..self.footprints.len()).map(move |j| (i, j)));
+        pairs
+            .map(|(i, j)| (&self.footprints[i], &self.footprints[j]))
+            .filter(|((_, a), (_, b))| overlap(a, b))
+            .map(|((a, _), (b, _))| [a.clone(), b.clone()])
     }
 
     fn add_model(&mut self, model: &Model) {

@@ -23,7 +23,9 @@ pub use ground::Ground;
 pub use strip::Strip;
 pub use tent::{FlatTag, Fold, Net, Panel, TILT_DEG, Tent};
 
-use super::PrintError;
+use std::fmt;
+
+use super::SheetError;
 use super::lettering::{counted, number};
 use super::page::Media;
 use super::sheet::{RectMm, Sheet};
@@ -37,9 +39,10 @@ const LINE_MM: f64 = 0.2;
 
 /// Why no tags were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TagPrintError {
     #[error(transparent)]
-    Print(#[from] PrintError),
+    Sheet(#[from] SheetError),
     #[error("the scene has no tags; add [[tag]] tables to it, or make one with `scaleproof scene new`")]
     NoTags,
     #[error("tag {id} of {family} could not be drawn: the AprilTag library does not have it")]
@@ -53,8 +56,65 @@ pub enum TagPrintError {
         what: String,
         needed_mm: String,
         free_mm: String,
-        instead: &'static str,
+        instead: Instead,
     },
+}
+
+/// What could be printed instead of something too large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instead {
+    Nothing,
+    WholeMat,
+    PlainCards,
+}
+
+impl fmt::Display for Instead {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nothing => "",
+            Self::WholeMat => ", or print the whole mat",
+            Self::PlainCards => ", or print plain cards",
+        })
+    }
+}
+
+/// What the user should know of the tags on paper.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum TagNote {
+    /// The mat puts tags at 0 that the scene has at this height.
+    Lowered {
+        height_mm: f64,
+    },
+    /// What overlaps on the mat.
+    Overlap([String; 2]),
+    /// Seams of the mat run through these tags.
+    CutTags(Vec<u32>),
+    PlaceStrips,
+}
+
+impl fmt::Display for TagNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lowered { height_mm } => write!(
+                f,
+                "the scene has flat tags at a height of {} mm; the mat puts them at 0",
+                number(*height_mm)
+            ),
+            Self::Overlap([a, b]) => write!(f, "{a} and {b} overlap on the mat: move one of them in the scene"),
+            Self::CutTags(ids) if ids.len() == 1 => write!(
+                f,
+                "a seam of the mat runs through tag {} however the sheets are laid; glue it exactly, or lay a plain card over it",
+                ids[0]
+            ),
+            Self::CutTags(ids) => write!(
+                f,
+                "seams of the mat run through tags {} however the sheets are laid; glue them exactly, or lay plain cards over them",
+                ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+            ),
+            Self::PlaceStrips => write!(f, "place strips save sheets and put cards within about 1 mm"),
+        }
+    }
 }
 
 /// What to print.
@@ -79,8 +139,7 @@ pub struct TagSheets {
     /// Everything that is cut out of cards.
     pub cut_out: Vec<CutOut>,
     pub ground: Option<Ground>,
-    /// What the user should know: a sentence each.
-    pub notes: Vec<String>,
+    pub notes: Vec<TagNote>,
 }
 
 /// A card or a strip on its sheet.
@@ -211,31 +270,16 @@ fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, ca
     contents
 }
 
-fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(lifted_mm) = arrangement.lifted_mm() {
-        let height = number(lifted_mm);
-        notes.push(format!(
-            "the scene has flat tags at a height of {height} mm; the mat puts them at 0"
-        ));
-    }
+fn notes(arrangement: &Arrangement, ground: Option<&Ground>) -> Vec<TagNote> {
+    let lowered = arrangement.lifted_mm().map(|height_mm| TagNote::Lowered { height_mm });
+    let mut notes: Vec<TagNote> = lowered.into_iter().collect();
     let Some(ground) = ground else { return notes };
-    notes.extend(ground.mat.crowded());
-    let ids: Vec<String> = ground.cut_tags.iter().map(u32::to_string).collect();
-    match ids.as_slice() {
-        [] => {}
-        [id] => notes.push(format!(
-            "a seam of the mat runs through tag {id} however the sheets are laid; glue it exactly, or lay a plain card over it (--plain)"
-        )),
-        ids => notes.push(format!(
-            "seams of the mat run through tags {} however the sheets are laid; glue them exactly, or lay plain cards over them (--plain)",
-            ids.join(", ")
-        )),
+    notes.extend(ground.mat.overlaps().map(TagNote::Overlap));
+    if !ground.cut_tags.is_empty() {
+        notes.push(TagNote::CutTags(ground.cut_tags.clone()));
     }
     if !ground.strips.is_empty() {
-        notes.push(
-            "place strips save sheets and put cards within about 1 mm; --whole-mat prints every card's place on the mat".to_owned(),
-        );
+        notes.push(TagNote::PlaceStrips);
     }
     notes
 }

@@ -1,6 +1,6 @@
 //! What is cut out of shared pages: tent cards, plain cards and place strips.
 
-use super::{LINE_MM, TagPrintError};
+use super::{Instead, LINE_MM, TagPrintError};
 use crate::print::lettering::number;
 use crate::print::pack::{self, Spot};
 use crate::print::page::{Media, Page};
@@ -16,7 +16,7 @@ pub struct Piece<'a> {
     pub name: String,
     /// What an error calls it, and what else could be done then.
     pub what: String,
-    pub instead: &'static str,
+    pub instead: Instead,
     /// Its marks, with its lower left corner at a place of the page.
     pub draw: Draw<'a>,
 }
@@ -58,9 +58,9 @@ pub fn spread(pieces: &[Piece], media: Media) -> Result<Vec<PiecePage>, TagPrint
 fn placed(pieces: &[Piece], media: Media) -> Result<(Page, Vec<Spot>), TagPrintError> {
     let sizes: Vec<_> = pieces.iter().map(|piece| piece.size_mm).collect();
     let name = |thing: usize| {
-        pieces
-            .get(thing)
-            .map_or((String::new(), ""), |piece| (piece.what.clone(), piece.instead))
+        pieces.get(thing).map_or((String::new(), Instead::Nothing), |piece| {
+            (piece.what.clone(), piece.instead)
+        })
     };
     packed(&sizes, media, name)
 }
@@ -78,7 +78,7 @@ pub fn check(pieces: &[Piece], media: Media) -> Result<(), TagPrintError> {
 /// # Errors
 /// As [`spread`].
 pub fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
-    let unnamed = |_| ("a card".to_owned(), "");
+    let unnamed = |_| ("a card".to_owned(), Instead::Nothing);
     if sizes.is_empty() {
         Ok(0)
     } else {
@@ -104,7 +104,7 @@ fn cut_off(page: Page, media: Media, number: usize, spots: &[Spot]) -> Result<Pi
 fn packed(
     sizes: &[(f64, f64)],
     media: Media,
-    name: impl Fn(usize) -> (String, &'static str),
+    name: impl Fn(usize) -> (String, Instead),
 ) -> Result<(Page, Vec<Spot>), TagPrintError> {
     let mut best: Option<(Page, Vec<Spot>)> = None;
     let mut refused = None;

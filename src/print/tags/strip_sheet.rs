@@ -1,5 +1,6 @@
 //! Draws place strips: the ground as it is seen through the strip, and what to do with its ends.
 
+use super::Instead;
 use super::ground::Ground;
 use super::piece::{Piece, cut_line};
 use super::strip::{Strip, WIDTH_MM};
@@ -20,7 +21,7 @@ fn piece<'a>(strip: &'a Strip, ground: &'a Ground) -> Piece<'a> {
         size_mm: (strip.length_mm, WIDTH_MM),
         name: format!("strip T{}", strip.tent + 1),
         what: format!("the place strip of tent card T{}", strip.tent + 1),
-        instead: ", or print the whole mat (--whole-mat)",
+        instead: Instead::WholeMat,
         draw: Box::new(move |at| Ok(marks(strip, ground, at))),
     }
 }

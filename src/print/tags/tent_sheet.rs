@@ -2,7 +2,7 @@
 
 use super::piece::Piece;
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
-use super::{LINE_MM, TagPrintError, family_name, image_of};
+use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::lettering::{fitting_size_mm, number};
 use crate::print::shapes::{Placement, black_modules};
 use crate::print::sheet::{Anchor, BLACK, Mark, PointMm};
@@ -24,7 +24,7 @@ pub fn pieces(tents: &[Tent]) -> Vec<Piece<'_>> {
             size_mm: (net.width_mm, net.height_mm),
             name: format!("T{}", i + 1),
             what: format!("tent card T{} (tags {a} and {b})", i + 1),
-            instead: ", or print plain cards (--plain)",
+            instead: Instead::PlainCards,
             draw: Box::new(move |at| marks(i + 1, &tent, &net, at)),
         }
     };

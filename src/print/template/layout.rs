@@ -5,7 +5,7 @@
 
 use super::seams::letters;
 use crate::geometry::length;
-use crate::print::PrintError;
+use crate::print::SheetError;
 use crate::print::frame::{Frame, Setup};
 use crate::print::lettering::number;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
@@ -82,7 +82,7 @@ pub struct Layout {
 /// # Errors
 /// Lengths out of bounds, paper too small for the rulers, an overlap as large as the usable area, more than [`MAX_SHEETS`]
 /// sheets.
-pub fn layout(request: &LayoutRequest) -> Result<Layout, PrintError> {
+pub fn layout(request: &LayoutRequest) -> Result<Layout, SheetError> {
     check(request)?;
     let plan = match request.orientation {
         Orientation::Portrait => plan(request, false)?,
@@ -92,11 +92,11 @@ pub fn layout(request: &LayoutRequest) -> Result<Layout, PrintError> {
     plan.into_layout(request)
 }
 
-fn check(request: &LayoutRequest) -> Result<(), PrintError> {
+fn check(request: &LayoutRequest) -> Result<(), SheetError> {
     let (width, height) = request.size_mm;
     // Before the bounds of a length: that it takes too many sheets is the plainer reason.
     if [width, height].iter().any(|side| side.is_finite() && *side > MOST_MM) {
-        return Err(PrintError::TooManySheets { most: MAX_SHEETS });
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS });
     }
     length::size_mm("template width", width)?;
     length::size_mm("template height", height)?;
@@ -121,7 +121,7 @@ impl Plan {
     }
 }
 
-fn better(portrait: Result<Plan, PrintError>, landscape: Result<Plan, PrintError>) -> Result<Plan, PrintError> {
+fn better(portrait: Result<Plan, SheetError>, landscape: Result<Plan, SheetError>) -> Result<Plan, SheetError> {
     match (portrait, landscape) {
         (Ok(p), Ok(l)) => Ok(if l.cost() < p.cost() { l } else { p }),
         (Ok(plan), Err(_)) | (Err(_), Ok(plan)) => Ok(plan),
@@ -129,7 +129,7 @@ fn better(portrait: Result<Plan, PrintError>, landscape: Result<Plan, PrintError
     }
 }
 
-fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, PrintError> {
+fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, SheetError> {
     let setup = Setup {
         margin_mm: request.margin_mm,
         printer: request.printer,
@@ -158,12 +158,12 @@ fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, PrintError> {
 }
 
 /// How many sheets the template takes: (across, down).
-fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), PrintError> {
+fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), SheetError> {
     let (across, down) = (frame.usable.width_mm(), frame.usable.height_mm());
     let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
     // With both bleeds beside the overlap, every sheet is sure to have a piece of its own.
     if overlap_mm + 2.0 * bleed_mm >= across.min(down) {
-        return Err(PrintError::OverlapTooLarge {
+        return Err(SheetError::OverlapTooLarge {
             overlap_mm,
             bleed_mm,
             usable_mm: format!("{} × {}", number(across), number(down)),
@@ -173,7 +173,7 @@ fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), Prin
     let rows = sheets_along(request.size_mm.1 + 2.0 * bleed_mm, down, overlap_mm);
     // Compared before it becomes an integer, which the longest template on almost no usable area would overflow.
     if columns * rows > MAX_SHEETS as f64 {
-        return Err(PrintError::TooManySheets { most: MAX_SHEETS });
+        return Err(SheetError::TooManySheets { most: MAX_SHEETS });
     }
     Ok((columns as usize, rows as usize))
 }
@@ -202,7 +202,7 @@ fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
 }
 
 impl Plan {
-    fn into_layout(self, request: &LayoutRequest) -> Result<Layout, PrintError> {
+    fn into_layout(self, request: &LayoutRequest) -> Result<Layout, SheetError> {
         let cover = match request.paper {
             Stock::Cut(_) => self.frame,
             Stock::Roll { width_mm } => {

@@ -5,7 +5,7 @@ use super::seams::Seams;
 use super::{Panel, Point, Region, Strip, Wrap, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
-use crate::print::PrintError;
+use crate::print::SheetError;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
 use crate::print::printer;
 use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
@@ -38,7 +38,7 @@ const STEPS: [&str; 4] = [
 const STRIPS_STEP: &str = "The numbered strips are steep parts that were unrolled, seen from outside, with their upper end (on the roof: the front) up \
      unless they say otherwise. Cut them out, fold them at their dashes, and put each where this page shows its number.";
 
-pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Result<Sheet, PrintError> {
+pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Result<Sheet, SheetError> {
     let template = request.template(Side::Front, (100.0, 100.0));
     let frame = match wrap.pieces.first() {
         Some(piece) => piece.layout.cover,

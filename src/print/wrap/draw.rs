@@ -2,10 +2,10 @@
 
 use super::region::{Contour, Region};
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{BLEED_MM, Paint, Panel, Piece, Point, Unrolling, Wrap, WrapRequest, cover, strips};
+use super::{BLEED_MM, Paint, Panel, Piece, Point, Unrolling, Wrap, WrapError, WrapRequest, cover, strips};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
-use crate::print::PrintError;
+use crate::print::SheetError;
 use crate::print::lettering::CAP_HEIGHT;
 use crate::print::printer;
 use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Rgb, Sheet};
@@ -31,7 +31,7 @@ pub fn wrap(
     panels: Vec<Panel>,
     pattern: &Pattern,
     request: &WrapRequest,
-) -> Result<Wrap, PrintError> {
+) -> Result<Wrap, WrapError> {
     let grown: Vec<Region> = panels.iter().map(|panel| panel.region.grown(BLEED_MM)).collect();
     let mut seams = seams(&unrolling.rest, &panels, &grown);
     let pieces: Result<Vec<_>, _> = panels.into_iter().map(|panel| piece(panel, request)).collect();
@@ -77,7 +77,7 @@ pub fn wrap(
 }
 
 /// Spreads a panel over sheets.
-pub fn piece(panel: Panel, request: &WrapRequest) -> Result<Piece, PrintError> {
+pub fn piece(panel: Panel, request: &WrapRequest) -> Result<Piece, SheetError> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
     let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
     Ok(Piece {

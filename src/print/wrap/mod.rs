@@ -20,13 +20,14 @@ pub use region::{Contour, Point, Region};
 pub use strips::StripPlace;
 pub use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
 
-use super::PrintError;
+use super::SheetError;
 use super::date::Date;
 use super::lettering::{counted, number};
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::sheet::Sheet;
-use super::template::{Front, Layout, LayoutRequest, SheetPlan, TemplateRequest};
+use super::template::{Front, Layout, LayoutRequest, SheetPlan, TemplateError, TemplateRequest};
+use crate::geometry::length::shown;
 use crate::mesh::Mesh;
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
@@ -35,6 +36,35 @@ use crate::pattern::world_aligned::Side;
 pub const BLEED_MM: f64 = 2.0;
 /// Mesh and scene may differ by this share of a side.
 const SIZE_TOLERANCE: f64 = 0.03;
+
+/// Why no panels were printed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WrapError {
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    #[error(transparent)]
+    Template(#[from] TemplateError),
+    #[error("the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm")]
+    OtherSize { mesh_mm: String, scene_mm: String },
+    #[error(
+        "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
+    )]
+    NothingToPrint,
+    #[error(
+        "largest stretch cannot be {}; give the mm on the surface that 1 mm on paper may stand for, from 1 to 1000, as in 1.2",
+        shown(*limit)
+    )]
+    MaxStretch { limit: f64 },
+    #[error(
+        "{count} triangles are stretched by more than the limit, and no more than {most} can be unrolled; simplify the mesh"
+    )]
+    TooManySteep { count: usize, most: usize },
+    #[error("the unrolled strips would take {count} cells, more than {most}; use a larger tile")]
+    TooManyStripCells { count: usize, most: usize },
+    #[error("strip {strip} with its label is larger than its page")]
+    StripTooLarge { strip: usize },
+}
 
 /// What to print. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -207,12 +237,12 @@ impl Wrap {
 /// # Errors
 /// No surface on any side, a stretch limit that is none, too many triangles beyond it or cells on their strips, and whatever the layout
 /// and the cells of a template refuse.
-pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, PrintError> {
+pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, WrapError> {
     let paint = Paint::of_materials(mesh, materials);
     let unrolling = strips::unrolling(&paint, request)?;
     let panels = unrolling.rest.panels();
     if panels.is_empty() && unrolling.strips.is_empty() {
-        return Err(PrintError::NothingToPrint);
+        return Err(WrapError::NothingToPrint);
     }
     draw::wrap(&paint, unrolling, panels, pattern, request)
 }
@@ -221,12 +251,12 @@ pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapR
 ///
 /// # Errors
 /// A side of the mesh's box that differs by more than 3 %.
-pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), PrintError> {
+pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
     let mesh_mm = mesh.size_mm();
     let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;
     if mesh_mm.into_iter().zip(scene_mm).any(differs) {
         let text = |size: [f64; 3]| size.map(|mm| number((mm * 10.0).round() / 10.0)).join(" × ");
-        return Err(PrintError::OtherSize {
+        return Err(WrapError::OtherSize {
             mesh_mm: text(mesh_mm),
             scene_mm: text(scene_mm),
         });

@@ -6,10 +6,10 @@ use super::draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved
 use super::region::{Point, Region};
 use super::seams::{CLEAR_MM, SeamMark};
 use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
-use super::{BLEED_MM, Paint, Wrap, WrapRequest};
+use super::{BLEED_MM, Paint, Wrap, WrapError, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
-use crate::print::PrintError;
+use crate::print::SheetError;
 use crate::print::frame::{Frame, Setup};
 use crate::print::lettering::{counted, wrapped};
 use crate::print::pack;
@@ -50,7 +50,7 @@ pub struct StripPlace {
 ///
 /// # Errors
 /// A limit that is no stretch, paper too small for the rulers, too many steep triangles.
-pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, PrintError> {
+pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, WrapError> {
     let Some(limit) = request.max_stretch else {
         return Ok(Unrolling {
             strips: Vec::new(),
@@ -60,11 +60,7 @@ pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, Prin
     };
     // False for NaN too.
     if !(1.0..=MOST_STRETCH).contains(&limit) {
-        return Err(PrintError::BadNumber {
-            what: "largest stretch",
-            value: limit,
-            wanted: "the mm on the surface that 1 mm on paper may stand for, from 1 to 1000, as in 1.2",
-        });
+        return Err(WrapError::MaxStretch { limit });
     }
     let area = frame(request)?.usable;
     let most = [
@@ -75,7 +71,7 @@ pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, Prin
 }
 
 /// The pages of strips lie across: strips of a car are long rather than high. A piece of a roll is square.
-fn frame(request: &WrapRequest) -> Result<Frame, PrintError> {
+fn frame(request: &WrapRequest) -> Result<Frame, SheetError> {
     let frame = |page: Paper, turned: bool| {
         let setup = Setup {
             margin_mm: request.margin_mm,
@@ -158,7 +154,7 @@ pub fn sheets(
     before: usize,
     pattern: &Pattern,
     request: &WrapRequest,
-) -> Result<(Vec<StripPlace>, Vec<Sheet>), PrintError> {
+) -> Result<(Vec<StripPlace>, Vec<Sheet>), WrapError> {
     if wrap.strips.is_empty() {
         return Ok((Vec::new(), Vec::new()));
     }
@@ -170,9 +166,7 @@ pub fn sheets(
     check_cells(&wrap.strips, wrap.cell_mm)?;
     let boxes: Vec<Boxed> = wrap.strips.iter().enumerate().map(|(i, s)| Boxed::new(i, s)).collect();
     let sizes: Vec<_> = boxes.iter().map(|b| b.size_mm).collect();
-    let spots = pack::pack(&sizes, frame.usable).map_err(|i| PrintError::Pdf {
-        reason: format!("strip {} with its label is larger than its page", i + 1),
-    })?;
+    let spots = pack::pack(&sizes, frame.usable).map_err(|i| WrapError::StripTooLarge { strip: i + 1 })?;
     let mut places = Vec::new();
     let mut pages: Vec<Vec<Mark>> = Vec::new();
     for ((strip, boxed), spot) in wrap.strips.iter().zip(&boxes).zip(spots) {
@@ -309,7 +303,7 @@ fn drawn(strip: &Strip, laid: &WorldAligned, by: Point) -> Vec<Mark> {
 }
 
 /// Every triangle is drawn twice, with its bleed and without.
-fn check_cells(strips: &[Strip], cell_mm: f64) -> Result<(), PrintError> {
+fn check_cells(strips: &[Strip], cell_mm: f64) -> Result<(), WrapError> {
     let faces = strips.iter().flat_map(|strip| &strip.faces);
     let of = |face: &Unrolled| -> usize {
         let spans = [BLEED_MM, 0.0].map(|around_mm| spans(face, cell_mm, around_mm));
@@ -321,7 +315,7 @@ fn check_cells(strips: &[Strip], cell_mm: f64) -> Result<(), PrintError> {
     let count: usize = faces.map(of).sum();
     if count > MOST_CELLS {
         let most = MOST_CELLS;
-        return Err(PrintError::TooManyStripCells { count, most });
+        return Err(WrapError::TooManyStripCells { count, most });
     }
     Ok(())
 }

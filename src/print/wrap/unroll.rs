@@ -9,11 +9,11 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use nalgebra::{Point3, Vector3};
 
+use super::WrapError;
 use super::panel::{Face, PRINTED, Paint, bend_deg};
 use super::region::{Contour, Point, Region};
 use crate::mesh::doubled_area;
 use crate::pattern::world_aligned::Side;
-use crate::print::PrintError;
 
 /// Triangles that lie over each other by less than this touch only, mm.
 const TOUCH_MM: f64 = 1e-6;
@@ -112,7 +112,7 @@ impl Kept {
 ///
 /// # Errors
 /// More than [`MOST_STEEP`] such triangles.
-pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Result<Unrolling, PrintError> {
+pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Result<Unrolling, WrapError> {
     let mut kept = Kept::default();
     let mut wanted = |face: &Face| {
         let steep = PRINTED.contains(&face.side) && face.stretch > limit + ROUNDING;
@@ -125,7 +125,7 @@ pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Result<Unrolling, Pr
     let mut waiting: Vec<bool> = paint.faces.iter().map(&mut wanted).collect();
     let mut seeds: Vec<usize> = (0..waiting.len()).filter(|i| waiting[*i]).collect();
     if seeds.len() > MOST_STEEP {
-        return Err(PrintError::TooManySteep {
+        return Err(WrapError::TooManySteep {
             count: seeds.len(),
             most: MOST_STEEP,
         });

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::{notes, number, round, shell};
-use crate::report::counted;
+use crate::report::{counted, p_value};
 use crate::score::{COMPARISON_DEFINITIONS, Compared, Comparison, Difference, Finding, Scores};
 
 const PLOT: f64 = 300.0;
@@ -85,16 +85,16 @@ fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared
                 @let d = of(r);
                 @let y = ROW * (i as f64 + 0.5);
                 @let is_shown = matches!(d.finding, Finding::Drop | Finding::Rise);
-                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (title(scores, r)) ", " (r.variant) }
+                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
                 g.drop {
-                    title { (title(scores, r)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
+                    title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
                     @if let Some(interval) = d.interval_95 {
                         line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
                     }
                     circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
                 }
                 text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
-                    (numbers(d)) @if name == "hit rate" { (format!(", p = {:.3}", r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
+                    (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
                 }
             }
         }
@@ -108,11 +108,6 @@ fn numbers(d: &Difference) -> String {
     format!("{:.2} → {:.2}, {}{interval}", d.base, d.other, number(d.drop, 2))
 }
 
-fn title<'a>(scores: &'a Scores, r: &'a Compared) -> &'a str {
-    let contestant = scores.contestants.iter().find(|c| c.manifest.name == r.detector);
-    contestant.map_or(&r.detector, |c| &c.manifest.title)
-}
-
 fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
     html! {
@@ -122,13 +117,13 @@ fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {
                 tbody {
                     @for r in &comparison.results {
                         tr {
-                            td { (title(scores, r)) } td.text { (r.variant) } td { (r.pairs) }
+                            td { (scores.title(&r.detector)) } td.text { (r.variant) } td { (r.pairs) }
                             @for azimuth in &azimuths {
                                 td {
                                     @match r.azimuth_bins.iter().find(|b| (b.azimuth_deg - azimuth).abs() < 1e-6) {
                                         Some(bin) => {
                                             (number(bin.hits.rate.drop, 2)) br;
-                                            small { @match bin.holm_p { Some(p) => { "p " (format!("{p:.3}")) } None => { "too few" } } }
+                                            small { @match bin.holm_p { Some(p) => { "p " (p_value(p)) } None => { "too few" } } }
                                         }
                                         None => { "–" }
                                     }

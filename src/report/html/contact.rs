@@ -7,7 +7,7 @@ use maud::{Markup, PreEscaped, html};
 use super::{filters, side, variants};
 use crate::detect::Detection;
 use crate::report::other_label;
-use crate::score::{Contestant, MATCH_IOU, Outcome, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, MATCH_IOU, Outcome, ScoredPhoto, Scores, Verdict};
 
 /// More photos are not shown: the page would be too large to open.
 const MOST_PHOTOS: usize = 400;
@@ -56,7 +56,7 @@ pub(super) fn photo_library(scores: &Scores) -> Markup {
 pub(super) fn sheet(scores: &Scores) -> Markup {
     let photos = shown(scores);
     let (kept, all) = (pictured(scores).count(), scores.photos.len());
-    let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.contestants.len())
+    let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.detectors.len())
         .flat_map(|index| photos.iter().map(move |p| (index, *p)))
         .collect();
     cards.sort_by(|a, b| {
@@ -102,24 +102,24 @@ fn rank(outcome: &Outcome) -> usize {
 }
 
 fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
-    let contestant = &scores.contestants[index];
+    let detector = &scores.detectors[index];
     let outcome = &p.outcomes[index];
     let texture = variants(scores).iter().position(|v| *v == p.variant);
     let texture = texture.unwrap_or_default();
     let class = ["missed", "found_with_other", "found"][rank(outcome)];
     let word = if outcome.is_hit() { "found" } else { "missed" };
     html! {
-        figure class=(format!("photo {class}")) data-detector=(contestant.manifest.name) data-variant=(p.variant)
+        figure class=(format!("photo {class}")) data-detector=(detector.manifest.name) data-variant=(p.variant)
             data-outcome=(filters::outcome_key(outcome)) data-azimuth=[p.bin.map(|b| b.azimuth_deg)]
             data-pitch=[p.bin.map(|b| b.pitch_deg)] data-distance=[p.bin.map(|b| b.distance_mm)] data-texture=(texture) {
             (picture(scores, p, index))
             figcaption {
                 b { (word) } @if outcome.confidence > 0.0 { (format!(" {:.2}", outcome.confidence)) }
-                @if let Some((label, confidence)) = other_label(p, index, contestant) {
+                @if let Some((label, confidence)) = other_label(p, index, detector) {
                     (format!(", {label} {confidence:.2}"))
                 }
                 br; (p.variant) " · " (direction(p))
-                br; (contestant.manifest.title)
+                br; (detector.manifest.title)
                 br; small.note { (p.file) }
             }
         }
@@ -134,38 +134,38 @@ fn direction(p: &ScoredPhoto) -> String {
 }
 
 fn picture(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
-    let contestant = &scores.contestants[index];
+    let detector = &scores.detectors[index];
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
         p.detections[index].iter().partition(|d| d.score >= threshold);
     let is_weak_find =
-        |d: &&&Detection| contestant.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU;
-    let alt = format!("{}, {}, {}", p.file, p.variant, contestant.manifest.title);
+        |d: &&&Detection| detector.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU;
+    let alt = format!("{}, {}, {}", p.file, p.variant, detector.manifest.title);
     html! {
         svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {
             (PreEscaped(format!("<use href=\"#photo{0}\"/><use class=\"fine\" href=\"#tags{0}\"/>", p.id)))
             (rectangle(&p.truth.to_xywh(), "#fff", Some("6 4")))
-            @for d in &strong { (detection(d, contestant, None)) }
+            @for d in &strong { (detection(d, detector, None)) }
             g.fine {
-                @for d in weak.iter().filter(is_weak_find) { (detection(d, contestant, Some("2 3"))) }
-                @for d in strong.iter().copied().chain(weak.iter().filter(is_weak_find).copied()) { (name(p, d, contestant)) }
+                @for d in weak.iter().filter(is_weak_find) { (detection(d, detector, Some("2 3"))) }
+                @for d in strong.iter().copied().chain(weak.iter().filter(is_weak_find).copied()) { (name(p, d, detector)) }
                 (text(p, [p.truth.x1, p.truth.y2 + 1.2 * letter(p)], "#fff", "truth"))
             }
         }
     }
 }
 
-fn detection(d: &Detection, contestant: &Contestant, dashes: Option<&str>) -> Markup {
-    rectangle(&d.box_px.to_xywh(), paint(d, contestant), dashes)
+fn detection(d: &Detection, detector: &EvaluatedDetector, dashes: Option<&str>) -> Markup {
+    rectangle(&d.box_px.to_xywh(), paint(d, detector), dashes)
 }
 
-fn paint(d: &Detection, contestant: &Contestant) -> &'static str {
-    if contestant.counts(d) { "#29a3ff" } else { "#ff8c1a" }
+fn paint(d: &Detection, detector: &EvaluatedDetector) -> &'static str {
+    if detector.counts(d) { "#29a3ff" } else { "#ff8c1a" }
 }
 
 /// The label and confidence above a detection's box, or in it at the picture's upper edge.
-fn name(p: &ScoredPhoto, d: &Detection, contestant: &Contestant) -> Markup {
-    let label = contestant.labels().name(d.label).unwrap_or("?");
+fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup {
+    let label = detector.labels().name(d.label).unwrap_or("?");
     let above = d.box_px.y1 - 0.3 * letter(p);
     let y = if above < letter(p) {
         d.box_px.y1 + 1.1 * letter(p)
@@ -175,7 +175,7 @@ fn name(p: &ScoredPhoto, d: &Detection, contestant: &Contestant) -> Markup {
     text(
         p,
         [d.box_px.x1, y],
-        paint(d, contestant),
+        paint(d, detector),
         &format!("{label} {:.2}", d.score),
     )
 }

@@ -5,18 +5,19 @@ use maud::{Markup, html};
 use super::{notes, number, shell};
 use crate::report::counted;
 use crate::report::evaluation::{Evaluation, SCOPE, interval, is_shown};
-use crate::score::{BASE_VARIANT, Contestant, Difference, Figures};
+use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures};
+use crate::spelling;
 
 /// The whole page.
 pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
     let model = &scores.sessions[0].scene.model;
     let lead = format!(
-        "{} patterns and “{BASE_VARIANT}” on the 1:{} model of a {}, {} rendered photos; AP@0.5: {}; counts as the model: {}.",
-        evaluation.patterns.len().saturating_sub(1),
+        "{} and “{BASE_VARIANT}” on the 1:{} model of a {}, {}; AP@0.5: {}; counts as the model: {}.",
+        spelling::count(evaluation.patterns.len().saturating_sub(1), "pattern"),
         model.scale,
         model.class,
-        scores.photos.len(),
+        spelling::count(scores.photos.len(), "rendered photo"),
         scores.criteria.ap.name(),
         counted(scores)
     );
@@ -62,7 +63,7 @@ fn table_1(evaluation: &Evaluation) -> Markup {
     }
 }
 
-fn table_2(evaluation: &Evaluation, others: &[&Contestant]) -> Markup {
+fn table_2(evaluation: &Evaluation, others: &[&EvaluatedDetector]) -> Markup {
     html! {
         div.scroll {
             table {
@@ -79,14 +80,14 @@ fn table_2(evaluation: &Evaluation, others: &[&Contestant]) -> Markup {
 }
 
 /// AP@0.5 and its drop from the base.
-fn ap_cells(evaluation: &Evaluation, pattern: &str, detector: &Contestant) -> Markup {
+fn ap_cells(evaluation: &Evaluation, pattern: &str, detector: &EvaluatedDetector) -> Markup {
     html! {
         td { (figure(evaluation, pattern, detector, |f| f.ap50)) }
         td.of { @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, detector) { (difference(d)) } }
     }
 }
 
-fn figure(evaluation: &Evaluation, pattern: &str, detector: &Contestant, of: fn(&Figures) -> f64) -> String {
+fn figure(evaluation: &Evaluation, pattern: &str, detector: &EvaluatedDetector, of: fn(&Figures) -> f64) -> String {
     let figures = evaluation.figures(pattern, detector);
     figures.map_or("–".to_owned(), |f| number(of(f), 2))
 }

@@ -21,7 +21,7 @@ pub(super) fn headline(scores: &Scores) -> Markup {
                     }
                 }
                 tbody {
-                    @for c in &scores.contestants {
+                    @for c in &scores.detectors {
                         @for (i, variant) in variants.iter().enumerate() {
                             @if let Some(s) = summary(scores, &c.manifest.name, variant) {
                                 tr.first[i == 0] {

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::shade::{ink, shade};
 use super::{number, side, summary, variants};
 use crate::scene::Bin;
-use crate::score::{CellFigures, Contestant, Scores, Summary};
+use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
 
 const LEFT: f64 = 66.0;
 const TOP: f64 = 26.0;
@@ -30,7 +30,7 @@ pub(super) fn maps(scores: &Scores) -> Markup {
                 span { "1" }
             }
             div.maps {
-                @for c in &scores.contestants {
+                @for c in &scores.detectors {
                     figure.wide[azimuths.len() > 12] {
                         figcaption { (c.manifest.title) }
                         div.scroll { (map(scores, c, &azimuths, &rows)) }
@@ -60,10 +60,10 @@ fn rows(scores: &Scores) -> Vec<Bin> {
     rows.into_iter().collect()
 }
 
-fn map(scores: &Scores, contestant: &Contestant, azimuths: &[f64], rows: &[Bin]) -> Markup {
+fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[Bin]) -> Markup {
     let own = variants(scores).into_iter();
     let own: Vec<&Summary> = own
-        .filter_map(|v| summary(scores, &contestant.manifest.name, v))
+        .filter_map(|v| summary(scores, &detector.manifest.name, v))
         .collect();
     let block = NAME + GAP + CELL.1 * rows.len() as f64;
     let (width, height) = (
@@ -73,7 +73,7 @@ fn map(scores: &Scores, contestant: &Contestant, azimuths: &[f64], rows: &[Bin])
     let x = |column: usize| LEFT + CELL.0 * (column as f64 + 0.5);
     html! {
         svg viewBox=(format!("0 0 {width} {height}")) role="img" style=(format!("min-width:{}px", width.min(330.0)))
-            aria-label=(format!("Mean confidence by azimuth, pitch and distance, {}", contestant.manifest.title)) {
+            aria-label=(format!("Mean confidence by azimuth, pitch and distance, {}", detector.manifest.title)) {
             @for (column, azimuth) in azimuths.iter().enumerate() {
                 text x=(x(column)) y="11" font-size="9.5" text-anchor="middle" { (azimuth) "°" }
                 @if azimuth % 90.0 == 0.0 {

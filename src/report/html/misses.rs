@@ -19,7 +19,7 @@ pub(super) fn outcomes(scores: &Scores) -> Markup {
             table.outcomes {
                 thead { tr { th { "detector" } th.text { "texture" } th.text { "photos" } th { "halluci\u{ad}nations" br; small { "a photo" } } } }
                 tbody {
-                    @for c in &scores.contestants {
+                    @for c in &scores.detectors {
                         @for (i, variant) in variants.iter().enumerate() {
                             @if let Some(s) = summary(scores, &c.manifest.name, variant) {
                                 tr.first[i == 0] {
@@ -65,7 +65,7 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
             h3 { "Transfer: drop from " (BASE_VARIANT) ", pattern × detector" }
             div.scroll {
                 table.matrix {
-                    thead { tr { th { "pattern" } @for c in &scores.contestants { th { (c.manifest.title) } } } }
+                    thead { tr { th { "pattern" } @for c in &scores.detectors { th { (c.manifest.title) } } } }
                     tbody {
                         @for row in &rows {
                             tr { td { (row.variant) } @for cell in &row.detectors { (transfer_cell(cell)) } }

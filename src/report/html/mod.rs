@@ -18,6 +18,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::detect::Speeds;
 use crate::report::counted;
 use crate::score::{Scores, Summary};
+use crate::spelling;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -96,18 +97,18 @@ fn lead(scores: &Scores) -> String {
         n => format!(", {n} not scored"),
     };
     format!(
-        "1:{} model of a {}, {} photos scored{left_out}; textures: {variants}; {} detectors; counts as the model: {}.",
+        "1:{} model of a {}, {} scored{left_out}; textures: {variants}; {}; counts as the model: {}.",
         model.scale,
         model.class,
-        scores.photos.len(),
-        scores.contestants.len(),
+        spelling::count(scores.photos.len(), "photo"),
+        spelling::count(scores.detectors.len(), "detector"),
         counted(scores)
     )
 }
 
 fn recorded_banner(scores: &Scores) -> Markup {
     let recorded: Vec<&str> = scores
-        .contestants
+        .detectors
         .iter()
         .filter(|c| c.is_recorded())
         .map(|c| c.manifest.title.as_str())

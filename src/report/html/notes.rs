@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use crate::report::{counted, provenance, truth_boxes};
 use crate::score::Scores;
+use crate::spelling;
 
 pub(super) fn cautions(scores: &Scores) -> Markup {
     html! {
@@ -75,7 +76,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
         }
         @for s in &p.sessions {
             details {
-                summary { "Session " (s.folder) ": " (s.files.len()) " files" }
+                summary { "Session " (s.folder) ": " (spelling::count(s.files.len(), "file")) }
                 div.scroll {
                     table { tbody { @for (file, hash) in &s.files { tr { td { (file) } td.hash { (hash) } } } } }
                 }

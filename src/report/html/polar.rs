@@ -18,7 +18,7 @@ pub(super) fn row(scores: &Scores) -> Markup {
             li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit" }
         }
         div.small-charts.polars {
-            @for c in &scores.contestants {
+            @for c in &scores.detectors {
                 figure {
                     (chart(&c.manifest.title, &variants.iter().enumerate().filter_map(|(i, variant)| {
                         Some((colour(i), summary(scores, &c.manifest.name, variant)?.azimuth_bins.as_slice()))

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::round;
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
+use crate::spelling;
 
 const SIDE: f64 = 180.0;
 /// With fewer detections the error says little.
@@ -11,10 +12,10 @@ const FEW: usize = 100;
 
 /// One diagram per detector.
 pub(super) fn diagrams(scores: &Scores) -> Markup {
-    let all = reliability(&scores.photos, &scores.contestants);
+    let all = reliability(&scores.photos, &scores.detectors);
     html! {
         div.small-charts {
-            @for (c, r) in scores.contestants.iter().zip(&all) {
+            @for (c, r) in scores.detectors.iter().zip(&all) {
                 figure { (diagram(&c.manifest.title, r)) figcaption { (c.manifest.title) br; small { (verdict(r)) } } }
             }
         }
@@ -33,7 +34,10 @@ fn verdict(r: &Reliability) -> String {
     match (r.expected_calibration_error, r.error_by_chance) {
         (Some(error), Some(chance)) => {
             let few = if count < FEW { ": few" } else { "" };
-            format!("ECE {error:.2} ({chance:.2} by chance), {count} detections{few}")
+            format!(
+                "ECE {error:.2} ({chance:.2} by chance), {}{few}",
+                spelling::count(count, "detection")
+            )
         }
         _ => format!("no detection from confidence {RELIABILITY_FLOOR} up"),
     }

@@ -7,6 +7,7 @@ use crate::detect::{Speed, Speeds};
 use crate::geometry::BoxPx;
 use crate::plot::{Axis, Scale, tick_label};
 use crate::score::Scores;
+use crate::spelling;
 
 const PLOT: (f64, f64) = (430.0, 250.0);
 const RADIUS: f64 = 4.5;
@@ -22,11 +23,11 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
         };
     };
     let timed: Vec<&Speed> = scores
-        .contestants
+        .detectors
         .iter()
         .filter_map(|c| speeds.of(&c.manifest.name))
         .collect();
-    let untimed = scores.contestants.len() - timed.len();
+    let untimed = scores.detectors.len() - timed.len();
     html! {
         ul.legend {
             @for (i, variant) in variants(scores).iter().enumerate() {
@@ -35,9 +36,9 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
         }
         div.scroll { (plot(scores, &timed)) }
         p.note {
-            "Median of " (speeds.photos) " photos of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
+            "Median of " (spelling::count(speeds.photos, "photo")) " of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
             "decoded photo to boxes; " (speeds.threads) " thread, " (speeds.machine) "; " (speeds.onnx_runtime) "."
-            @if untimed > 0 { " Without times, and not in the chart: " (untimed) " detectors." }
+            @if untimed > 0 { " Without times, and not in the chart: " (spelling::count(untimed, "detector")) "." }
         }
     }
 }
@@ -115,15 +116,14 @@ fn mark(x: f64, y: f64, variant: usize) -> Markup {
 fn names(scores: &Scores, timed: &[&Speed], x: impl Fn(f64) -> f64) -> Markup {
     let lines: Vec<Line> = timed
         .iter()
-        .filter_map(|speed| {
-            let contestant = scores.contestants.iter().find(|c| c.manifest.name == speed.detector)?;
+        .map(|speed| {
             let ys: Vec<f64> = aps(scores, &speed.detector).iter().map(|(_, ap)| y(*ap)).collect();
-            Some(Line {
+            Line {
                 x: x(speed.ms_per_photo),
                 top: ys.iter().copied().fold(f64::INFINITY, f64::min),
                 bottom: ys.iter().copied().fold(0.0, f64::max),
-                title: &contestant.manifest.title,
-            })
+                title: scores.title(&speed.detector),
+            }
         })
         .collect();
     let mut taken: Vec<BoxPx> = Vec::new();

@@ -98,7 +98,7 @@ pub struct Comparison {
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    #[error("no scored photo has the variant `{base}`: name one of {variants} with --base")]
+    #[error("no scored photo has the variant `{base}`, only {variants}")]
     NoBase { base: String, variants: String },
     #[error("all scored photos have the variant `{base}`: add the sessions of another texture")]
     NothingElse { base: String },
@@ -141,13 +141,13 @@ pub fn compare_with(
             });
         }
         unpaired.extend(left_over);
-        for (index, contestant) in scores.contestants.iter().enumerate() {
+        for (index, detector) in scores.detectors.iter().enumerate() {
             let side = Side {
                 detector: index,
-                counted: &contestant.counted,
+                counted: &detector.counted,
             };
             results.push(compared(
-                contestant.manifest.name.clone(),
+                detector.manifest.name.clone(),
                 variant,
                 &clusters,
                 side,
@@ -165,7 +165,7 @@ pub fn compare_with(
     })
 }
 
-/// Whose detections are compared: index of the contestant, and its labels that count as the model.
+/// Whose detections are compared: index of the detector, and its labels that count as the model.
 #[derive(Clone, Copy)]
 struct Side<'a> {
     detector: usize,

@@ -209,8 +209,8 @@ fn checked(rows: Vec<Row>, request: &Request) -> Result<Vec<PhotoEntry>, ImportE
 
 /// The photo is there, as large as the file says, and the box is in it.
 fn check_picture(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
-    let photo::PhotoFile { width, height, .. } =
-        photo::PhotoFile::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
+    let photo::Photo { width, height, .. } =
+        photo::Photo::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
     if let Some([w, h]) = size.filter(|size| *size != [width, height]) {
         return Err(format!(
             "{} is {width}×{height} px upright and not {w}×{h}: the boxes are another picture's",
@@ -238,13 +238,7 @@ fn reaches_out(b: BoxPx, width: u32, height: u32) -> bool {
 
 /// A path as a file in `folder` may name it: relative to the folder when it lies below, else whole.
 fn seen_from(folder: &Path, path: &Path) -> Result<PathBuf, FileError> {
-    let whole = |p: &Path| {
-        std::fs::canonicalize(p).map_err(|e| FileError::Read {
-            path: p.to_owned(),
-            reason: files::plain(&e),
-        })
-    };
-    let (folder, path) = (whole(folder)?, whole(path)?);
+    let (folder, path) = (files::whole_path(folder)?, files::whole_path(path)?);
     Ok(path.strip_prefix(&folder).map(Path::to_owned).unwrap_or(path))
 }
 

@@ -2,8 +2,8 @@
 # Makes scaleproof-VERSION-x86_64-linux.tar.xz: a folder that runs wherever it lies, with nothing installed, on any Linux whose libc is not older
 # than this machine's. Called by `./run package`, after the build.
 #
-#   package/make.sh                  the archive, in out/package
-#   package/make.sh --folder DIR     only the folder that is packed
+#   .ci/package.sh                   the archive, in out/package
+#   .ci/package.sh --folder DIR      only the folder that is packed
 set -euo pipefail
 
 home=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -71,7 +71,7 @@ while read -r crate number _; do
   done
 done < "$folder/licences/crates.txt"
 cp LICENSE-APACHE LICENSE-MIT "$folder/licences/"
-cp assets/fonts/*[Ll][Ii][Cc][Ee]* "$folder/licences/" 2>/dev/null || true
+cp src/print/fonts/*[Ll][Ii][Cc][Ee]* "$folder/licences/" 2>/dev/null || true
 
 say "manual pages, completions, the stored photos, the guide"
 "$folder/scaleproof" manuals -o "$folder/man/man1" >/dev/null
@@ -80,7 +80,7 @@ for shell in bash zsh fish; do
   "$folder/scaleproof" completions "$shell" > "$folder/completions/scaleproof.$shell"
 done
 # What belongs to the project, and not what else lies in its folders.
-parts=(captures calibration detectors docs patterns print_templates ARCHITECTURE.md CHANGELOG.md)
+parts=(captures calibration docs print_templates src/detect/manifests ARCHITECTURE.md CHANGELOG.md)
 { git -c safe.directory='*' ls-files -z "${parts[@]}" 2>/dev/null || find "${parts[@]}" -type f -print0; } | tar -c --null -T - | tar -x -C "$folder"
 { sed -n 1p README.md; printf '\n(This is the unpacked archive: type `./scaleproof` wherever this page and the guide have `./run`.)\n'; sed 1d README.md; } > "$folder/README.md"
 

@@ -1,0 +1,67 @@
+//! The one way from a photo to its pose: decode its luma, find tags in it, fit the camera to it, locate.
+
+use image::GrayImage;
+
+use super::{Abstention, Located, locate};
+use crate::camera::{Camera, Fitted, SizeError};
+use crate::photo::{Photo, PhotoError};
+use crate::scene::Scene;
+use crate::tags::{SeenTag, TagDetector};
+
+/// What a photo shows.
+#[derive(Debug, Clone)]
+pub struct LocatedPhoto {
+    /// Every tag that was found, whether the scene has it or not.
+    pub seen: Vec<SeenTag>,
+    /// The camera as it fits this photo, or why it does not.
+    pub fitted: Result<Fitted, SizeError>,
+    pub result: Result<Located, Abstention>,
+}
+
+/// Finds the tags in a photo and locates its camera; `camera` is the camera file's, `tags` detects the scene's families.
+///
+/// # Errors
+/// A photo that cannot be decoded. A photo without a pose is no error.
+pub fn locate_photo(
+    photo: &Photo,
+    scene: &Scene,
+    camera: &Camera,
+    tags: &mut dyn TagDetector,
+) -> Result<LocatedPhoto, PhotoError> {
+    Ok(locate_luma(&photo.luma()?, photo.turned_deg, scene, camera, tags))
+}
+
+/// The same of upright luma, which EXIF turned by `turned_deg`: for frames that are no files.
+pub fn locate_luma(
+    luma: &GrayImage,
+    turned_deg: u32,
+    scene: &Scene,
+    camera: &Camera,
+    tags: &mut dyn TagDetector,
+) -> LocatedPhoto {
+    locate_tags(tags.find(luma), luma.dimensions(), turned_deg, scene, camera)
+}
+
+/// The same of the tags found in an upright photo of a width and height, px.
+pub fn locate_tags(
+    seen: Vec<SeenTag>,
+    (width, height): (u32, u32),
+    turned_deg: u32,
+    scene: &Scene,
+    camera: &Camera,
+) -> LocatedPhoto {
+    let fitted = camera.for_photo(width, height, turned_deg);
+    let result = match &fitted {
+        Ok(fitted) => locate(&seen, scene, &fitted.camera),
+        Err(e) => Err(Abstention::from(e.clone())),
+    };
+    LocatedPhoto { seen, fitted, result }
+}
+
+impl LocatedPhoto {
+    /// The pose and the camera that projects into this photo.
+    pub fn pose_and_camera(self) -> Result<(Located, Fitted), Abstention> {
+        let fitted = self.fitted?;
+        Ok((self.result?, fitted))
+    }
+}

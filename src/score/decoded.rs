@@ -1,0 +1,35 @@
+//! The colours of a photo, decoded as large as somebody needs them.
+
+use image::RgbImage;
+
+use crate::photo::{Photo, PhotoError};
+
+/// The colours of a photo at the sizes that somebody asked for.
+pub(super) struct DecodedPhoto<'a> {
+    pub file: &'a Photo,
+    /// Each with the factor by which it is reduced.
+    images: Vec<(u32, RgbImage)>,
+}
+
+impl DecodedPhoto<'_> {
+    pub fn of(file: &Photo) -> DecodedPhoto<'_> {
+        DecodedPhoto {
+            file,
+            images: Vec::new(),
+        }
+    }
+
+    /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
+    /// image whichever others take part.
+    pub fn at_least(&mut self, least: [u32; 2]) -> Result<&RgbImage, PhotoError> {
+        let reduction = self.file.reduction(least);
+        let at = match self.images.iter().position(|(r, _)| *r == reduction) {
+            Some(at) => at,
+            None => {
+                self.images.push((reduction, self.file.rgb(reduction)?));
+                self.images.len() - 1
+            }
+        };
+        Ok(&self.images[at].1)
+    }
+}

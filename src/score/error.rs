@@ -1,0 +1,37 @@
+//! Why a run could not finish.
+
+use crate::detect::DetectError;
+use crate::tags::StartError;
+
+/// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScoreError {
+    #[error("no session to score")]
+    NoSession,
+    #[error("{a} and {b} have different bins or model classes: score them in separate runs")]
+    DifferentScenes { a: String, b: String },
+    #[error("the session {folder} is named twice: each photo counts once")]
+    SessionTwice { folder: String },
+    #[error("{file} has no recorded detections of {detector}")]
+    NotRecorded { file: String, detector: String },
+    #[error("{}", nothing_scored(*photos, file, reason))]
+    NothingScored {
+        photos: usize,
+        file: String,
+        reason: String,
+    },
+    #[error("the shards do not hold {file} of {session}: score them again")]
+    NotObserved { session: String, file: String },
+    #[error(transparent)]
+    Detect(#[from] DetectError),
+    #[error(transparent)]
+    Tags(#[from] StartError),
+}
+
+fn nothing_scored(photos: usize, file: &str, reason: &str) -> String {
+    match photos {
+        1 => format!("the only photo, {file}, could not be scored: {reason}"),
+        _ => format!("none of the {photos} photos could be scored; {file}, for one: {reason}"),
+    }
+}

@@ -1,0 +1,142 @@
+//! A detector that takes part in a scoring run: live, or played back from a recording.
+
+use std::path::{Path, PathBuf};
+
+use crate::detect::{
+    DetectError, Detection, Labels, Manifest, NoSuchClass, Recorded, RecordedError, Runtime, WeightFolders,
+    WeightsError,
+};
+use crate::files;
+use crate::scene::Classes;
+use crate::session::Session;
+
+/// A detector of a run.
+#[derive(Debug, Clone)]
+pub struct EvaluatedDetector {
+    pub manifest: Manifest,
+    pub source: DetectionSource,
+    /// The detector's labels that count as the model, by their numbers, at least one.
+    pub counted: Vec<usize>,
+}
+
+/// Where a detector's detections come from.
+#[derive(Debug, Clone)]
+pub enum DetectionSource {
+    /// ONNX Runtime runs these weights, whose hash was checked.
+    Live(PathBuf),
+    /// Detections stored with the sessions.
+    Recorded(Vec<Recorded>),
+}
+
+/// Why a detector cannot take part.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluatedDetectorError {
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    #[error(transparent)]
+    Recorded(#[from] RecordedError),
+    #[error(transparent)]
+    NoSuchClass(#[from] NoSuchClass),
+}
+
+/// The folder of a session that holds recordings.
+const RECORDED: &str = "recorded";
+
+impl EvaluatedDetector {
+    /// A detector that will run.
+    pub fn live(
+        manifest: Manifest,
+        folders: &WeightFolders,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let source = DetectionSource::Live(folders.checked(&manifest)?);
+        EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// A detector played back from the recordings of some session folders.
+    pub fn recorded(
+        manifest: Manifest,
+        sessions: &[&Path],
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let recordings = sessions
+            .iter()
+            .map(|folder| Recorded::open(&folder.join(RECORDED), &manifest));
+        let source = DetectionSource::Recorded(recordings.collect::<Result<_, _>>()?);
+        EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// A detector that ran elsewhere, for shards: it needs no weights here.
+    pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let source = DetectionSource::Live(PathBuf::from(&manifest.weights.file));
+        EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// Where a session's recordings lie.
+    pub fn recordings_of(session: &Path) -> PathBuf {
+        session.join(RECORDED)
+    }
+
+    fn new(
+        manifest: Manifest,
+        source: DetectionSource,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        Ok(EvaluatedDetector {
+            counted: manifest.counted(class.labels())?,
+            manifest,
+            source,
+        })
+    }
+
+    /// True when the detections are played back.
+    pub fn is_recorded(&self) -> bool {
+        matches!(self.source, DetectionSource::Recorded(_))
+    }
+
+    /// Whether a detection counts as the model, wherever it is.
+    pub fn counts(&self, detection: &Detection) -> bool {
+        self.counted.contains(&detection.label)
+    }
+
+    pub fn labels(&self) -> Labels {
+        self.manifest.labels
+    }
+
+    /// SHA-256 of all that the manifest says except where it lies, and of the recordings that are played back.
+    pub fn fingerprint(&self) -> String {
+        let anywhere = Manifest {
+            folder: None,
+            ..self.manifest.clone()
+        };
+        let recordings: Vec<_> = match &self.source {
+            DetectionSource::Live(_) => Vec::new(),
+            DetectionSource::Recorded(recordings) => recordings.iter().map(|r| &r.recording).collect(),
+        };
+        files::sha256_hex(format!("{anywhere:?} {recordings:?}").as_bytes())
+    }
+}
+
+/// The detectors with the weights in `folders`, or played back from the recordings of the sessions without any.
+pub fn evaluated_detectors(
+    sessions: &[Session],
+    manifests: Vec<Manifest>,
+    folders: Option<&WeightFolders>,
+) -> Result<Vec<EvaluatedDetector>, EvaluatedDetectorError> {
+    let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+        return Ok(Vec::new());
+    };
+    let places: Vec<&Path> = sessions.iter().map(|s| s.folder.as_path()).collect();
+    let detector = |m| match folders {
+        Some(folders) => EvaluatedDetector::live(m, folders, class),
+        None => EvaluatedDetector::recorded(m, &places, class),
+    };
+    manifests.into_iter().map(detector).collect()
+}
+
+/// The ONNX Runtime, when some detector runs.
+pub fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
+    let is_needed = detectors.iter().any(|c| !c.is_recorded());
+    is_needed.then(Runtime::load).transpose()
+}

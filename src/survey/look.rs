@@ -1,0 +1,94 @@
+//! The tags in the photos of a survey, all in the frame of one camera file.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::PhotoTags;
+use crate::camera::{Camera, SizeError};
+use crate::locate::locate_photo;
+use crate::photo::{Photo, PhotoError};
+use crate::scene::{Scene, TagFamily};
+use crate::tags::{AprilTagC, SeenTag, StartError};
+use crate::workers;
+
+/// Why photos cannot be surveyed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LookError {
+    #[error(transparent)]
+    Tags(#[from] StartError),
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
+    #[error("{}: {reason}", path.display())]
+    Size { path: PathBuf, reason: SizeError },
+    #[error("{} is the same photo as {}, which would count twice: give it once", photo.display(), first.display())]
+    Twice { photo: PathBuf, first: PathBuf },
+}
+
+/// What was seen in the photos of a survey.
+#[derive(Debug)]
+pub struct Look {
+    /// In the order of the photos.
+    pub photos: Vec<PhotoTags>,
+    /// What to know before believing a survey from these photos, as sentences.
+    pub cautions: BTreeSet<String>,
+}
+
+/// Finds the tags of the scene's families and of `family` in every photo.
+///
+/// A survey has one camera. A photo that EXIF turned, or that was made smaller, is fitted as any photo, and its corners are moved back
+/// into the picture that the camera file is for.
+///
+/// # Errors
+/// A photo that cannot be used, or is given twice.
+pub fn look(
+    photos: &[PathBuf],
+    scene: &Scene,
+    family: TagFamily,
+    camera: &Camera,
+    on_done: impl Fn() + Sync,
+) -> Result<Look, LookError> {
+    let mut families = scene.families();
+    if !families.contains(&family) {
+        families.push(family);
+    }
+    let found = workers::map(
+        photos,
+        || Ok(AprilTagC::new(&families)?),
+        |detector, path| look_at(path, scene, camera, detector),
+        on_done,
+    )?;
+    for (i, (hash, ..)) in found.iter().enumerate() {
+        if let Some(first) = found[..i].iter().position(|(other, ..)| other == hash) {
+            let (photo, first) = (photos[i].clone(), photos[first].clone());
+            return Err(LookError::Twice { photo, first });
+        }
+    }
+    let cautions = found.iter().flat_map(|(.., cautions)| cautions.clone()).collect();
+    let photos = found.into_iter().map(|(_, tags, _)| tags).collect();
+    Ok(Look { photos, cautions })
+}
+
+/// A photo's hash, tags and cautions.
+fn look_at(
+    path: &Path,
+    scene: &Scene,
+    camera: &Camera,
+    detector: &mut AprilTagC,
+) -> Result<(String, PhotoTags, Vec<String>), LookError> {
+    let photo = Photo::open(path)?;
+    let found = locate_photo(&photo, scene, camera, detector)?;
+    let fitted = found.fitted.map_err(|reason| LookError::Size {
+        path: path.to_owned(),
+        reason,
+    })?;
+    let in_file = |tag: SeenTag| SeenTag {
+        corners_px: tag.corners_px.map(|px| camera.unfitted_px(&fitted, px)),
+        ..tag
+    };
+    let tags = PhotoTags {
+        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        seen: found.seen.into_iter().map(in_file).collect(),
+    };
+    Ok((photo.sha256, tags, fitted.cautions()))
+}
