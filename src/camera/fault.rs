@@ -54,19 +54,19 @@ pub enum CameraFault {
     BeyondRadtan,
     #[error("{0} is not supported: convert it to LENSMODEL_OPENCV8 with mrcal-convert-lensmodel")]
     MrcalModel(String),
-    #[error("{model} has {wanted} intrinsics, the file has {found}")]
+    #[error("{model} has {count} intrinsics, the file has {found}")]
     MrcalNumbers {
         model: &'static str,
-        wanted: usize,
+        count: usize,
         found: usize,
     },
     #[error("the comment “{mark}…” must be followed by {count} number(s) not below 0")]
     Comment { mark: &'static str, count: usize },
-    #[error("the picture size {width}×{height} must lie between 1 and 100000 pixels a side")]
+    #[error("the image size {width}×{height} must lie between 1 and 100000 pixels a side")]
     Size { width: u32, height: u32 },
-    #[error("the focal lengths fx {fx} and fy {fy} must lie between {least} and {most} px for this picture size")]
+    #[error("the focal lengths fx {fx} and fy {fy} must lie between {least} and {most} px for this image size")]
     Focal { fx: f64, fy: f64, least: f64, most: f64 },
-    #[error("the principal point ({cx}, {cy}) lies far outside the picture")]
+    #[error("the principal point ({cx}, {cy}) lies far outside the image")]
     PrincipalPoint { cx: f64, cy: f64 },
     #[error("the distortion coefficient {0} is no finite number below 1e9")]
     Coefficient(f64),

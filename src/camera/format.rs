@@ -7,7 +7,7 @@ use crate::files;
 
 /// A camera file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub enum CameraFormat {
     /// OpenCV FileStorage YAML: 5 coefficients, or 8.
     OpenCv,
     /// ROS `camera_info` YAML: `plumb_bob` (5 coefficients) or `rational_polynomial` (8).
@@ -18,34 +18,38 @@ pub enum Format {
     Mrcal,
 }
 
-impl Format {
+impl CameraFormat {
     /// Every format with the name a user gives it.
-    pub const ALL: [(Format, &str); 4] = [
-        (Format::OpenCv, "opencv"),
-        (Format::Ros, "ros"),
-        (Format::Kalibr, "kalibr"),
-        (Format::Mrcal, "mrcal"),
+    pub const ALL: [(CameraFormat, &str); 4] = [
+        (CameraFormat::OpenCv, "opencv"),
+        (CameraFormat::Ros, "ros"),
+        (CameraFormat::Kalibr, "kalibr"),
+        (CameraFormat::Mrcal, "mrcal"),
     ];
 
     /// The name a user gives the format.
     pub fn name(self) -> &'static str {
-        Format::ALL
+        CameraFormat::ALL
             .iter()
             .find(|(f, _)| *f == self)
             .map_or("", |(_, name)| name)
     }
 
     /// The format of a camera file's text, by what it says; a file's name may say anything.
-    fn of_text(text: &str) -> Option<Format> {
+    fn of_text(text: &str) -> Option<CameraFormat> {
         let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
         let says = |word: &str| lines.clone().any(|line| line.contains(word));
         if says("lensmodel") && text_starts_with_brace(text) {
-            Some(Format::Mrcal)
+            Some(CameraFormat::Mrcal)
         } else if says("camera_matrix") {
             let is_ros = says("distortion_model") || says("projection_matrix");
-            Some(if is_ros { Format::Ros } else { Format::OpenCv })
+            Some(if is_ros {
+                CameraFormat::Ros
+            } else {
+                CameraFormat::OpenCv
+            })
         } else if says("camera_model") || says("distortion_coeffs") {
-            Some(Format::Kalibr)
+            Some(CameraFormat::Kalibr)
         } else {
             None
         }
@@ -60,7 +64,7 @@ fn text_starts_with_brace(text: &str) -> bool {
 }
 
 impl Camera {
-    /// Reads a camera file of any [`Format`].
+    /// Reads a camera file of any [`CameraFormat`].
     pub fn open(path: &Path) -> Result<Camera, CameraError> {
         Camera::parse(&files::read_text(path)?, path)
     }
@@ -74,13 +78,13 @@ impl Camera {
     }
 
     /// The camera as the text of a file; every number reads back as it is. Refuses what the format's models cannot say.
-    pub fn write(&self, format: Format) -> Result<String, CameraError> {
+    pub fn write(&self, format: CameraFormat) -> Result<String, CameraError> {
         self.check()
             .and_then(|()| match format {
-                Format::OpenCv => Ok(opencv_yaml::write(self)),
-                Format::Ros => Ok(ros_yaml::write(self)),
-                Format::Kalibr => kalibr::write(self),
-                Format::Mrcal => Ok(mrcal::write(self)),
+                CameraFormat::OpenCv => Ok(opencv_yaml::write(self)),
+                CameraFormat::Ros => Ok(ros_yaml::write(self)),
+                CameraFormat::Kalibr => kalibr::write(self),
+                CameraFormat::Mrcal => Ok(mrcal::write(self)),
             })
             .map_err(|fault| CameraError::NotInFormat {
                 format: format.name(),
@@ -94,11 +98,11 @@ fn parse(text: &str) -> Result<Camera, CameraFault> {
     if text.trim().is_empty() {
         return Err(CameraFault::Empty);
     }
-    let camera = match Format::of_text(text) {
-        Some(Format::OpenCv) => opencv_yaml::read(text)?,
-        Some(Format::Ros) => ros_yaml::read(text)?,
-        Some(Format::Kalibr) => kalibr::read(text)?,
-        Some(Format::Mrcal) => mrcal::read(text)?,
+    let camera = match CameraFormat::of_text(text) {
+        Some(CameraFormat::OpenCv) => opencv_yaml::read(text)?,
+        Some(CameraFormat::Ros) => ros_yaml::read(text)?,
+        Some(CameraFormat::Kalibr) => kalibr::read(text)?,
+        Some(CameraFormat::Mrcal) => mrcal::read(text)?,
         None => return Err(CameraFault::UnknownFormat),
     };
     let camera = marks::read(text, camera)?;

@@ -18,8 +18,8 @@ use std::path::PathBuf;
 use crate::files;
 
 pub use fault::CameraFault;
-pub use fit::{Fitted, SizeError};
-pub use format::Format;
+pub use fit::{FittedCamera, SizeError};
+pub use format::CameraFormat;
 pub use guess::{Guess, GuessError};
 
 /// Why a camera file was refused.
@@ -34,10 +34,10 @@ pub enum CameraError {
     NotInFormat { format: &'static str, fault: CameraFault },
 }
 
-/// Intrinsics of one camera at one picture size. Pixel (0, 0) is the *centre* of the top-left pixel.
+/// Intrinsics of one camera at one image size. Pixel (0, 0) is the *centre* of the top-left pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// Picture size in pixels.
+    /// Image size in pixels.
     pub width: u32,
     pub height: u32,
     /// Focal lengths and principal point in pixels.
@@ -125,7 +125,7 @@ impl Camera {
         }
     }
 
-    /// The angle in degrees that one pixel covers at the centre of the picture.
+    /// The angle in degrees that one pixel covers at the centre of the image.
     pub fn deg_per_px(&self) -> f64 {
         (2.0 / (self.fx + self.fy)).atan().to_degrees()
     }

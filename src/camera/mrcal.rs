@@ -10,7 +10,7 @@ use super::{Camera, CameraFault, marks};
 
 /// The keys we need; where the camera stood and what it was calibrated from are passed over.
 #[derive(Deserialize)]
-struct CameraModel {
+struct MrcalFile {
     lensmodel: String,
     /// fx, fy, cx, cy, then the coefficients.
     intrinsics: Vec<f64>,
@@ -27,7 +27,7 @@ const MODELS: [(&str, usize); 4] = [
 ];
 
 pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
-    let file: CameraModel = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
+    let file: MrcalFile = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
     let Some((model, count)) = MODELS.iter().find(|(name, _)| *name == file.lensmodel) else {
         return Err(CameraFault::MrcalModel(file.lensmodel));
     };
@@ -35,7 +35,7 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     else {
         return Err(CameraFault::MrcalNumbers {
             model,
-            wanted: 4 + count,
+            count: 4 + count,
             found: file.intrinsics.len(),
         });
     };

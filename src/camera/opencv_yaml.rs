@@ -9,7 +9,7 @@ use super::{Camera, CameraFault, marks};
 
 /// The keys we need; the others (date, flags, errors) belong to the writers and are passed over.
 #[derive(Deserialize)]
-struct CameraFile {
+struct OpenCvFile {
     image_width: u32,
     image_height: u32,
     camera_matrix: Matrix,
@@ -19,7 +19,7 @@ struct CameraFile {
 }
 
 pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
-    let file: CameraFile = yaml::parse(text, "an OpenCV camera file")?;
+    let file: OpenCvFile = yaml::parse(text, "an OpenCV camera file")?;
     if file.fisheye_model != 0.0 {
         return Err(CameraFault::Fisheye);
     }

@@ -10,7 +10,7 @@ use super::{Camera, CameraFault, marks};
 
 /// The keys we need; a single camera's rectification and projection follow from them.
 #[derive(Deserialize)]
-struct CameraFile {
+struct RosFile {
     image_width: u32,
     image_height: u32,
     camera_matrix: Matrix,
@@ -20,7 +20,7 @@ struct CameraFile {
 }
 
 pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
-    let file: CameraFile = yaml::parse(text, "a ROS camera_info file")?;
+    let file: RosFile = yaml::parse(text, "a ROS camera_info file")?;
     let model = file.distortion_model.as_deref().unwrap_or("plumb_bob");
     let limit = match model {
         "plumb_bob" => 5,

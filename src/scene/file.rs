@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
-use super::{Bins, Classes, Envelope, Model, Scene, SceneFault, Tag, TagFamily, TagSigma};
+use super::{Bins, Classes, Envelope, ScaleModel, Scene, SceneFault, Tag, TagFamily, TagSigma};
 use crate::files;
 use crate::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 
@@ -106,7 +106,7 @@ impl Scene {
 /// Checks what the grammar cannot: sizes, directions, duplicates.
 fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
     let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
-    let model = Model {
+    let model = ScaleModel {
         name: file.model.name,
         scale: checked_scale(file.model.scale)?,
         class: file.model.class,

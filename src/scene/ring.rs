@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::file::{check_tag_count, checked_bins, checked_scale};
-use super::{Bins, Model, Scene, SceneFault, Tag, TagFamily};
+use super::{Bins, ScaleModel, Scene, SceneFault, Tag, TagFamily};
 use crate::geometry::length::{BadLength, shown, size_mm};
 
 /// Between a tag's white ring and the ground or the ridge of its card.
@@ -19,8 +19,8 @@ const FEWEST: u32 = 3;
 /// `count` tent cards at equal angles, the first before the model's front, and as many flat tags: in a row along each side of the
 /// model, so that few sheets carry them all; or, where the ring leaves no room for rows, half way between each two cards.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ring {
-    pub model: Model,
+pub struct TagRing {
+    pub model: ScaleModel,
     pub bins: Bins,
     /// Of the circle on which all stand.
     pub radius_mm: f64,
@@ -61,7 +61,7 @@ pub enum RingError {
     },
 }
 
-impl Ring {
+impl TagRing {
     /// Lays the ring out. Ids: the flat tags from 0, counter-clockwise from the first after the front; then two for each tent
     /// card, the outer face first.
     ///
