@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
-use scaleproof::attack::frames::FrameSet;
-use scaleproof::attack::import::import as import_frames;
 use scaleproof::board::Definition;
 use scaleproof::camera::{Camera, CameraFormat};
 use scaleproof::detect::{Manifest, Recorded};
 use scaleproof::files::sha256_hex;
+use scaleproof::frames::FrameSet;
+use scaleproof::frames::import::import as import_frames;
 use scaleproof::mesh::{Mesh, MeshPlacement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::palette::Palette;

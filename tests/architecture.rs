@@ -134,6 +134,204 @@ fn the_table_has_no_cycle_and_no_room_that_is_not_there() {
     }
 }
 
+/// A module's path below `src`, as `["score", "run"]`.
+type Module = Vec<String>;
+/// Each module's code, without its comments and its tests.
+type Modules = BTreeMap<Module, String>;
+
+fn modules() -> Modules {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let module = |(_, path, source): (String, PathBuf, String)| {
+        let below = path.strip_prefix(&src).unwrap().with_extension("");
+        let mut names: Module = below.iter().map(|n| n.to_string_lossy().into_owned()).collect();
+        names.pop_if(|last| last == "mod");
+        (names, code_of(&source))
+    };
+    project().1.into_iter().map(module).collect()
+}
+
+fn code_of(source: &str) -> String {
+    let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+    let lines = code.lines().map(|l| l.split("//").next().unwrap_or_default());
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The paths that a `use` tree brings in, as `a::b` and `a::c` for `a::{b, c}`.
+fn expanded(tree: &str) -> Vec<String> {
+    let tree = tree.trim();
+    let Some((front, group)) = tree.split_once('{') else {
+        return vec![tree.split(" as ").next().unwrap_or_default().trim().to_owned()];
+    };
+    let (mut depth, mut members) = (0, vec![String::new()]);
+    for c in group.rsplit_once('}').map_or(group, |(inside, _)| inside).chars() {
+        match c {
+            ',' if depth == 0 => members.push(String::new()),
+            c => {
+                depth += i32::from(c == '{') - i32::from(c == '}');
+                members.last_mut().unwrap().push(c);
+            }
+        }
+    }
+    let members = members
+        .iter()
+        .filter(|m| !m.trim().is_empty())
+        .flat_map(|m| expanded(m));
+    members.map(|member| format!("{front}{member}")).collect()
+}
+
+/// The paths that a module names, each with whether it exports it again.
+fn paths_named(code: &str) -> Vec<(String, bool)> {
+    let (mut named, mut body) = (Vec::new(), String::new());
+    let mut lines = code.lines();
+    while let Some(line) = lines.next() {
+        let words = line.trim_start();
+        let is_use = words.starts_with("use ") || (words.starts_with("pub") && words.contains(" use "));
+        if !is_use {
+            body += line;
+            body.push('\n');
+            continue;
+        }
+        let mut tree = words.split_once("use ").unwrap().1.to_owned();
+        while !tree.contains(';') {
+            tree += lines.next().expect("a use line ends");
+        }
+        let is_exported = words.starts_with("pub");
+        let paths = expanded(tree.trim_end().trim_end_matches(';'));
+        named.extend(paths.into_iter().map(|path| (path, is_exported)));
+    }
+    let inline = body.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':');
+    let inline = inline
+        .map(|path| path.trim_end_matches(':'))
+        .filter(|path| path.contains("::"));
+    named.extend(inline.map(|path| (path.to_owned(), false)));
+    named
+}
+
+/// A path from the root, given the module that names it; `None` for another crate's.
+fn from_root(modules: &Modules, at: &Module, path: &str) -> Option<Module> {
+    let mut base = at.clone();
+    let mut names = path.split("::").map(str::to_owned).peekable();
+    match names.peek()?.as_str() {
+        "crate" => {
+            base.clear();
+            names.next();
+        }
+        "self" => drop(names.next()),
+        "super" => {
+            while names.next_if_eq("super").is_some() {
+                base.pop();
+            }
+        }
+        child => {
+            base.push(child.to_owned());
+            modules.get(&base)?;
+            base.pop();
+        }
+    }
+    base.extend(names);
+    Some(base)
+}
+
+/// The module that an item comes from, through every `pub use`.
+fn home_of(modules: &Modules, exported: &BTreeMap<Module, Module>, item: &Module) -> Option<Module> {
+    let depth = (1..=item.len()).rev().find(|n| modules.contains_key(&item[..*n]))?;
+    let origin = item.get(..=depth).and_then(|name| exported.get(name));
+    match origin {
+        Some(origin) if *origin != item[..=depth] => {
+            let item = origin.iter().chain(&item[depth + 1..]).cloned().collect();
+            home_of(modules, exported, &item)
+        }
+        _ => Some(item[..depth].to_vec()),
+    }
+}
+
+/// Pairs of modules of one room that use each other. A `mod.rs` and its children may.
+fn two_file_circles(modules: &Modules) -> Vec<String> {
+    let mut named = Vec::new();
+    for (module, code) in modules {
+        for (path, is_exported) in paths_named(code) {
+            if let Some(item) = from_root(modules, module, &path) {
+                named.push((module, item, is_exported));
+            }
+        }
+    }
+    let exported = named
+        .iter()
+        .filter(|(.., is_exported)| *is_exported)
+        .map(|(module, item, _)| {
+            let name = item.last().cloned();
+            (module.iter().cloned().chain(name).collect(), item.clone())
+        });
+    let exported: BTreeMap<Module, Module> = exported.collect();
+    let uses: BTreeSet<(&Module, Module)> = named
+        .iter()
+        .filter_map(|(module, item, _)| Some((*module, home_of(modules, &exported, item)?)))
+        .collect();
+    let circle =
+        |(a, b): &&(&Module, Module)| *a < b && a[0] == b[0] && !b.starts_with(a) && uses.contains(&(b, (*a).clone()));
+    let circles = uses.iter().filter(circle);
+    circles
+        .map(|(a, b)| format!("{} and {}", a.join("/"), b.join("/")))
+        .collect()
+}
+
+/// Files that still use each other: this list may only shrink.
+const CIRCLES: [&str; 17] = [
+    "calibrate/detect and calibrate/sharpness",
+    "capture/recover and capture/store",
+    "cli/at_hand and cli/score",
+    "detect/input and detect/manifest",
+    "locate/diagnosis and locate/factor",
+    "locate/doubt and locate/matches",
+    "pattern/gamut and pattern/printed",
+    "print/template/layout and print/template/seams",
+    "print/wrap/cover and print/wrap/draw",
+    "print/wrap/draw and print/wrap/strips",
+    "report/evaluation and report/html/evaluation",
+    "report/evaluation and report/latex",
+    "score/observe and score/preview",
+    "score/observe and score/run",
+    "score/run and score/summary",
+    "tags/apriltag_c and tags/choice",
+    "tags/choice and tags/coarse_to_fine",
+];
+
+#[test]
+fn no_two_files_of_a_room_use_each_other() {
+    let new: Vec<String> = two_file_circles(&modules())
+        .into_iter()
+        .filter(|circle| !CIRCLES.contains(&circle.as_str()))
+        .collect();
+    assert!(new.is_empty(), "these use each other:\n{}", new.join("\n"));
+}
+
+#[test]
+fn a_circle_is_found_through_exports_and_a_parent_with_its_children_is_none() {
+    let of = |files: &[(&str, &str)]| -> Modules {
+        let module = |(path, code): &(&str, &str)| (path.split('/').map(str::to_owned).collect(), code_of(code));
+        files.iter().map(module).collect()
+    };
+    let parent = ("room", "mod a;\nmod b;\npub use a::{A, Other};\nfn f() { b::run() }");
+    let through_export = of(&[
+        parent,
+        ("room/a", "use super::b::B;"),
+        ("room/b", "use super::{\n    A,\n    C,\n};"),
+    ]);
+    assert_eq!(two_file_circles(&through_export), ["room/a and room/b"]);
+    let inline = of(&[
+        parent,
+        ("room/a", "fn f() { super::b::run() }"),
+        ("room/b", "use crate::room::a;"),
+    ]);
+    assert_eq!(two_file_circles(&inline), ["room/a and room/b"]);
+    let none = of(&[
+        parent,
+        ("room/a", "use super::C; // super::b\n#[cfg(test)]\nuse super::b;"),
+        ("room/b", "use super::{A, C};"),
+    ]);
+    assert_eq!(two_file_circles(&none), [""; 0]);
+}
+
 #[test]
 fn the_reader_of_use_lines_sees_every_form() {
     let source = "use crate::scene::{Bin, Scene};\nuse crate::{files, geometry::{BoxPx, rigid}, locate};\n\

@@ -10,16 +10,16 @@ use burn::tensor::Device;
 use common::{assert_refused, home, program, read_json, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::additive::views;
-use scaleproof::attack::dtn::data::TrainingSet;
-use scaleproof::attack::dtn::run::{Budget, train};
-use scaleproof::attack::dtn::training::{Plan, Trainer};
-use scaleproof::attack::dtn::transformer::Maps;
-use scaleproof::attack::dtn::view::View;
-use scaleproof::attack::dtn::{Architecture, Encoder, Transformer, file};
-use scaleproof::attack::frames::FrameSet;
-use scaleproof::attack::light;
-use scaleproof::attack::renderer::Renderer;
+use scaleproof::frames::FrameSet;
+use scaleproof::frames::light;
+use scaleproof::frames::views;
+use scaleproof::surrogate::dtn::data::TrainingSet;
+use scaleproof::surrogate::dtn::run::{Budget, train};
+use scaleproof::surrogate::dtn::training::{Plan, Trainer};
+use scaleproof::surrogate::dtn::transformer::Maps;
+use scaleproof::surrogate::dtn::view::View;
+use scaleproof::surrogate::dtn::{Architecture, Encoder, Transformer, file};
+use scaleproof::surrogate::renderer::Renderer;
 
 const GREY: [u8; 3] = [128; 3];
 

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use std::process::Output;
 
 use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
-use scaleproof::attack::frames::FrameSet;
-use scaleproof::attack::light;
+use scaleproof::frames::FrameSet;
+use scaleproof::frames::light;
 use scaleproof::pattern::Pattern;
 use scaleproof::session::Session;
 

@@ -9,10 +9,10 @@ use std::process::Output;
 use common::{assert_refused, home, program, read_json, shared, stdout};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
-use scaleproof::attack::frames::FrameSet;
-use scaleproof::attack::import::carla::{Transform, pose};
-use scaleproof::attack::light;
-use scaleproof::attack::render::{Colour, Plan, RenderRequest};
+use scaleproof::frames::FrameSet;
+use scaleproof::frames::import::carla::{Transform, pose};
+use scaleproof::frames::light;
+use scaleproof::frames::render::{Colour, Plan, RenderRequest};
 use scaleproof::mesh::{Mesh, MeshPlacement, doubled_area};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::WorldAligned;
@@ -271,7 +271,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
     std::fs::write(&file, "x").unwrap();
     let plan = Plan::new(request(Mesh::cuboid([180.0, 90.0, 60.0]), file)).unwrap();
     let script = plan.to_script(&plan.everything(), Path::new("raw"));
-    let source = std::fs::read_to_string(home().join("src/attack/render/render_frames.py")).unwrap();
+    let source = std::fs::read_to_string(home().join("src/frames/render/render_frames.py")).unwrap();
     let first = |v: &serde_json::Value| v.as_object().unwrap().values().next().unwrap().clone();
     let objects = [
         ("plan", script.clone()),

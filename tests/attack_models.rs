@@ -8,12 +8,13 @@ use common::{assert_refused, home, program, read_json};
 use image::{Rgb, RgbImage};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::additive::{Additive, views};
-use scaleproof::attack::chart::mse;
-use scaleproof::attack::frames::{Frame, FrameSet};
-use scaleproof::attack::light;
-use scaleproof::attack::projection::{Grid, Projection, Sampling, repeated, world};
-use scaleproof::attack::renderer::{Kind, PerPixel, Renderer, Shot, Tone};
+use scaleproof::frames::light;
+use scaleproof::frames::views;
+use scaleproof::frames::{Frame, FrameSet};
+use scaleproof::surrogate::additive::Additive;
+use scaleproof::surrogate::chart::mse;
+use scaleproof::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use scaleproof::surrogate::renderer::{Kind, PerPixel, Renderer, Shot, Tone};
 
 fn stored() -> FrameSet {
     FrameSet::open(&home().join("captures/skyline_frames")).unwrap()

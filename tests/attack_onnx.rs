@@ -12,10 +12,10 @@ use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::net::detector::OnnxDetector;
-use scaleproof::attack::net::onnx::Network;
-use scaleproof::attack::white_box::WhiteBox;
 use scaleproof::detect::{Detector, Manifest, Runtime};
+use scaleproof::whitebox::WhiteBox;
+use scaleproof::whitebox::detector::OnnxDetector;
+use scaleproof::whitebox::onnx::Network;
 
 #[path = "common/onnx.rs"]
 mod onnx;
@@ -891,11 +891,11 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     for share in [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99] {
         let cut = &whole[..(whole.len() as f64 * share) as usize];
         let error = refusal(cut, &manifest, &[2]);
-        assert!(error.contains("cannot be followed backwards"), "{share}: {error}");
+        assert!(error.contains("cannot be differentiated"), "{share}: {error}");
     }
     let error = refusal(&whole, &Manifest::named("yolox_nano").unwrap(), &[2]);
     assert!(
-        error.contains("cannot be followed backwards") && error.contains("does not fit this file"),
+        error.contains("cannot be differentiated") && error.contains("does not fit this file"),
         "{error}"
     );
     let error = refusal(&whole, &manifest, &[2, 80]);

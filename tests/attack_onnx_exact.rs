@@ -8,8 +8,8 @@ mod parity;
 
 use burn::tensor::{Device, FloatDType};
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
-use scaleproof::attack::net::onnx::Network;
 use scaleproof::detect::Manifest;
+use scaleproof::whitebox::onnx::Network;
 
 #[test]
 fn outputs_in_64_bits_are_those_of_onnx_runtime() {

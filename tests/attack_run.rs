@@ -12,18 +12,18 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof::attack::baseline::patches::{Patch, is_seen, paint};
 use scaleproof::attack::baseline::{self, Oracle, genetic};
-use scaleproof::attack::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
-use scaleproof::attack::light;
-use scaleproof::attack::projection::Grid;
 use scaleproof::attack::run::eot::{Draw, Eot, rolled};
 use scaleproof::attack::run::judge::judge;
 use scaleproof::attack::run::loss::{MEETS_IOU, from_floor, strongest};
 use scaleproof::attack::run::penalty::{off_colours, smooth};
 use scaleproof::attack::run::stage::{Laying, Stage};
 use scaleproof::attack::run::{Attack, Config, Drawn, Rgb, RunError, batch, look};
-use scaleproof::attack::white_box::{Claim, Look, WhiteBox};
+use scaleproof::frames::light;
+use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
 use scaleproof::geometry::BoxPx;
 use scaleproof::pattern::world_aligned::Side;
+use scaleproof::surrogate::projection::Grid;
+use scaleproof::whitebox::{Claim, Look, WhiteBox, WhiteBoxError};
 
 /// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like
 /// a fixed weave. Unsure of a grey model.
@@ -74,7 +74,7 @@ impl WhiteBox for Weave {
         0.65
     }
 
-    fn look(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+    fn look(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
         assert_eq!(picture.len() as u32, size_px[0] * size_px[1]);
         let look = self.looks.get();
         self.looks.set(look + 1);
@@ -672,7 +672,7 @@ fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
         fn hides_from_iou(&self) -> f64 {
             0.5
         }
-        fn look(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn Look + '_>, String> {
+        fn look(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
             Ok(Box::new(Seen(self.0.clone())))
         }
     }
@@ -767,8 +767,7 @@ fn patches_lie_where_they_are_put() {
         let part =
             |p: usize| points[((i / width) * factor + p / factor) * width * factor + (i % width) * factor + p % factor];
         let all: Vec<_> = (0..factor * factor).map(part).collect();
-        let roof =
-            |p: &scaleproof::attack::frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
+        let roof = |p: &scaleproof::frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
         // Seen from above with the front up, the model's left is on the left.
         if all.iter().all(|p| roof(p) && p.place_mm[1] > 1.0) {
             assert_eq!(*colour, [1.0, 0.0, 0.0]);

@@ -189,7 +189,7 @@ fn the_corpus_has_files_that_are_accepted() {
     let folder = entry::frames_folder("accepted");
     let whole = corpus("frames").into_iter().filter(|list| {
         std::fs::write(folder.join("frames.json"), list).unwrap();
-        let set = scaleproof::attack::frames::FrameSet::open(&folder);
+        let set = scaleproof::frames::FrameSet::open(&folder);
         set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_pictures(frame).is_ok()))
     });
     assert!(whole.count() >= 1);

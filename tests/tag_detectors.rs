@@ -4,7 +4,7 @@ mod common;
 
 use std::time::Instant;
 
-use common::{assert_refused, program, read_json, skyline};
+use common::{assert_refused, home, program, read_json, skyline};
 use image::GrayImage;
 use nalgebra::{Matrix4, Point3};
 use proptest::prelude::*;
@@ -644,5 +644,85 @@ fn a_detector_is_chosen_by_name() {
             "tagstandard41h12",
             "use one of coarse-to-fine, apriltag",
         ],
+    );
+}
+
+#[path = "../build/apriltag.rs"]
+mod build_apriltag;
+
+/// The version that a file of TOML or CMake states in the line after `mark`, up to its end.
+fn stated<'a>(text: &'a str, mark: &str) -> &'a str {
+    let rest = text.split_once(mark).unwrap_or_else(|| panic!("no {mark:?}")).1;
+    rest.split(['"', ' ', '\n']).next().unwrap()
+}
+
+#[test]
+fn the_provenance_names_the_apriltag_library_that_is_compiled() {
+    let provenance = TagDetectorChoice::default().provenance();
+    let build_apriltag::Linked { version, origin } = build_apriltag::CARRIED;
+    assert!(
+        provenance.contains(&format!("apriltag C {version} ({origin}, ")),
+        "{provenance}"
+    );
+
+    let lock = std::fs::read_to_string(home().join("Cargo.lock")).unwrap();
+    let locked = stated(&lock, "name = \"apriltag-sys\"\nversion = \"");
+    let of_origin = origin.strip_prefix("apriltag-sys ").unwrap();
+    assert!(
+        locked.starts_with(&format!("{of_origin}.")),
+        "{locked} is locked, {origin} stated"
+    );
+    let manifest = std::fs::read_to_string(home().join("Cargo.toml")).unwrap();
+    assert_eq!(
+        stated(&manifest, "apriltag-sys = \"="),
+        locked,
+        "dependants get another"
+    );
+
+    // The source of truth: what the C library says of itself.
+    let metadata = std::process::Command::new(env!("CARGO"))
+        .args(["metadata", "--offline", "--locked", "--format-version", "1"])
+        .current_dir(home())
+        .output()
+        .unwrap();
+    let metadata: serde_json::Value = serde_json::from_slice(&metadata.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    let of_sys = packages
+        .iter()
+        .find(|package| package["name"] == "apriltag-sys")
+        .unwrap();
+    let carried = std::path::Path::new(of_sys["manifest_path"].as_str().unwrap()).with_file_name("apriltag-src");
+    let cmake = std::fs::read_to_string(carried.join("CMakeLists.txt")).unwrap();
+    let said = stated(&cmake, "project(apriltag VERSION ");
+    assert!(
+        said.starts_with(&format!("{version}.")),
+        "it is {said}, {version} stated"
+    );
+}
+
+#[test]
+fn a_build_that_links_the_systems_apriltag_says_so() {
+    use build_apriltag::{CARRIED, linked};
+    let system = Some("3.4.2");
+    for asked in [None, Some("pkg-config"), Some("pkg-config-then-static")] {
+        let found = linked(asked, None, system);
+        assert_eq!((found.version, found.origin), ("3.4.2", "the system's"), "{asked:?}");
+    }
+    assert_eq!(linked(Some("raw,static"), None, system), CARRIED);
+    assert_eq!(linked(None, None, None), CARRIED);
+    assert_eq!(
+        linked(Some("raw,static"), Some("/src"), system).origin,
+        "from APRILTAG_SRC"
+    );
+    // A dependant does not read this project's `.cargo/config.toml`: the crate's documentation says what it sets.
+    let pin = std::fs::read_to_string(home().join(".cargo/config.toml")).unwrap();
+    let pin = pin
+        .lines()
+        .find(|line| line.starts_with("APRILTAG_SYS_METHOD"))
+        .unwrap();
+    let front = std::fs::read_to_string(home().join("src/lib.rs")).unwrap();
+    assert!(
+        front.contains(&format!("//! {pin}\n")),
+        "the crate's front page does not say {pin}"
     );
 }

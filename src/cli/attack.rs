@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::{CommandResult, Outcome, detectors, print, progress, score};
-use crate::attack::frames::FrameSet;
+use crate::frames::FrameSet;
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]

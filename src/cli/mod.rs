@@ -177,7 +177,7 @@ fn keep_refusals_quiet() {
     {
         let usual = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |about| {
-            if !crate::attack::is_refusing() {
+            if !crate::whitebox::is_refusing() {
                 usual(about);
             }
         }));

@@ -71,8 +71,14 @@ impl TagDetector for AprilTagC {
 }
 
 impl AprilTagC {
-    /// Name and version, for a result's provenance: the crate compiles the C source it carries.
-    pub const PROVENANCE: &str = "apriltag C 3.2 (apriltag-sys 0.3, decimate 1)";
+    /// Name and version, for a result's provenance; the build script knows which C library is linked.
+    pub const PROVENANCE: &str = concat!(
+        "apriltag C ",
+        env!("APRILTAG_VERSION"),
+        " (",
+        env!("APRILTAG_ORIGIN"),
+        ", decimate 1)"
+    );
 }
 
 fn c_family(family: TagFamily) -> Family {

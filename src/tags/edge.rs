@@ -1,7 +1,7 @@
 //! One blurred straight edge, fitted to the pixels of a band about it.
 
 use nalgebra::{SMatrix, SVector};
-use palette::{LinSrgb, Srgb};
+use palette::encoding::{IntoLinear, Srgb};
 
 use crate::least_squares::{LeastSquares, Limits, minimise};
 use crate::statistics::normal::fast_cdf_and_density;
@@ -135,7 +135,7 @@ impl LeastSquares for EdgeEquations<'_> {
 fn linear_light() -> &'static [f64; 256] {
     static TABLE: std::sync::LazyLock<[f64; 256]> = std::sync::LazyLock::new(|| {
         // Not `palette`'s own table of 8-bit levels, which is exact to 7e-7 only.
-        std::array::from_fn(|level| LinSrgb::from(Srgb::from([level as f64 / 255.0; 3])).red)
+        std::array::from_fn(|level| Srgb::into_linear(level as f64 / 255.0))
     });
     &TABLE
 }

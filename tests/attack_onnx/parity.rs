@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
-use scaleproof::attack::net::onnx::Network;
 use scaleproof::detect::{Manifest, Runtime};
+use scaleproof::whitebox::onnx::Network;
 
 use crate::common::{home, shared};
 
 /// Name, shape and numbers of an output.
 pub type Answered = (String, Vec<usize>, Vec<f32>);
 
-/// The detectors whose networks can be followed backwards, with the shape of their input.
+/// The detectors whose networks can be differentiated, with the shape of their input.
 pub const FOLLOWED: [(&str, &str, usize); 3] = [
     ("yolox_nano", "yolox_nano.onnx", 416),
     ("nanodet_m", "nanodet_m_416.onnx", 416),

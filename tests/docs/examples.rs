@@ -92,7 +92,7 @@ fn frames(text: &str, at: &Path) -> Read {
             _ => {}
         }
     }
-    said(scaleproof::attack::frames::FrameSet::open(at))
+    said(scaleproof::frames::FrameSet::open(at))
 }
 
 /// `import.json` and `poses.csv` in one example, with a blank line between; the pictures are made here.

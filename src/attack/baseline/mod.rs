@@ -23,7 +23,7 @@ use super::run::judge::{confidence, judge};
 use super::run::loss::MEETS_IOU;
 use super::run::stage::{Laying, Stage};
 use super::run::{Rgb, RunError};
-use super::white_box::WhiteBox;
+use crate::whitebox::WhiteBox;
 
 /// Everything a search depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,9 +3,9 @@
 
 use image::RgbImage;
 
-use crate::attack::frames::{Frame, FrameSet, FramesError, SurfacePoint};
-use crate::attack::light;
 use crate::attack::run::Rgb;
+use crate::frames::light;
+use crate::frames::{Frame, FrameSet, FramesError, SurfacePoint};
 use crate::pattern::world_aligned::Side;
 
 /// A picture on one side of the model. The hood is part of the roof's side: both look up.

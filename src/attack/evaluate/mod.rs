@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::frames::FramesError;
-use super::render::{Plan, PlannedFrame, RenderError, RenderRequest, blender};
 use crate::files::{self, FileError};
+use crate::frames::FramesError;
+use crate::frames::render::{Plan, PlannedFrame, RenderError, RenderRequest, blender};
 use crate::geometry::BoxPx;
 use crate::scene::{Classes, Scene, Viewpoint};
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use image::DynamicImage;
 
 use super::{EvaluateError, Evaluation};
-use crate::attack::frames::encode_rgb;
-use crate::attack::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
 use crate::files::{self, FileError};
+use crate::frames::encode_rgb;
+use crate::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
 use crate::photo::{Budget, open_png};
 
 /// Renders the missing photos into `folder`.

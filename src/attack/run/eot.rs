@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::Rgb;
 use super::resample::Resample;
-use crate::attack::projection::repeated::Jitter;
 use crate::geometry::BoxPx;
+use crate::surrogate::projection::repeated::Jitter;
 
 /// Ranges to draw from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -7,9 +7,9 @@ use super::loss::{HIT_CONFIDENCE, HIT_IOU, strongest};
 use super::stage::Stage;
 use super::{Draw, Rgb, RunError};
 use crate::ap::{ImageBoxes, average_precision};
-use crate::attack::white_box::{Claim, WhiteBox};
 use crate::detect::{Candidate, SCORE_FLOOR, suppress};
 use crate::geometry::BoxPx;
+use crate::whitebox::{Claim, WhiteBox};
 
 /// Means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! The attack loss of DTA (CVPR 2022, eq. 7), `−ln(1 − max C)`, over the boxes that meet the model, and the confidence at which its pull fades.
 
-use crate::attack::white_box::Claim;
 use crate::geometry::BoxPx;
+use crate::whitebox::Claim;
 
 /// A box meets the model from this overlap with the box around its mask. Less than a hit's 0.5, so that a box does not
 /// win by moving a little; others, such as those of cars in the background, never drive the loss.

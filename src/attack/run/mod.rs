@@ -32,11 +32,11 @@ use eot::{Draw, Eot};
 use history::Entry;
 use stage::{Laying, Stage};
 
-use super::frames::FramesError;
-use super::renderer::FitError;
-use super::white_box::WhiteBox;
 use crate::files::FileError;
+use crate::frames::FramesError;
 use crate::pattern::{Pattern, PatternError};
+use crate::surrogate::renderer::FitError;
+use crate::whitebox::{WhiteBox, WhiteBoxError};
 
 /// A value of each channel.
 pub type Rgb = [f64; 3];
@@ -65,7 +65,7 @@ pub enum RunError {
     Look {
         detector: String,
         view: String,
-        reason: String,
+        reason: WhiteBoxError,
     },
     #[error(
         "the loss of {detector} on the view of {view} is not a number (step {step}): the weights are damaged, or the frame is; nothing was moved, and \

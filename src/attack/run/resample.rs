@@ -1,7 +1,7 @@
 //! A picture made larger or smaller about its middle and moved, as a linear map, forward and transposed.
 
 use super::Rgb;
-use crate::attack::separable::{Separable, Tap};
+use crate::whitebox::separable::{Separable, Tap};
 
 /// What surrounds a picture that was made smaller: the grey that detectors pad with.
 const AROUND: f64 = 114.0 / 255.0;

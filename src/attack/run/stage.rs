@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use super::eot::{Draw, Taken, rolled};
 use super::{Rgb, RunError};
-use crate::attack::additive::views;
-use crate::attack::frames::{Coverage, Frame, FrameList, FrameSet, outline};
-use crate::attack::light;
-use crate::attack::projection::{Grid, Projection, Sampling, repeated, world};
-use crate::attack::renderer::{Kind, PerPixel, Renderer, Shot};
+use crate::frames::light;
+use crate::frames::views;
+use crate::frames::{Coverage, Frame, FrameList, FrameSet, outline};
 use crate::geometry::BoxPx;
+use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use crate::surrogate::renderer::{Kind, PerPixel, Renderer, Shot};
 use crate::workers;
 
 /// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`]; fewer views than that are all trained on.

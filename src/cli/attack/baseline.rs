@@ -11,8 +11,6 @@ use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::baseline::patches::{Patch, is_seen, paint};
 use crate::attack::baseline::{self, Oracle, genetic};
-#[cfg(feature = "attack")]
-use crate::attack::device::DeviceKind;
 use crate::attack::run::checkpoint;
 use crate::attack::run::history::Entry;
 use crate::attack::run::judge::{Judgement, judge, judge_pictures};
@@ -20,6 +18,8 @@ use crate::attack::run::{Rgb, RunError, of_pattern, srgb};
 use crate::cli::print::patch::{self, PlaceArgs};
 use crate::files;
 use crate::pattern::Pattern;
+#[cfg(feature = "attack")]
+use crate::whitebox::device::DeviceKind;
 
 /// Make the patterns an attack must beat, and judge them by the same views
 #[derive(clap::Args)]

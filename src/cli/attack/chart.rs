@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::additive::views;
-use crate::attack::chart::{Row, draw, draw_training, measure, table};
-use crate::attack::frames::{FrameSet, LIST};
-use crate::attack::renderer::Learned;
 use crate::files;
+use crate::frames::views;
+use crate::frames::{FrameSet, LIST};
+use crate::surrogate::chart::{Row, draw, draw_training, measure, table};
+use crate::surrogate::renderer::Learned;
 
 /// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
@@ -86,7 +86,7 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
 
 #[cfg(feature = "attack")]
 fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, Box<dyn std::error::Error>> {
-    use crate::attack::dtn::file;
+    use crate::surrogate::dtn::file;
     let device = args.on.device.open()?;
     let open = |path: &PathBuf| {
         let network = file::load(path)?.network(device.clone())?;

@@ -10,10 +10,11 @@ use rand_pcg::Pcg32;
 
 use super::CommandResult;
 use super::render::hex;
-use crate::attack::additive::{Additive, views};
-use crate::attack::frames::{Frame, FrameSet, LIST, Paint, encode_rgb};
-use crate::attack::light;
 use crate::files;
+use crate::frames::light;
+use crate::frames::views;
+use crate::frames::{Frame, FrameSet, LIST, Paint, encode_rgb};
+use crate::surrogate::additive::Additive;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]

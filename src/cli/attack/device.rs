@@ -1,6 +1,6 @@
 //! `--device` of the commands that run networks.
 
-use crate::attack::device::DeviceKind;
+use crate::whitebox::device::DeviceKind;
 
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct OnDevice {

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::CommandResult;
-use crate::attack::frames::LIST;
-use crate::attack::import::import;
 use crate::files;
+use crate::frames::LIST;
+use crate::frames::import::import;
 
 /// Make frames of a folder that another engine exported (CARLA's layout; see the guide, `frames.md`)
 #[derive(clap::Args)]

@@ -9,24 +9,24 @@ use serde_json::json;
 
 use super::device::OnDevice;
 use super::progress;
-use crate::attack::device::DeviceKind;
-use crate::attack::frames::{FrameSet, LIST};
-#[cfg(feature = "attack")]
-use crate::attack::net::detector::OnnxDetector;
-use crate::attack::projection::Grid;
 use crate::attack::run::eot::Eot;
 use crate::attack::run::history::{self, Entry, History};
 use crate::attack::run::stage::Stage;
 use crate::attack::run::{Rgb, stage, to_picture};
-use crate::attack::white_box::WhiteBox;
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
 use crate::files;
+use crate::frames::{FrameSet, LIST};
 use crate::pattern::card::Card;
 use crate::pattern::{MAX_CELLS, Pattern};
 use crate::print::lettering::counted;
 use crate::scene::Classes;
+use crate::surrogate::projection::Grid;
+use crate::whitebox::WhiteBox;
+#[cfg(feature = "attack")]
+use crate::whitebox::detector::OnnxDetector;
+use crate::whitebox::device::DeviceKind;
 
 /// The name of the pattern in the folder of a result.
 pub const PATTERN: &str = "pattern.png";
@@ -108,7 +108,7 @@ impl OnFrames {
             rows: self.cells,
             cell_mm: self.tile_mm / f64::from(self.cells),
         };
-        let views = crate::attack::additive::views(&set.list.frames).len();
+        let views = crate::frames::views(&set.list.frames).len();
         let bar = progress::frames("reading views", views);
         let stage = Stage::open(&set, grid, self.laying.into(), || bar.inc(1));
         bar.finish_and_clear();
@@ -260,7 +260,7 @@ fn check_tile(tile_mm: f64) -> Result<(), String> {
 }
 
 fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Box<dyn Error>> {
-    Ok(crate::attack::frames::encode_rgb(picture)?)
+    Ok(crate::frames::encode_rgb(picture)?)
 }
 
 /// The cells of a pattern file, which must be square and of so many cells.

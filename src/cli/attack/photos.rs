@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::frames::LIST;
-use crate::attack::light;
-use crate::attack::photos::{LeftOut, Made, MadeView, Paper, Request, Shot, make};
 use crate::envelope;
 use crate::files;
+use crate::frames::LIST;
+use crate::frames::light;
+use crate::frames::photos::{LeftOut, Made, MadeView, Paper, Request, Shot, make};
 use crate::locate::{Warning, locate_photo};
 use crate::mesh::Mesh;
 use crate::photo::Photo;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::print::wrap::ModelArgs;
 use super::{CommandResult, progress};
-use crate::attack::frames::LIST;
-use crate::attack::light;
-use crate::attack::render::{Colour, Light, Plan, RenderRequest, blender, render};
+use crate::frames::LIST;
+use crate::frames::light;
+use crate::frames::render::{Colour, Light, Plan, RenderRequest, blender, render};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;

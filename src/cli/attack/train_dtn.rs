@@ -9,13 +9,13 @@ use serde_json::json;
 use super::device::OnDevice;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::additive::views;
-use crate::attack::dtn::data::TrainingSet;
-use crate::attack::dtn::run::{Budget, train};
-use crate::attack::dtn::training::{Plan, Trainer};
-use crate::attack::dtn::{Architecture, DtnError, Encoder, Transformer, file};
-use crate::attack::frames::FrameSet;
-use crate::attack::light;
+use crate::frames::FrameSet;
+use crate::frames::light;
+use crate::frames::views;
+use crate::surrogate::dtn::data::TrainingSet;
+use crate::surrogate::dtn::run::{Budget, train};
+use crate::surrogate::dtn::training::{Plan, Trainer};
+use crate::surrogate::dtn::{Architecture, DtnError, Encoder, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
 #[derive(clap::Args)]

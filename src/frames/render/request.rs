@@ -1,0 +1,103 @@
+//! What is to be rendered.
+
+use std::path::PathBuf;
+
+use nalgebra::Matrix3;
+use serde_json::{Value, json};
+
+use super::Light;
+use crate::frames::{Paint, PatternPaint, light};
+use crate::mesh::Mesh;
+use crate::pattern::Pattern;
+use crate::scene::Viewpoint;
+
+/// What to render.
+#[derive(Debug, Clone)]
+pub struct RenderRequest {
+    pub mesh: Mesh,
+    pub mesh_file: PathBuf,
+    /// Rows of the rotation from the mesh file's frame into the model frame.
+    pub turn: Matrix3<f64>,
+    /// Indices of the materials that are the paint; all when empty.
+    pub materials: Vec<usize>,
+    pub lights: Vec<Light>,
+    pub viewpoints: Vec<Viewpoint>,
+    pub colours: Vec<Colour>,
+    pub size_px: [u32; 2],
+    /// Horizontal.
+    pub field_of_view_deg: f64,
+    /// Light paths a pixel.
+    pub samples: u32,
+    /// Clean the noise of few light paths away (Intel Open Image Denoise). Such pictures no longer add up as light does.
+    pub denoise: bool,
+    pub seed: u32,
+    /// Positions are taken at this many points along each side of a pixel.
+    pub factor: u32,
+    /// Threads; 0 is all cores. The same pictures come out.
+    pub threads: u32,
+    /// How the frames say they were made.
+    pub made_by: String,
+}
+
+/// What is on the model.
+#[derive(Debug, Clone)]
+pub enum Colour {
+    /// 8-bit sRGB of the diffuse reflectance.
+    Flat([u8; 3]),
+    /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
+    Pattern(String, Pattern, f64),
+    /// The mesh file's own materials.
+    Original,
+}
+
+impl Colour {
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::Flat(rgb) => light::to_hex(*rgb),
+            Self::Pattern(name, ..) => name.clone(),
+            Self::Original => "original".to_owned(),
+        }
+    }
+
+    pub(super) fn paint(&self) -> Paint {
+        match self {
+            Self::Flat(rgb) => Paint::FlatRgb(*rgb),
+            Self::Pattern(_, _, tile_mm) => Paint::Pattern(PatternPaint {
+                file: self.file().unwrap_or_default(),
+                tile_mm: *tile_mm,
+            }),
+            Self::Original => Paint::Original,
+        }
+    }
+
+    pub(super) fn file(&self) -> Option<String> {
+        matches!(self, Self::Pattern(..)).then(|| format!("patterns/{}.png", self.name()))
+    }
+
+    /// What tells this paint from others.
+    pub fn identity(&self) -> Value {
+        match self {
+            Self::Pattern(name, pattern, tile_mm) => {
+                json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})
+            }
+            Self::Flat(_) | Self::Original => json!(self.name()),
+        }
+    }
+
+    /// Rows of cells from the top in linear light, and the size of one repeat; nothing for the mesh's own materials.
+    pub(super) fn to_script(&self) -> Value {
+        let (cells, tile_mm): (Vec<Vec<[f64; 3]>>, _) = match self {
+            Self::Original => return Value::Null,
+            Self::Flat(rgb) => (vec![vec![light::linear_of(*rgb)]], [1.0, 1.0]),
+            Self::Pattern(_, pattern, tile_mm) => {
+                let row = |y| (0..pattern.columns()).map(move |x| light::linear_of(pattern.cells().get_pixel(x, y).0));
+                let height_mm = tile_mm * f64::from(pattern.rows()) / f64::from(pattern.columns());
+                (
+                    (0..pattern.rows()).map(|y| row(y).collect()).collect(),
+                    [*tile_mm, height_mm],
+                )
+            }
+        };
+        json!({"cells": cells, "tile_mm": tile_mm})
+    }
+}

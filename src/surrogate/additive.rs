@@ -1,0 +1,112 @@
+//! Further flat colours from a few, without rendering: light adds up.
+//!
+//! In linear light a pixel is `L(ρ) = Σ aₙ ρⁿ` of the paint's reflectance ρ, channel by channel: a₀ is what never touched the paint, a₁ what
+//! touched it once, higher terms what went to and fro between its parts. The polynomial through n colours is a sum of
+//! their pictures with the weights of Lagrange's interpolation, the same for all pixels. This is exact for a diffuse paint under a
+//! coat up to the degree n − 1, and holds before clipping only, which is why frames keep linear light.
+
+use crate::frames::light;
+use crate::frames::{Frame, FrameSet, FramesError};
+
+/// Pictures of one view in several flat colours, in linear light.
+#[derive(Debug, Clone)]
+pub struct Additive {
+    /// Reflectance of each picture's colour.
+    colours: Vec<[f64; 3]>,
+    pictures: Vec<Vec<[f32; 3]>>,
+}
+
+/// Why colours could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum AdditiveError {
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    #[error(
+        "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more, as in --flat 000000 \
+         808080 ffffff"
+    )]
+    TooFew { view: String, found: usize },
+}
+
+impl Additive {
+    /// The flat-coloured frames of one view. Colours that share a channel's value with an earlier one are left out: the polynomial of
+    /// that channel would have no answer.
+    ///
+    /// # Errors
+    /// Fewer than three colours, or pictures that cannot be read.
+    pub fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, AdditiveError> {
+        let mut additive = Self {
+            colours: Vec::new(),
+            pictures: Vec::new(),
+        };
+        for frame in view {
+            let Some(rgb) = frame.flat_rgb() else { continue };
+            let colour = light::linear_of(rgb);
+            let is_new = |known: &[f64; 3]| (0..3).all(|c| known[c] != colour[c]);
+            // More than four interpolate noise.
+            if additive.colours.len() < 4
+                && additive.colours.iter().all(is_new)
+                && let Some(picture) = set.linear(frame)?
+            {
+                additive.colours.push(colour);
+                additive.pictures.push(picture);
+            }
+        }
+        let found = additive.colours.len();
+        if found < 3 {
+            let view = view.first().map(|f| f.name.clone()).unwrap_or_default();
+            return Err(AdditiveError::TooFew { view, found });
+        }
+        Ok(additive)
+    }
+
+    /// The same of other pictures, each made of one of these by a linear map, as parts and means of pixels are.
+    #[must_use]
+    pub fn mapped(self, map: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Self {
+        Self {
+            pictures: self.pictures.iter().map(|picture| map(picture)).collect(),
+            colours: self.colours,
+        }
+    }
+
+    /// Colours it is made of.
+    pub fn len(&self) -> usize {
+        self.colours.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.colours.is_empty()
+    }
+
+    /// The view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.
+    pub fn light(&self, rgb: [u8; 3]) -> Vec<[f32; 3]> {
+        let at = light::linear_of(rgb);
+        let weights: [Vec<f64>; 3] = std::array::from_fn(|channel| {
+            let levels: Vec<f64> = self.colours.iter().map(|c| c[channel]).collect();
+            lagrange(&levels, at[channel])
+        });
+        let pixels = self.pictures.first().map_or(0, Vec::len);
+        let sum = |pixel: usize, channel: usize| -> f64 {
+            let of_each = self.pictures.iter().zip(&weights[channel]);
+            of_each.map(|(picture, w)| w * f64::from(picture[pixel][channel])).sum()
+        };
+        (0..pixels)
+            .map(|pixel| std::array::from_fn(|channel| sum(pixel, channel).max(0.0) as f32))
+            .collect()
+    }
+
+    /// The same as 8-bit sRGB, as a frame has it.
+    pub fn rgb(&self, rgb: [u8; 3]) -> Vec<[u8; 3]> {
+        let linear = self.light(rgb);
+        linear.iter().map(|p| light::rgb_of(p.map(f64::from))).collect()
+    }
+}
+
+/// The weights of values at `levels` in the value at `at` of the polynomial through them.
+fn lagrange(levels: &[f64], at: f64) -> Vec<f64> {
+    let weight = |i: usize| {
+        let others = levels.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, other)| (at - other) / (levels[i] - other)).product()
+    };
+    (0..levels.len()).map(weight).collect()
+}

@@ -1,0 +1,41 @@
+//! World-aligned projection: the pattern as the printed panels carry it, from the positions and sides of a frame's paint.
+
+use super::{Grid, Projection, Sampling};
+use crate::frames::{Frame, FrameSet, FramesError};
+
+/// The projection for a frame; `None` for a frame without positions.
+///
+/// # Errors
+/// Pictures that cannot be read.
+pub fn project(
+    set: &FrameSet,
+    frame: &Frame,
+    grid: &Grid,
+    sampling: Sampling,
+) -> Result<Option<Projection>, FramesError> {
+    let (Some(points), Some(about)) = (set.surface(frame)?, &set.list.positions) else {
+        return Ok(None);
+    };
+    let [width, height] = set.list.size_px.map(|px| px as usize);
+    let factor = about.factor as usize;
+    let inside = |x: usize, y: usize| {
+        let parts = (0..factor * factor).map(move |i| (x * factor + i % factor, y * factor + i / factor));
+        parts
+            .filter_map(|(x, y)| {
+                let point = &points[y * width * factor + x];
+                Some(in_cells(grid, point.side?.project(&point.place_mm.into())))
+            })
+            .collect()
+    };
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Ok(Some(Projection::from_points(
+        grid,
+        sampling,
+        pixels.map(|(x, y)| inside(x, y)),
+    )))
+}
+
+/// (u, v) of a side in mm as columns and rows: the phase is that of [`crate::pattern::world_aligned`].
+pub(super) fn in_cells(grid: &Grid, [u_mm, v_mm]: [f64; 2]) -> [f64; 2] {
+    [u_mm / grid.cell_mm, -v_mm / grid.cell_mm]
+}

@@ -1,0 +1,247 @@
+//! A detector of the program, followed back to its picture: the ONNX file and the manifest that scoring uses.
+
+use std::path::Path;
+
+use burn::tensor::Device;
+
+use super::onnx::{Answer, Network, Output};
+use super::resample::Resampler;
+use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors};
+use crate::files;
+use crate::whitebox::{Claim, Look, WhiteBox, WhiteBoxError};
+
+/// A network with its manifest and the labels that count as the model.
+pub struct OnnxDetector {
+    manifest: Manifest,
+    labels: Vec<usize>,
+    network: Network,
+}
+
+impl OnnxDetector {
+    /// Reads a detector's weights. `labels`: the indices into its labels that count as the model.
+    ///
+    /// # Errors
+    /// Labels it does not have; an input or a head that no gradient can be led through; unknown operators, by their names; a network whose
+    /// outputs are not those of the manifest's head.
+    pub fn open(
+        manifest: &Manifest,
+        weights: &Path,
+        labels: &[usize],
+        device: &Device,
+    ) -> Result<OnnxDetector, WhiteBoxError> {
+        let refused = |reason: WhiteBoxError| WhiteBoxError::Detector {
+            name: manifest.name.clone(),
+            reason: reason.into(),
+        };
+        let shape = input_shape(manifest).map_err(refused)?;
+        let is_missing = |label: &&usize| manifest.labels.name(**label).is_none();
+        if labels.is_empty() || labels.iter().any(|l| is_missing(&l)) {
+            return Err(refused(WhiteBoxError::Labels {
+                labels: labels.to_vec(),
+                count: manifest.labels.count(),
+            }));
+        }
+        let file = weights.display().to_string();
+        let detector = OnnxDetector {
+            manifest: manifest.clone(),
+            labels: labels.to_vec(),
+            network: Network::read(&files::read(weights)?, &file, &shape, device)?,
+        };
+        // A head that does not fit is told now, not at the first picture.
+        let [width, height] = manifest.input.size_px;
+        let grey = vec![[0.5; 3]; (width * height) as usize];
+        detector.claims(&grey, [width, height]).map_err(refused)?;
+        Ok(detector)
+    }
+}
+
+/// The shape of the network's input, which must be the same for all pictures.
+fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, WhiteBoxError> {
+    let input = &manifest.input;
+    if matches!(input.resize, Resize::ShortSide | Resize::Original) {
+        return Err(WhiteBoxError::InputOfAnySize);
+    }
+    if input.values == Values::U8 {
+        return Err(WhiteBoxError::EightBits);
+    }
+    let [width, height] = input.size_px.map(|side| side as usize);
+    Ok(match input.layout {
+        Layout::Nchw => vec![1, 3, height, width],
+        Layout::Nhwc => vec![1, height, width, 3],
+        Layout::Chw => vec![3, height, width],
+    })
+}
+
+impl WhiteBox for OnnxDetector {
+    fn name(&self) -> &str {
+        &self.manifest.name
+    }
+
+    fn hides_from_iou(&self) -> f64 {
+        self.manifest.head.nms_iou().unwrap_or(1.0)
+    }
+
+    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
+        Ok(Box::new(self.seen(picture, size_px, true)?))
+    }
+
+    /// Without the record of the way back, which the framework keeps until somebody goes it.
+    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, WhiteBoxError> {
+        Ok(self.seen(picture, size_px, false)?.claims)
+    }
+}
+
+impl OnnxDetector {
+    fn seen(&self, picture: &[[f64; 3]], size_px: [u32; 2], is_followed: bool) -> Result<Seen, WhiteBoxError> {
+        let [width, height] = size_px;
+        if width == 0 || height == 0 || picture.len() != width as usize * height as usize {
+            return Err(WhiteBoxError::Pixels {
+                found: picture.len(),
+                size_px,
+            });
+        }
+        let way = Resampler::new(&self.manifest.input, size_px);
+        let numbers = way.forward(picture);
+        let answer = self.network.answer(numbers, is_followed)?;
+        let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
+        if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
+            return Err(WhiteBoxError::NotANumber {
+                name: self.manifest.name.clone(),
+                output: output.name.clone(),
+            });
+        }
+        let Anchors { anchors, exponents } = anchors(&self.manifest, &tensors, way.placement().canvas)
+            .map_err(|reason| WhiteBoxError::Head(reason.to_string()))?
+            .ok_or(WhiteBoxError::ChosenBoxes)?;
+        let terms: Vec<Terms> = anchors
+            .iter()
+            .map(|a| self.terms(a, exponents, &answer.outputs))
+            .collect();
+        let claims = anchors.iter().zip(&terms).map(|(anchor, terms)| Claim {
+            box_px: way.placement().to_photo(anchor.b),
+            confidence: terms.confidence(),
+            loss: terms.loss(),
+        });
+        Ok(Seen {
+            claims: claims.collect(),
+            terms,
+            answer,
+            way,
+        })
+    }
+
+    /// What an anchor's confidence is made of: its objectness and the best of the labels that count.
+    fn terms(&self, anchor: &Anchor, [objectness, label]: [f32; 2], outputs: &[Output]) -> Terms {
+        let term = |index: usize, exponent: f32| Term::new(&outputs[anchor.output], anchor.output, index, exponent);
+        let of_labels = self
+            .labels
+            .iter()
+            .map(|l| term(anchor.first_label + l * anchor.label_step, label));
+        let best = of_labels.max_by(|a, b| a.ln.total_cmp(&b.ln));
+        Terms(
+            anchor
+                .objectness
+                .map(|index| term(index, objectness))
+                .into_iter()
+                .chain(best)
+                .collect(),
+        )
+    }
+}
+
+/// What the file itself answers, for the heads.
+fn tensor(output: &Output) -> Tensor {
+    Tensor {
+        name: output.name.clone(),
+        shape: output.shape.clone(),
+        data: Data::F32(output.values()),
+    }
+}
+
+/// One factor of a confidence: p^exponent.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    /// Where the number lies that it comes from.
+    output: usize,
+    index: usize,
+    /// ln(p^exponent), exact near 0 where it comes from a logit.
+    ln: f64,
+    /// d ln / d number.
+    slope: f64,
+}
+
+/// Where only p in 32 bits is known, 1 − p is known no finer than this.
+const FINEST: f64 = 1.0 / (1 << 24) as f64;
+
+impl Term {
+    fn new(from: &Output, output: usize, index: usize, exponent: f32) -> Term {
+        let (x, exponent) = (f64::from(from.raw[index]), f64::from(exponent));
+        let (ln, slope) = if from.is_logit[index] {
+            // ln σ(z) = −ln(1 + e^−z), whose derivative is 1 − σ(z).
+            let ln = if x > 0.0 {
+                -(-x).exp().ln_1p()
+            } else {
+                x - x.exp().ln_1p()
+            };
+            (ln, 1.0 / (1.0 + x.exp()))
+        } else {
+            let p = x.clamp(FINEST, 1.0 - FINEST);
+            (p.ln(), 1.0 / p)
+        };
+        Term {
+            output,
+            index,
+            ln: exponent * ln,
+            slope: exponent * slope,
+        }
+    }
+}
+
+/// C = Π p^exponent, known by its logarithm, so that 1 − C has all its digits however near C is to 1.
+struct Terms(Vec<Term>);
+
+impl Terms {
+    /// ln C, below 0.
+    fn ln(&self) -> f64 {
+        self.0.iter().map(|term| term.ln).sum::<f64>().min(-f64::MIN_POSITIVE)
+    }
+
+    fn confidence(&self) -> f64 {
+        self.ln().exp()
+    }
+
+    /// −ln(1 − C).
+    fn loss(&self) -> f64 {
+        -(-self.ln().exp_m1()).ln()
+    }
+
+    /// d loss / d ln C = C / (1 − C).
+    fn slope(&self) -> f64 {
+        1.0 / (-self.ln()).exp_m1()
+    }
+}
+
+/// What the network says of one picture.
+struct Seen {
+    claims: Vec<Claim>,
+    terms: Vec<Terms>,
+    answer: Answer,
+    way: Resampler,
+}
+
+impl Look for Seen {
+    fn claims(&self) -> &[Claim] {
+        &self.claims
+    }
+
+    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]> {
+        let mut slopes: Vec<Vec<f32>> = self.answer.outputs.iter().map(|o| vec![0.0; o.raw.len()]).collect();
+        for (terms, weight) in self.terms.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+            let slope = weight * terms.slope();
+            for term in &terms.0 {
+                slopes[term.output][term.index] += (slope * term.slope) as f32;
+            }
+        }
+        self.way.backward(&self.answer.pull_back(slopes))
+    }
+}

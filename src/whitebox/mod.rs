@@ -1,0 +1,101 @@
+//! Differentiable detectors: the predictions of a detector for an image, and their derivatives by its pixels.
+//!
+//! - [`WhiteBox`]: what an attack asks of a detector;
+//! - [`detector`] (Cargo feature `attack`): a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs;
+//! - [`onnx`] (Cargo feature `attack`): ONNX files on tensors with gradients;
+//! - [`device`]: what the networks run on.
+//!
+//! Images are sRGB, 0 to 1, row by row, as renderer models predict them.
+
+#[cfg(feature = "attack")]
+pub mod detector;
+pub mod device;
+mod fault;
+#[cfg(feature = "attack")]
+pub mod onnx;
+#[cfg(feature = "attack")]
+mod quietly;
+#[cfg(feature = "attack")]
+mod resample;
+pub(crate) mod separable;
+
+#[cfg(feature = "attack")]
+pub use quietly::is_refusing;
+
+pub use fault::NetworkFault;
+
+use crate::files::FileError;
+use crate::geometry::BoxPx;
+
+/// Why a detector cannot be attacked through its own network.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WhiteBoxError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{name} cannot be differentiated: {reason}")]
+    Detector { name: String, reason: Box<WhiteBoxError> },
+    #[error("{file} cannot be differentiated: {reason}")]
+    Network { file: String, reason: NetworkFault },
+    #[error("{file} has operators that cannot be differentiated here: {names}; attack another detector")]
+    Operators { file: String, names: String },
+    #[error("{file} failed: {reason}")]
+    Run { file: String, reason: NetworkFault },
+    #[error("labels {labels:?} are not among its {count}; name those that count as the model")]
+    Labels { labels: Vec<usize>, count: usize },
+    #[error("the size of its input depends on the image; attack a detector with an input of its own size")]
+    InputOfAnySize,
+    #[error("it takes images of 8 bits, and no gradient passes their rounding")]
+    EightBits,
+    #[error("{found} pixels are no image of {} × {}", size_px[0], size_px[1])]
+    Pixels { found: usize, size_px: [u32; 2] },
+    #[error("{name} answered with NaN in its output {output}")]
+    NotANumber { name: String, output: String },
+    /// What its head says of its outputs.
+    #[error("{0}")]
+    Head(String),
+    #[error("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")]
+    ChosenBoxes,
+}
+
+/// What one anchor of a detector says about the classes that count as the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Claim {
+    /// In pixels of the picture.
+    pub box_px: BoxPx,
+    /// Highest confidence C of the classes that count, 0 to 1.
+    pub confidence: f64,
+    /// `−ln(1 − C)`, the term of DTA's attack loss (CVPR 2022, eq. 7), finite for every C.
+    pub loss: f64,
+}
+
+/// A detector that can be followed back to its picture.
+pub trait WhiteBox {
+    /// The name of its manifest.
+    fn name(&self) -> &str;
+
+    /// The overlap above which a better box hides another in scoring.
+    fn hides_from_iou(&self) -> f64;
+
+    /// All anchors, without suppression of neighbours and without a floor.
+    ///
+    /// # Errors
+    /// What the network cannot do with this image.
+    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError>;
+
+    /// The claims alone, where no derivative will be asked for.
+    ///
+    /// # Errors
+    /// Those of [`WhiteBox::look`].
+    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, WhiteBoxError> {
+        Ok(self.look(picture, size_px)?.claims().to_vec())
+    }
+}
+
+/// A detector's answer about one picture.
+pub trait Look {
+    fn claims(&self) -> &[Claim];
+
+    /// The derivative of `Σ weight · loss` with respect to each value of the picture; one weight a claim.
+    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]>;
+}

@@ -1,0 +1,114 @@
+//! Operators on two or more tensors, number by number, with broadcasting.
+
+use std::sync::Arc;
+
+use onnx_ir::Node;
+
+use super::operator::{AnyOperator, Inputs, Operator};
+use super::value::{Floats, Value, Whole, broadcast};
+use crate::whitebox::NetworkFault;
+
+#[derive(Debug, Clone, Copy)]
+enum Arithmetic {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Pow,
+    Max,
+    Min,
+}
+
+impl Arithmetic {
+    fn of_floats(self, a: Floats, b: Floats) -> Result<Floats, NetworkFault> {
+        let rank = a.rank.max(b.rank);
+        broadcast(&a.shape(), &b.shape())?;
+        let (a, b) = (a.x, b.x);
+        let x = match self {
+            Arithmetic::Add => a + b,
+            Arithmetic::Sub => a - b,
+            Arithmetic::Mul => a * b,
+            Arithmetic::Div => a / b,
+            Arithmetic::Max => a.max_pair(b),
+            Arithmetic::Min => a.min_pair(b),
+            Arithmetic::Pow => {
+                let exponent = Floats { x: b, rank }.values()?;
+                match exponent[..] {
+                    [e] => a.powf_scalar(e),
+                    _ => return Err("only a single number as an exponent is known".into()),
+                }
+            }
+        };
+        Ok(Floats { x, rank })
+    }
+
+    /// ONNX divides whole numbers as C does, towards zero.
+    fn of_whole(self, a: i64, b: i64) -> Option<i64> {
+        match self {
+            Arithmetic::Add => a.checked_add(b),
+            Arithmetic::Sub => a.checked_sub(b),
+            Arithmetic::Mul => a.checked_mul(b),
+            Arithmetic::Div => a.checked_div(b),
+            Arithmetic::Pow => a.checked_pow(u32::try_from(b).ok()?),
+            Arithmetic::Max => Some(a.max(b)),
+            Arithmetic::Min => Some(a.min(b)),
+        }
+    }
+
+    fn of_two(self, a: Value, b: Value) -> Result<Value, NetworkFault> {
+        match (a, b) {
+            (Value::Floats(a), Value::Floats(b)) => self.of_floats(a, b).map(Value::Floats),
+            (Value::Whole(a), Value::Whole(b)) => {
+                let apply = |a, b| {
+                    self.of_whole(a, b)
+                        .ok_or(NetworkFault::Malformed("a result of it is no whole number of 64 bits"))
+                };
+                pairwise(&a, &b, apply).map(Value::Whole)
+            }
+            _ => Err("it mixes fractions with whole numbers".into()),
+        }
+    }
+}
+
+/// Two arrays of whole numbers, broadcast.
+fn pairwise(a: &Whole, b: &Whole, f: impl Fn(i64, i64) -> Result<i64, NetworkFault>) -> Result<Whole, NetworkFault> {
+    let shape = broadcast(&a.shape, &b.shape)?;
+    let count: usize = shape.iter().product();
+    let at = |v: &Whole, i: usize| {
+        let (mut rest, mut index, mut step) = (i, 0, 1);
+        for (k, side) in shape.iter().enumerate().rev() {
+            let own = (k + v.shape.len()).checked_sub(shape.len()).map_or(1, |k| v.shape[k]);
+            index += if own == 1 { 0 } else { (rest % side) * step };
+            step *= own;
+            rest /= side;
+        }
+        v.data[index]
+    };
+    let data: Result<Vec<i64>, NetworkFault> = (0..count).map(|i| f(at(a, i), at(b, i))).collect();
+    Ok(Whole { shape, data: data? })
+}
+
+impl Operator for Arithmetic {
+    /// Max, Min and Sum take any number of tensors.
+    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
+        let mut result = inputs.value(0)?;
+        for i in 1..inputs.values.len() {
+            result = self.of_two(result, inputs.value(i)?)?;
+        }
+        Ok(vec![result])
+    }
+}
+
+pub(super) fn read(node: &Node) -> Option<AnyOperator> {
+    let operator = match node {
+        Node::Add(_) | Node::Sum(_) => Arithmetic::Add,
+        Node::Sub(_) => Arithmetic::Sub,
+        Node::Mul(_) => Arithmetic::Mul,
+        Node::Div(_) => Arithmetic::Div,
+        Node::Pow(_) => Arithmetic::Pow,
+        Node::Max(_) => Arithmetic::Max,
+        Node::Min(_) => Arithmetic::Min,
+        _ => return None,
+    };
+    Some(Arc::new(operator))
+}

@@ -1,0 +1,190 @@
+//! ONNX files as networks that can be followed backwards, on the tensors of `burn`.
+//!
+//! `onnx-ir` parses the file; each of its nodes becomes one of our own operators (`operator`), one file a group. All shapes are fixed when a
+//! file is opened, for one picture: what does not follow the picture is then a constant. Weights carry no gradient.
+
+mod arithmetic;
+mod combine;
+mod convolution;
+mod elementwise;
+mod graph;
+mod logits;
+mod operator;
+mod read;
+mod rearrange;
+mod resize;
+mod shapes;
+mod value;
+
+use burn::tensor::{Device, Tensor, TensorData};
+
+use graph::Graph;
+use value::{Floats, RANK, Value, full};
+
+use crate::whitebox::quietly::quietly;
+use crate::whitebox::{NetworkFault, WhiteBoxError};
+
+/// A network for pictures of one shape.
+pub struct Network {
+    file: String,
+    graph: Graph,
+    shape: Vec<usize>,
+    device: Device,
+    logits: Vec<Vec<bool>>,
+}
+
+/// One output tensor, row-major.
+#[derive(Debug, Clone)]
+pub struct Output {
+    pub name: String,
+    pub shape: Vec<usize>,
+    /// Where [`Output::is_logit`] says so, the logit of the sigmoid that the file ends in.
+    pub raw: Vec<f32>,
+    pub is_logit: Vec<bool>,
+}
+
+impl Output {
+    /// What the file itself answers.
+    pub fn values(&self) -> Vec<f32> {
+        let sigmoid = |z: f32| 1.0 / (1.0 + (-z).exp());
+        let both = self.raw.iter().zip(&self.is_logit);
+        both.map(|(raw, is_logit)| if *is_logit { sigmoid(*raw) } else { *raw })
+            .collect()
+    }
+}
+
+/// The outputs for one picture, and the way back.
+pub struct Answer {
+    pub outputs: Vec<Output>,
+    tensors: Vec<Tensor<RANK>>,
+    picture: Tensor<RANK>,
+    device: Device,
+}
+
+impl Network {
+    /// Reads an ONNX file's bytes for pictures of this shape, such as [1, 3, 416, 416]; `file` is only named in errors.
+    ///
+    /// # Errors
+    /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
+    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, WhiteBoxError> {
+        // The parser and the tensors panic on graphs whose parts do not go together.
+        quietly(|| Self::try_read(bytes, file, shape, device)).unwrap_or_else(|| {
+            Err(WhiteBoxError::Network {
+                file: file.to_owned(),
+                reason: NetworkFault::Malformed("its graph makes no sense"),
+            })
+        })
+    }
+
+    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, WhiteBoxError> {
+        let device = device.clone().autodiff();
+        let graph = read::read(bytes, file, &device)?;
+        let mut network = Network {
+            file: file.to_owned(),
+            graph,
+            shape: shape.to_vec(),
+            device,
+            logits: Vec::new(),
+        };
+        network.settle().map_err(|reason| WhiteBoxError::Network {
+            file: file.to_owned(),
+            reason,
+        })?;
+        Ok(network)
+    }
+
+    /// Runs once on black, and keeps what every picture will meet.
+    fn settle(&mut self) -> Result<(), NetworkFault> {
+        let black = vec![0.0; self.shape.iter().product()];
+        let (_, picture) = self.picture(black, true)?;
+        let values = self.graph.run_all(picture)?;
+        let logits = logits::uncover(&mut self.graph, &values)?;
+        self.logits = logits;
+        let (_, picture) = self.picture(vec![0.0; self.shape.iter().product()], true)?;
+        let values = self.graph.run_all(picture)?;
+        self.graph.settle(&values);
+        Ok(())
+    }
+
+    fn picture(&self, numbers: Vec<f32>, is_followed: bool) -> Result<(Tensor<RANK>, Value), NetworkFault> {
+        let leaf = Tensor::from_data(TensorData::new(numbers, full(&self.shape)?), &self.device);
+        let leaf = if is_followed { leaf.require_grad() } else { leaf };
+        let value = Floats {
+            x: leaf.clone(),
+            rank: self.shape.len(),
+        };
+        Ok((leaf, Value::Floats(value)))
+    }
+
+    /// The outputs for a picture's numbers, row-major; only what `is_followed` can be pulled back, and must be, or its record stays in memory.
+    ///
+    /// # Errors
+    /// A number of numbers that is not the shape's.
+    pub fn answer(&self, picture: Vec<f32>, is_followed: bool) -> Result<Answer, WhiteBoxError> {
+        self.try_answer(picture, is_followed)
+            .map_err(|reason| WhiteBoxError::Run {
+                file: self.file.clone(),
+                reason,
+            })
+    }
+
+    fn try_answer(&self, numbers: Vec<f32>, is_followed: bool) -> Result<Answer, NetworkFault> {
+        if numbers.len() != self.shape.iter().product::<usize>() {
+            return Err(NetworkFault::Count {
+                what: "numbers",
+                expected: self.shape.iter().product(),
+                found: numbers.len(),
+            });
+        }
+        let (picture, value) = self.picture(numbers, is_followed)?;
+        let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
+        for (i, value) in self.graph.run(value)?.into_iter().enumerate() {
+            let Value::Floats(value) = value else {
+                return Err(NetworkFault::WholeOutput(self.graph.outputs[i].0.clone()));
+            };
+            let raw = value.values()?;
+            let mut is_logit = self.logits[i].clone();
+            is_logit.resize(raw.len(), false);
+            outputs.push(Output {
+                name: self.graph.outputs[i].0.clone(),
+                shape: value.shape(),
+                raw,
+                is_logit,
+            });
+            tensors.push(value.x);
+        }
+        Ok(Answer {
+            outputs,
+            tensors,
+            picture,
+            device: self.device.clone(),
+        })
+    }
+}
+
+impl Answer {
+    /// The derivative of `Σ slope · raw` with respect to the picture's numbers: one slope for each number of each output. NaN where the
+    /// device fails to hand it over.
+    pub fn pull_back(self, slopes: Vec<Vec<f32>>) -> Vec<f32> {
+        let mut sum: Option<Tensor<1>> = None;
+        for (tensor, slopes) in self.tensors.into_iter().zip(slopes) {
+            // Backwards costs as much for zeros.
+            if !tensor.is_tracked() || slopes.iter().all(|slope| *slope == 0.0) {
+                continue;
+            }
+            let slopes = Tensor::from_data(TensorData::new(slopes, tensor.dims()), &self.device);
+            let part = (tensor * slopes).sum();
+            sum = Some(match sum {
+                Some(sum) => sum + part,
+                None => part,
+            });
+        }
+        let count = self.picture.shape().num_elements();
+        match sum.and_then(|sum| self.picture.grad(&sum.backward())) {
+            Some(gradient) => gradient
+                .try_into_vec_as::<f32>()
+                .unwrap_or_else(|_| vec![f32::NAN; count]),
+            None => vec![0.0; count],
+        }
+    }
+}

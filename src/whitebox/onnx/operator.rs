@@ -1,0 +1,112 @@
+//! What every operator of a network can do. One file per group of operators implements it.
+
+use std::sync::Arc;
+
+use burn::tensor::Device;
+use onnx_ir::RuntimeInputRef;
+
+use super::value::{Floats, Value, Whole};
+use crate::whitebox::NetworkFault;
+
+/// An operator with its settings, its tensors not included.
+pub(super) trait Operator: Send + Sync {
+    /// The outputs for some inputs, in ONNX's order.
+    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault>;
+
+    /// Which inputs' numbers come out unchanged, only elsewhere.
+    fn moves(&self) -> Moves {
+        Moves::Nothing
+    }
+
+    fn is_sigmoid(&self) -> bool {
+        false
+    }
+}
+
+pub(super) type AnyOperator = Arc<dyn Operator>;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Moves {
+    Nothing,
+    /// The first input's; the others say where to.
+    First,
+    All,
+}
+
+/// The inputs of one operator.
+pub(super) struct Inputs<'a> {
+    /// Those left out are `None`.
+    pub values: Vec<Option<Value>>,
+    /// Where all tensors lie.
+    pub device: &'a Device,
+}
+
+impl Inputs<'_> {
+    /// How many there are, those left out at the end not counted.
+    pub(super) fn count(&self) -> usize {
+        self.values.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+    }
+
+    pub(super) fn take(&mut self, i: usize) -> Option<Value> {
+        self.values.get_mut(i)?.take()
+    }
+
+    pub(super) fn value(&mut self, i: usize) -> Result<Value, NetworkFault> {
+        self.take(i).ok_or(NetworkFault::MissingInput(i))
+    }
+
+    pub(super) fn floats(&mut self, i: usize) -> Result<Floats, NetworkFault> {
+        match self.value(i)? {
+            Value::Floats(v) => Ok(v),
+            Value::Whole(_) => Err(NetworkFault::WholeInput(i)),
+        }
+    }
+
+    pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>, NetworkFault> {
+        match self.values.get(i) {
+            Some(Some(_)) => self.floats(i).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    pub(super) fn whole(&self, i: usize) -> Result<&Whole, NetworkFault> {
+        match self.values.get(i) {
+            Some(Some(Value::Whole(v))) => Ok(v),
+            Some(Some(Value::Floats(_))) => Err(NetworkFault::FractionInput(i)),
+            _ => Err(NetworkFault::MissingInput(i)),
+        }
+    }
+}
+
+/// Settings that older files state and newer ones compute.
+#[derive(Debug, Clone)]
+pub(super) enum Numbers {
+    Known(Vec<i64>),
+    Input(usize),
+}
+
+impl Numbers {
+    pub(super) fn input(of: &RuntimeInputRef) -> Numbers {
+        Numbers::Input(of.input_index)
+    }
+
+    pub(super) fn known<T: Copy + TryInto<i64>>(values: &[T]) -> Numbers {
+        Numbers::Known(values.iter().map(|v| (*v).try_into().unwrap_or(i64::MAX)).collect())
+    }
+
+    pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>, NetworkFault> {
+        match self {
+            Numbers::Known(values) => Ok(values.clone()),
+            Numbers::Input(i) => Ok(inputs.whole(*i)?.data.clone()),
+        }
+    }
+}
+
+/// An axis that may count from the end.
+pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize, NetworkFault> {
+    let from_start = if axis < 0 { axis + rank as i64 } else { axis };
+    usize::try_from(from_start)
+        .ok()
+        .filter(|a| *a < rank)
+        .ok_or(NetworkFault::NoAxis { rank, axis })
+}

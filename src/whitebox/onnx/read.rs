@@ -1,0 +1,152 @@
+//! From an ONNX file to our own graph.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use burn::tensor::Device;
+use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
+
+use super::graph::{Graph, Place, Step};
+use super::operator::AnyOperator;
+use super::value::Value;
+use super::{arithmetic, combine, convolution, elementwise, rearrange, resize, shapes};
+use crate::whitebox::{NetworkFault, WhiteBoxError};
+
+/// Reads a file's bytes; `file` is only named in errors.
+pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, WhiteBoxError> {
+    let unreadable = |reason: NetworkFault| WhiteBoxError::Network {
+        file: file.to_owned(),
+        reason,
+    };
+    let not_parsed = |said: String| unreadable(NetworkFault::Framework(said.replace('\n', " ")));
+    // Simplified, it would have operators of the parser's own.
+    let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
+    let parsed = parsed.map_err(|e| not_parsed(e.to_string()))?;
+    let operators: Vec<Option<AnyOperator>> = parsed.nodes.iter().map(operator).collect();
+    let unknown: BTreeSet<String> = (parsed.nodes.iter().zip(&operators))
+        .filter(|(node, operator)| operator.is_none() && !matches!(node, Node::Constant(_)))
+        .map(|(node, _)| kind(node))
+        .collect();
+    if !unknown.is_empty() {
+        return Err(WhiteBoxError::Operators {
+            file: file.to_owned(),
+            names: unknown
+                .iter()
+                .map(|name| name.escape_debug().to_string())
+                .collect::<Vec<_>>()
+                .join(", "),
+        });
+    }
+    let mut graph = Builder::new(device).graph(&parsed, operators).map_err(unreadable)?;
+    // The parser gives outputs names of its own.
+    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
+    for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {
+        name.clone_from(&written.name);
+    }
+    Ok(graph)
+}
+
+fn operator(node: &Node) -> Option<AnyOperator> {
+    elementwise::read(node)
+        .or_else(|| arithmetic::read(node))
+        .or_else(|| convolution::read(node))
+        .or_else(|| rearrange::read(node))
+        .or_else(|| resize::read(node))
+        .or_else(|| combine::read(node))
+        .or_else(|| shapes::read(node))
+}
+
+/// The operator's name, for people.
+fn kind(node: &Node) -> String {
+    match node {
+        Node::Custom(n) => n.op_type.clone(),
+        other => other.node_type().to_string(),
+    }
+}
+
+struct Builder<'a> {
+    device: &'a Device,
+    named: BTreeMap<String, Place>,
+    constants: BTreeMap<Place, Value>,
+    places: usize,
+}
+
+impl<'a> Builder<'a> {
+    fn new(device: &'a Device) -> Builder<'a> {
+        Builder {
+            device,
+            named: BTreeMap::new(),
+            constants: BTreeMap::new(),
+            places: 0,
+        }
+    }
+
+    fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, NetworkFault> {
+        let [picture] = &parsed.inputs[..] else {
+            return Err(NetworkFault::Count {
+                what: "inputs",
+                expected: parsed.inputs.len(),
+                found: 1,
+            });
+        };
+        let input = self.named_place(&picture.name);
+        let mut steps = Vec::new();
+        for (node, operator) in parsed.nodes.iter().zip(operators) {
+            let Some(operator) = operator else { continue };
+            let inputs: Result<Vec<Option<Place>>, NetworkFault> =
+                node.inputs().iter().map(|a| self.place(a)).collect();
+            let outputs = node.outputs().iter().map(|a| self.named_place(&a.name)).collect();
+            steps.push(Step {
+                name: node.name().to_owned(),
+                operator,
+                inputs: inputs?,
+                outputs,
+            });
+        }
+        let mut outputs = Vec::new();
+        for output in &parsed.outputs {
+            let place = self.place(output)?.ok_or("an output has no name")?;
+            outputs.push((output.name.clone(), place));
+        }
+        Ok(Graph {
+            device: self.device.clone(),
+            steps,
+            constants: self.constants,
+            input,
+            outputs,
+            places: self.places,
+        })
+    }
+
+    /// Where an argument's value will be; its constant is put there.
+    fn place(&mut self, argument: &Argument) -> Result<Option<Place>, NetworkFault> {
+        if argument.is_optional() {
+            return Ok(None);
+        }
+        match argument.value() {
+            Some(data) => {
+                let value = Value::constant(&data, self.device)?;
+                let place = match argument.name.as_str() {
+                    "" => self.new_place(),
+                    name => self.named_place(name),
+                };
+                self.constants.insert(place, value);
+                Ok(Some(place))
+            }
+            None => Ok(Some(self.named_place(&argument.name))),
+        }
+    }
+
+    fn named_place(&mut self, name: &str) -> Place {
+        if let Some(place) = self.named.get(name) {
+            return *place;
+        }
+        let place = self.new_place();
+        self.named.insert(name.to_owned(), place);
+        place
+    }
+
+    fn new_place(&mut self) -> Place {
+        self.places += 1;
+        self.places - 1
+    }
+}
