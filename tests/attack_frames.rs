@@ -13,7 +13,7 @@ use scaleproof::frames::FrameSet;
 use scaleproof::frames::import::carla::{Transform, pose};
 use scaleproof::frames::light;
 use scaleproof::frames::render::{RenderPaint, RenderPlan, RenderRequest};
-use scaleproof::mesh::{Mesh, Placement, doubled_area};
+use scaleproof::mesh::{Mesh, MeshPlacement, doubled_area};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::WorldAligned;
 use scaleproof::scene::Viewpoint;
@@ -254,9 +254,9 @@ fn blender_gets_the_pattern_as_print_lays_it() {
     let Some(skyline) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
         return;
     };
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(455.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     let mesh = Mesh::load(&skyline, &placement).unwrap();
     let paint = mesh.materials_named(&["Material.001".to_owned()]).unwrap();

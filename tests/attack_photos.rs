@@ -16,7 +16,7 @@ use scaleproof::frames::photos::raster::Raster;
 use scaleproof::frames::views;
 use scaleproof::frames::{Frame, FrameSet, Pinhole};
 use scaleproof::geometry::Rigid;
-use scaleproof::mesh::{Mesh, Placement};
+use scaleproof::mesh::{Mesh, MeshPlacement};
 use scaleproof::pattern::world_aligned::Side;
 use scaleproof::scene::{Scene, TagFamily, Viewpoint};
 use scaleproof::simulate::looking_at;
@@ -848,9 +848,9 @@ fn the_rasteriser_sees_what_blender_saw() {
     let Some(file) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
         return;
     };
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(455.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     let mesh = Mesh::load(&file, &placement).unwrap();
     let paint = mesh.materials_named(&["Material.001".to_owned()]).unwrap();
@@ -930,7 +930,7 @@ fn a_box_hides_what_is_behind_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("boxes.obj");
     std::fs::write(&file, obj()).unwrap();
-    let mesh = Mesh::load(&file, &Placement::default()).unwrap();
+    let mesh = Mesh::load(&file, &MeshPlacement::default()).unwrap();
     let pinhole = Pinhole {
         focal_length_px: 600.0,
         centre_px: [239.5, 179.5],

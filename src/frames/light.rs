@@ -1,25 +1,18 @@
 //! Between 8-bit sRGB and linear light (IEC 61966-2-1): values 0 to 1, 1 is white.
 
+use palette::encoding::{FromLinear, IntoLinear, Srgb};
+
 /// Linear light of an sRGB value.
 pub fn decode(srgb: f64) -> f64 {
-    if srgb <= 0.04045 {
-        srgb / 12.92
-    } else {
-        ((srgb + 0.055) / 1.055).powf(2.4)
-    }
+    Srgb::into_linear(srgb)
 }
 
 /// The sRGB value of linear light; what is outside 0 to 1 is clipped, as every 8-bit image is.
 pub fn encode(linear: f64) -> f64 {
-    let linear = linear.clamp(0.0, 1.0);
-    if linear <= 0.0031308 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
+    Srgb::from_linear(linear.clamp(0.0, 1.0))
 }
 
-/// The derivative of [`decode`].
+/// The derivative of [`decode`], which `palette` does not have.
 pub fn decode_derivative(srgb: f64) -> f64 {
     if srgb <= 0.04045 {
         1.0 / 12.92
