@@ -18,6 +18,7 @@ pub use whole_folder::{copy, make_folder};
 
 /// A file that could not be read or written, as a sentence.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileError {
     #[error("cannot read {path}: {reason}", path = path.display())]
     Read { path: PathBuf, reason: String },

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, detectors, locate, print, score};
+use super::{CommandResult, Outcome, advice, detectors, locate, print, score};
 use crate::detect::{Manifest, Runtime, WeightFolders};
 use crate::files;
 use crate::pattern::Pattern;
@@ -132,13 +132,15 @@ fn detectors(
     out: &mut dyn Write,
 ) -> Result<Vec<EvaluatedDetector>, Box<dyn std::error::Error>> {
     let class = &session.scene.model.class;
-    let mut why_not = Runtime::load().err().map(|e| e.to_string());
+    let mut why_not = Runtime::load().err().map(|e| advice::sentence(&e));
     let mut detectors = Vec::new();
     let mut played_back = Vec::new();
     for manifest in Manifest::all()? {
         // After one failure the others would fail the same way, a timeout each.
         if why_not.is_none() {
-            why_not = detectors::fetch_one(&manifest, folders).err().map(|e| e.to_string());
+            why_not = detectors::fetch_one(&manifest, folders)
+                .err()
+                .map(|e| advice::sentence(e.as_ref()));
         }
         let live = Runtime::load()
             .is_ok()

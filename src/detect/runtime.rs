@@ -12,8 +12,8 @@ use ort::session::builder::GraphOptimizationLevel;
 use ort::session::{RunOptions, Session};
 use ort::value::{DynValue, Tensor as OrtTensor};
 
-use super::heads::{self, Data, Decoded, Tensor, Unreadable};
-use super::input::{self, Placement};
+use super::heads::{self, Data, DecodedOutputs, HeadError, Tensor};
+use super::input::{self, InputPlacement};
 use super::manifest::{Input, Layout, Values};
 use super::{Detection, MAX_DETECTIONS, Manifest};
 use crate::files;
@@ -21,6 +21,7 @@ use crate::geometry::BoxPx;
 
 /// Why a detector could not run.
 #[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
 pub enum DetectError {
     #[error(
         "ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so"
@@ -158,8 +159,8 @@ impl Detector {
             detector: detector(),
             what,
         };
-        let placement = Placement::new(&self.manifest.input, width, height);
-        let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(failed)?;
+        let placement = InputPlacement::new(&self.manifest.input, width, height);
+        let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
         let outputs = run(&mut self.session, &self.manifest, tensor, &placement, self.time_limit);
         let outputs = outputs.map_err(|e| match e {
             NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
@@ -172,12 +173,12 @@ impl Detector {
             return Err(not_a_number(what));
         }
         let decoded = heads::decode(&self.manifest, &outputs, placement.canvas);
-        let Decoded {
+        let DecodedOutputs {
             candidates,
             in_photo_px,
         } = decoded.map_err(|e| match e {
-            Unreadable::Misfit(reason) => failed(reason),
-            Unreadable::NotFinite(what) => not_a_number(what),
+            HeadError::NotFinite { what } => not_a_number(what),
+            e => failed(e.to_string()),
         })?;
         if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
             return Err(DetectError::NotAScore {
@@ -219,7 +220,7 @@ pub(super) fn run(
     session: &mut Session,
     manifest: &Manifest,
     tensor: Vec<f32>,
-    placement: &Placement,
+    placement: &InputPlacement,
     time_limit: Duration,
 ) -> Result<Vec<Tensor>, NoAnswer> {
     let picture = picture(&manifest.input, tensor, placement)?;
@@ -268,7 +269,7 @@ fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnc
 }
 
 /// The picture in the shape and type the network takes.
-fn picture(input: &Input, tensor: Vec<f32>, placement: &Placement) -> ort::Result<DynValue> {
+fn picture(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
     let [width, height] = placement.canvas.map(|v| v as usize);
     let shape = match input.layout {
         Layout::Nchw => vec![1, 3, height, width],

@@ -31,6 +31,7 @@ const SUMMARY: &str = "summary.json";
 
 /// Why the report could not be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReportError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -18,6 +18,7 @@ const OTHER_PICTURES: [&str; 15] = [
 
 /// Why folders make no session.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FoldersError {
     #[error(transparent)]
     File(#[from] FileError),

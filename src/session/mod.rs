@@ -21,6 +21,7 @@ pub use new::{Made, NewError, NewSession, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SessionError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -10,6 +10,7 @@ use crate::scene::Scene;
 
 /// Why no session was made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum NewError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -19,7 +20,7 @@ pub enum NewError {
     Session(#[from] SessionError),
     #[error("{folder} is a session already: name a new folder", folder = folder.display())]
     SessionThere { folder: PathBuf },
-    #[error("{folder} has files already: with --copy name a new folder", folder = folder.display())]
+    #[error("{folder} has files already", folder = folder.display())]
     NotEmpty { folder: PathBuf },
     #[error("{path} is there already and another file: name a new folder for the session", path = path.display())]
     Other { path: PathBuf },

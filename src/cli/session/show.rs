@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::cli::{CommandResult, Outcome, progress, sessions};
+use crate::cli::{CommandResult, Outcome, advice, progress, sessions};
 use crate::detect::{Manifest, Recorded, Recording};
 use crate::photo::Photo;
 use crate::score::EvaluatedDetector;
@@ -78,7 +78,7 @@ fn page(session: &Session) -> Page {
             Err(_) => Recording::open(&folder, &detector),
         };
         match opened {
-            Err(e) => notes.push(e.to_string()),
+            Err(e) => notes.push(advice::sentence(&e)),
             Ok(recording) => {
                 let (stored, note) = stored(session, &looks, &recording);
                 recordings.push(stored);

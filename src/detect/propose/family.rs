@@ -37,6 +37,11 @@ pub enum Family {
 /// Mean and standard deviation of ImageNet, red first, on values 0–255.
 const IMAGENET: ([f32; 3], [f32; 3]) = ([123.675, 116.28, 103.53], [58.395, 57.12, 57.375]);
 
+/// A name that no family has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no family `{0}`: choose one of {names}", names = Family::ALL.map(Family::name).join(", "))]
+pub struct NoSuchFamily(String);
+
 impl Family {
     pub const ALL: [Family; 16] = [
         Family::Yolov4,
@@ -57,7 +62,7 @@ impl Family {
         Family::Torchvision,
     ];
 
-    /// What `--family` takes.
+    /// Its name, as users write it.
     pub fn name(self) -> &'static str {
         match self {
             Family::Yolov4 => "yolov4",
@@ -80,12 +85,9 @@ impl Family {
     }
 
     /// The family of that name; the error lists the names.
-    pub fn from_name(name: &str) -> Result<Family, String> {
+    pub fn from_name(name: &str) -> Result<Family, NoSuchFamily> {
         let named = Family::ALL.into_iter().find(|f| f.name() == name);
-        named.ok_or_else(|| {
-            let names = Family::ALL.map(Family::name).join(", ");
-            format!("there is no family `{name}`: choose one of {names}")
-        })
+        named.ok_or_else(|| NoSuchFamily(name.to_owned()))
     }
 
     /// What people call it.

@@ -10,7 +10,7 @@ use ort::value::{Outlet, TensorElementType};
 use super::ProposeError;
 use super::metadata::Metadata;
 use crate::detect::heads::Tensor;
-use crate::detect::input::{self, Placement};
+use crate::detect::input::{self, InputPlacement};
 use crate::detect::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, SIDES_PX, Values, Weights};
 use crate::detect::runtime::{self, NoAnswer};
 use crate::detect::{DetectError, Labels, Runtime};
@@ -86,8 +86,8 @@ fn answer(
         size_px: manifest.input.size_px,
         reason,
     };
-    let placement = Placement::new(&manifest.input, picture.width(), picture.height());
-    let tensor = input::tensor(picture, &manifest.input, &placement).map_err(failed)?;
+    let placement = InputPlacement::new(&manifest.input, picture.width(), picture.height());
+    let tensor = input::tensor(picture, &manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
     let outputs = runtime::run(session, manifest, tensor, &placement, time_limit);
     outputs.map_err(|e| match e {
         NoAnswer::Failed(e) => failed(first_line(&e)),

@@ -9,14 +9,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
-pub use family::Family;
+pub use family::{Family, NoSuchFamily};
 
-use super::heads::{self, Tensor, Unreadable};
+use super::heads::{self, HeadError, Tensor};
 use super::manifest::{Input, SIDES_PX, Values, Weights};
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use crate::files;
 use inspect::Inspected;
-use recognise::Candidate;
+use recognise::FamilyCandidate;
 
 /// What the user knows and the file may not say.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,11 +35,37 @@ pub struct Proposal {
     /// The manifest as TOML.
     pub text: String,
     /// What was read from the file and what was not, as sentences.
-    pub notes: Vec<String>,
+    pub notes: Vec<ProposalNote>,
 }
 
-/// Why no manifest can be proposed. Each is a sentence that says what to do.
+/// What was read from a file or taken for granted, as a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProposalNote {
+    #[error(
+        "{title}: told from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
+    )]
+    Recognised {
+        title: &'static str,
+        inputs: String,
+        outputs: String,
+    },
+    #[error("the labels are taken for {list}, as there are {count}")]
+    LabelsByCount { list: String, count: usize },
+    #[error("the file leaves the input's size open: {width}×{height} is taken")]
+    OpenSize { width: u32, height: u32 },
+    #[error("the input is bytes, so the network is taken to normalise them itself")]
+    Bytes,
+    #[error(
+        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
+         them: compare [input] with the program that the weights come from"
+    )]
+    UsualInput,
+}
+
+/// Why no manifest can be proposed, as a sentence.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProposeError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -60,11 +86,11 @@ pub enum ProposeError {
     OtherInputs { inputs: String },
     #[error("the network takes several pictures at once (inputs: {inputs}): export it for a single one")]
     Batch { inputs: String },
-    #[error("the input is fixed at {}×{} pixels, not {}×{}: leave --size out", fixed[0], fixed[1], named[0], named[1])]
+    #[error("the input is fixed at {}×{} pixels, not {}×{}", fixed[0], fixed[1], named[0], named[1])]
     OtherSize { fixed: [u32; 2], named: [u32; 2] },
     #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
     Size { size_px: [u32; 2] },
-    #[error("a picture of {}×{} pixels could not be run ({reason}): name the input's size by --size", size_px[0], size_px[1])]
+    #[error("a picture of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
@@ -84,9 +110,9 @@ pub enum ProposeError {
         named: &'static str,
         instead: String,
     },
-    #[error("its outputs {outputs} could be of {families}, which are fed differently: name yours by --family")]
+    #[error("its outputs {outputs} could be of {families}, which are fed differently")]
     Ambiguous { outputs: String, families: String },
-    #[error("{what}: name the labels by --labels, as coco80, coco91, voc20 or a file with one a line")]
+    #[error("{what}")]
     NoLabels { what: String },
     #[error("the outputs have room for {room} labels, and {given} are named: the labels are another network's")]
     LabelCount { room: String, given: usize },
@@ -156,11 +182,11 @@ pub fn propose_within(
     let text = manifest.to_toml()?;
     for outputs in &network.answers {
         heads::decode(&manifest, outputs, network.size_px).map_err(|e| match e {
-            Unreadable::Misfit(reason) => ProposeError::Misread {
+            HeadError::NotFinite { what } => ProposeError::NotANumber { what },
+            e => ProposeError::Misread {
                 title: candidate.family.title(),
-                reason,
+                reason: e.to_string(),
             },
-            Unreadable::NotFinite(what) => ProposeError::NotANumber { what },
         })?;
     }
     Ok(Proposal {
@@ -189,9 +215,9 @@ fn input(network: &Inspected, family: Family) -> Input {
 }
 
 /// The one family that fits, or why there is not one.
-fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<Candidate, ProposeError> {
+fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<FamilyCandidate, ProposeError> {
     let outputs = || shapes(&network.answers[0]);
-    let has_room = |c: &Candidate| {
+    let has_room = |c: &FamilyCandidate| {
         c.labels
             .zip(labels)
             .is_none_or(|(room, labels)| fits(c.family, room, labels))
@@ -224,14 +250,14 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
         let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
         return Err(ProposeError::LabelCount { room, given });
     }
-    let judged: Vec<(Candidate, Option<String>)> = fitting
+    let judged: Vec<(FamilyCandidate, Option<String>)> = fitting
         .into_iter()
         .map(|c| (c.clone(), recognise::against(&c, network)))
         .collect();
     let refuted = judged
         .iter()
         .find_map(|(c, against)| Some((c.family, against.clone()?)));
-    let left: Vec<Candidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    let left: Vec<FamilyCandidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
     match (&left[..], refuted) {
         ([only], _) => Ok(only.clone()),
         ([], Some((family, reason))) => Err(ProposeError::WrongNumbers {
@@ -259,7 +285,7 @@ fn fits(family: Family, room: usize, labels: Labels) -> bool {
 }
 
 /// The labels of a network, and whether their number alone says so.
-fn labels(candidate: &Candidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
+fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
     if let Some(labels) = known {
         return Ok((labels, false));
     }
@@ -281,38 +307,26 @@ fn shapes(outputs: &[Tensor]) -> String {
     outputs.iter().map(of).collect::<Vec<_>>().join(", ")
 }
 
-fn notes(network: &Inspected, candidate: &Candidate, manifest: &Manifest, guessed: bool) -> Vec<String> {
+fn notes(network: &Inspected, candidate: &FamilyCandidate, manifest: &Manifest, guessed: bool) -> Vec<ProposalNote> {
     let family = candidate.family;
-    let mut notes = vec![format!(
-        "{}: told from inputs {} and outputs {}, and from what it answers to a grey picture and to noise",
-        family.title(),
-        network.inputs,
-        shapes(&network.answers[0])
-    )];
+    let mut notes = vec![ProposalNote::Recognised {
+        title: family.title(),
+        inputs: network.inputs.clone(),
+        outputs: shapes(&network.answers[0]),
+    }];
     if guessed {
-        let count = manifest.labels.count();
         let list = ["coco80", "coco91", "voc20"].into_iter();
-        let list = list
-            .filter(|l| Labels::of_list(l) == Some(manifest.labels))
-            .collect::<String>();
-        notes.push(format!(
-            "the labels are taken for {list}, as there are {count}: name others by --labels"
-        ));
+        let list = list.filter(|l| Labels::of_list(l) == Some(manifest.labels)).collect();
+        let count = manifest.labels.count();
+        notes.push(ProposalNote::LabelsByCount { list, count });
     }
-    let size = manifest.input.size_px;
     if !network.size_is_fixed && !family.takes_any_size() {
-        let [width, height] = size;
-        notes.push(format!(
-            "the file leaves the input's size open: {width}×{height} is taken, name another by --size"
-        ));
+        let [width, height] = manifest.input.size_px;
+        notes.push(ProposalNote::OpenSize { width, height });
     }
     if network.values == Values::U8 && family != Family::TfOd {
-        notes.push("the input is bytes, so the network is taken to normalise them itself".into());
+        notes.push(ProposalNote::Bytes);
     }
-    notes.push(
-        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
-         them: compare [input] with the program that the weights come from"
-            .into(),
-    );
+    notes.push(ProposalNote::UsualInput);
     notes
 }

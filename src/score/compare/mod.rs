@@ -97,6 +97,7 @@ pub struct Comparison {
 
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CompareError {
     #[error("no scored photo has the variant `{base}`, only {variants}")]
     NoBase { base: String, variants: String },

@@ -18,6 +18,7 @@ use crate::scene::{Classes, Scene, SceneError, Viewpoint};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImportError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -36,6 +37,8 @@ pub enum ImportError {
         place: String,
         message: String,
     },
+    #[error("{path}, {place}: {file} has no variant: add one", path = path.display())]
+    NoVariant { path: PathBuf, place: String, file: String },
     #[error("{path}: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
     #[error("{path} is there already: move it away, or import into another folder", path = path.display())]
@@ -185,8 +188,12 @@ fn checked(rows: Vec<Row>, request: &Request) -> Result<Vec<PhotoEntry>, ImportE
     for Row { place, mut entry, size } in rows {
         let refuse = |message: String| error(request.file, Fault::at(place.as_str(), message));
         if entry.variant.is_empty() {
-            let missing = || format!("{} has no variant: add one, or give --variant for all", entry.file);
-            entry.variant = request.variant.ok_or_else(|| refuse(missing()))?.to_owned();
+            let missing = || ImportError::NoVariant {
+                path: request.file.to_owned(),
+                place: place.clone(),
+                file: entry.file.clone(),
+            };
+            entry.variant = request.variant.ok_or_else(missing)?.to_owned();
         }
         check_photo(&entry).map_err(refuse)?;
         if Path::new(&entry.file).starts_with("..") {
