@@ -589,7 +589,7 @@ fn bad_input_is_one_sentence_and_no_manifest() {
     refused(
         &of(&[Input::floats("tokens", &[1, 77])]),
         &[],
-        &["no input is a picture", "tokens 1×77"],
+        &["no input is an image", "tokens 1×77"],
     );
     refused(
         &of(&[picture(), Input::floats("right", &[1, 3, 64, 96])]),
@@ -599,7 +599,7 @@ fn bad_input_is_one_sentence_and_no_manifest() {
     refused(
         &of(&[picture(), Input::floats("scale", &[1, 2])]),
         &[],
-        &["besides the picture", "scale 1×2"],
+        &["besides the image", "scale 1×2"],
     );
     refused(
         &of(&[Input::whole("images", &[1, 3, 64, 96])]),
@@ -609,7 +609,7 @@ fn bad_input_is_one_sentence_and_no_manifest() {
     refused(
         &of(&[Input::floats("images", &[4, 3, 64, 96])]),
         &[],
-        &["several pictures at once", "4×3×64×96"],
+        &["several images at once", "4×3×64×96"],
     );
     let endless = Input::floats("images", &[1, 3, 1_000_000, 1_000_000]);
     refused(&of(&[endless]), &[], &["1000000×1000000 pixels", "32 to 8192"]);

@@ -53,7 +53,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// What the demo has made.
-struct Made {
+struct DemoFiles {
     pattern: PathBuf,
     template: PathBuf,
     report: PathBuf,
@@ -61,7 +61,7 @@ struct Made {
 }
 
 /// The three steps, told to `out`.
-fn make(args: &Args, out: &mut dyn Write) -> Result<Made, Box<dyn std::error::Error>> {
+fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles, Box<dyn std::error::Error>> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
@@ -78,7 +78,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<Made, Box<dyn std::error::Er
     let scores = score::score_with_progress(vec![session], detectors, &Options::default())?;
     let page = report::write(&args.output, &scores, Some(&speeds))?;
     score::caution(&scores);
-    Ok(Made {
+    Ok(DemoFiles {
         pattern: png,
         template: pdf,
         report: page,

@@ -13,8 +13,8 @@ use clap::Subcommand;
 
 use super::CommandResult;
 use super::sessions::quoted;
-use crate::session::import::ImportError;
-use crate::session::{NewError, PhotoEntry};
+use crate::session::import::SessionImportError;
+use crate::session::{NewSessionError, PhotoEntry};
 use crate::spelling;
 
 /// Make a session of photos that are there already, or show what is in one.
@@ -33,11 +33,11 @@ enum What {
 
 /// What to do about an error of the library.
 pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    if let Some(ImportError::NoVariant { .. }) = error.downcast_ref() {
+    if let Some(SessionImportError::NoVariant { .. }) = error.downcast_ref() {
         return Some(", or give --variant for all".into());
     }
     match error.downcast_ref()? {
-        NewError::NotEmpty { .. } => Some("with --copy name a new folder".into()),
+        NewSessionError::NotEmpty { .. } => Some("with --copy name a new folder".into()),
         _ => None,
     }
 }

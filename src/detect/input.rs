@@ -58,7 +58,7 @@ impl InputPlacement {
         }
     }
 
-    /// Width, height a reduced picture must have to stand in for the photo: twice what the network sees of it, or all where the
+    /// Width, height a reduced image must have to stand in for the photo: twice what the network sees of it, or all where the
     /// network resizes by itself. A kernel then never has to enlarge, and still averages over the reduced pixels.
     pub(super) fn least_px(&self, input: &Input) -> [u32; 2] {
         match input.resize {

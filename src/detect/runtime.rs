@@ -148,7 +148,7 @@ impl Detector {
         self.detect_reduced(photo, photo.width(), photo.height())
     }
 
-    /// The same for a photo of a size in pixels of which `photo` is a reduced picture, no smaller than [`Manifest::least_px`].
+    /// The same for a photo of a size in pixels of which `photo` is a reduced image, no smaller than [`Manifest::least_px`].
     pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
         let detector = || self.manifest.name.clone();
         let failed = |reason: String| DetectError::Run {
@@ -223,12 +223,12 @@ pub(super) fn run(
     placement: &InputPlacement,
     time_limit: Duration,
 ) -> Result<Vec<Tensor>, NoAnswer> {
-    let picture = picture(&manifest.input, tensor, placement)?;
+    let image = image_tensor(&manifest.input, tensor, placement)?;
     let photo_px = heads::wants_photo_size(&manifest.head).then(|| placement.photo.map(|v| v as i64).to_vec());
     let mut options = RunOptions::new()?;
     // Its complaints come back as errors; on standard error they would be a second sentence.
     options.set_log_level(LogLevel::Fatal)?;
-    let work = || answer(session, picture, photo_px, &options);
+    let work = || answer(session, image, photo_px, &options);
     match stopped_after(time_limit, &options, work) {
         (Ok(outputs), _) => Ok(outputs),
         (Err(_), true) => Err(NoAnswer::TooLong),
@@ -238,16 +238,16 @@ pub(super) fn run(
 
 fn answer(
     session: &mut Session,
-    picture: DynValue,
+    image: DynValue,
     photo_px: Option<Vec<i64>>,
     options: &RunOptions,
 ) -> ort::Result<Vec<Tensor>> {
     let outputs = match photo_px {
         Some(size) => {
             let size = OrtTensor::from_array(([1, 2], size))?;
-            session.run_with_options(ort::inputs![picture, size], options)?
+            session.run_with_options(ort::inputs![image, size], options)?
         }
-        None => session.run_with_options(ort::inputs![picture], options)?,
+        None => session.run_with_options(ort::inputs![image], options)?,
     };
     outputs.iter().map(|(name, value)| copied(name, &value)).collect()
 }
@@ -268,8 +268,8 @@ fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnc
     })
 }
 
-/// The picture in the shape and type the network takes.
-fn picture(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
+/// The image in the shape and type the network takes.
+fn image_tensor(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
     let [width, height] = placement.canvas.map(|v| v as usize);
     let shape = match input.layout {
         Layout::Nchw => vec![1, 3, height, width],

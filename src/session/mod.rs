@@ -17,7 +17,7 @@ use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
 
 pub use contents::{Contents, Look};
-pub use new::{Made, NewError, NewSession, mesh_below};
+pub use new::{MadeSession, NewSession, NewSessionError, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]

@@ -112,11 +112,11 @@ impl Saved {
     /// Draws and writes the copies; with `json` their paths are not told, as each line there is a detection.
     fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<(), Box<dyn std::error::Error>> {
         for ((path, photo), marks) in self.paths.iter().zip(photos).zip(&self.marks) {
-            let mut picture = photo.rgb(1)?;
+            let mut image = photo.rgb(1)?;
             for (detector, box_px, text) in marks {
-                drawn::draw_box(&mut picture, *box_px, text, drawn::colour(*detector));
+                drawn::draw_box(&mut image, *box_px, text, drawn::colour(*detector));
             }
-            files::replace_atomically(path, &drawn::jpeg(&picture)?)?;
+            files::replace_atomically(path, &drawn::jpeg(&image)?)?;
             if !json {
                 writeln!(out, "{}", path.display())?;
             }

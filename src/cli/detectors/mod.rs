@@ -42,7 +42,7 @@ enum Command {
     Check(check::Args),
     /// Write the manifest of a detector of your own from its ONNX file, or say what the file does not tell.
     ///
-    /// The network is run on a grey picture and on noise; its outputs tell the family. How a photo is to be prepared no file
+    /// The network is run on a grey image and on noise; its outputs tell the family. How a photo is to be prepared no file
     /// says: the family's usual way is written, to be compared with the program that the weights come from.
     Add(add::Args),
     Speed(speed::Args),

@@ -96,10 +96,7 @@ fn page(session: &Session) -> Page {
 /// Reads every photo, as far as its header.
 fn looks(session: &Session) -> Vec<Look> {
     let bar = progress::photos("reading", session.photos.len());
-    let look = |photo: &PhotoEntry| match Photo::open(&session.photo_path(photo)) {
-        Ok(file) => Ok(file.sha256),
-        Err(e) => Err(e.to_string()),
-    };
+    let look = |photo: &PhotoEntry| Photo::open(&session.photo_path(photo)).map(|photo| photo.sha256);
     let looks: Result<_, Infallible> =
         workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1));
     bar.finish_and_clear();

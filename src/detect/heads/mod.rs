@@ -68,7 +68,7 @@ pub(crate) struct Anchor {
     pub label_step: usize,
 }
 
-/// All boxes of a head whose anchors are the same for every picture.
+/// All boxes of a head whose anchors are the same for every image.
 pub(crate) struct Anchors {
     pub anchors: Vec<Anchor>,
     /// score = objectness^exponents\[0\] · label^exponents\[1\]

@@ -112,7 +112,7 @@ impl Family {
         }
     }
 
-    /// How the family's own programs prepare a photo, for a network that takes pictures of `size_px`, or of any size.
+    /// How the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.
     pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Input {
         let usual = self.usual();
         match (self, size_px) {
@@ -130,7 +130,7 @@ impl Family {
         }
     }
 
-    /// True for families whose networks take pictures of any size, where the file does not fix one.
+    /// True for families whose networks take images of any size, where the file does not fix one.
     pub(super) fn takes_any_size(self) -> bool {
         matches!(self, Family::TfOd | Family::Torchvision | Family::ZooRcnn)
     }
@@ -147,7 +147,7 @@ impl Family {
             mean: [0.0; 3],
             std: [255.0; 3],
         };
-        // Blue first, as OpenCV reads pictures; the deviations are those of the repository, not turned round from ImageNet's.
+        // Blue first, as OpenCV reads images; the deviations are those of the repository, not turned round from ImageNet's.
         let nanodet = Input {
             channels: Channels::Bgr,
             mean: [103.53, 116.28, 123.675],

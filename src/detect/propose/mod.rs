@@ -73,28 +73,28 @@ pub enum ProposeError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Manifest(#[from] ManifestError),
-    #[error("no input is a picture of three channels (inputs: {inputs}): this is no detector for photos")]
-    NoPicture { inputs: String },
-    #[error("several inputs could be the picture ({inputs}): only networks that look at one picture can be used")]
-    SeveralPictures { inputs: String },
-    #[error("the picture is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
+    #[error("no input is a image of three channels (inputs: {inputs}): this is no detector for photos")]
+    NoImage { inputs: String },
+    #[error("several inputs could be the image ({inputs}): only networks that look at one image can be used")]
+    SeveralImages { inputs: String },
+    #[error("the image is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
     OtherNumbers { inputs: String },
     #[error(
-        "besides the picture only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
+        "besides the image only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
          network without the others"
     )]
     OtherInputs { inputs: String },
-    #[error("the network takes several pictures at once (inputs: {inputs}): export it for a single one")]
+    #[error("the network takes several images at once (inputs: {inputs}): export it for a single one")]
     Batch { inputs: String },
     #[error("the input is fixed at {}×{} pixels, not {}×{}", fixed[0], fixed[1], named[0], named[1])]
     OtherSize { fixed: [u32; 2], named: [u32; 2] },
     #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
     Size { size_px: [u32; 2] },
-    #[error("a picture of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
+    #[error("a image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
-    #[error("it answers a plain grey picture or noise with {what}: no box of it could be trusted")]
+    #[error("it answers a plain grey image or noise with {what}: no box of it could be trusted")]
     NotANumber { what: String },
     #[error("its outputs {outputs} are of no known family: see the table in docs/guide/reference/detector-manifest.md")]
     Unknown { outputs: String },
@@ -120,10 +120,10 @@ pub enum ProposeError {
     Misread { title: &'static str, reason: String },
 }
 
-/// Time limit for each of the two pictures.
+/// Time limit for each of the two images.
 const TRIAL_LIMIT: Duration = Duration::from_secs(30);
 
-/// Inspects an ONNX file, runs it on a grey picture and on noise, and writes the manifest of the family that fits.
+/// Inspects an ONNX file, runs it on a grey image and on noise, and writes the manifest of the family that fits.
 ///
 /// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those
 /// are errors that say what to name. How a photo is prepared is the family's usual way; the notes say so.

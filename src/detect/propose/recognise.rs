@@ -63,7 +63,7 @@ fn listed_boxes(outputs: &[Tensor]) -> Option<&Tensor> {
     outputs.iter().find(is_boxes)
 }
 
-/// Families that list their boxes. R-CNNs take a picture without a batch axis or list their boxes without one.
+/// Families that list their boxes. R-CNNs take a image without a batch axis or list their boxes without one.
 fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
     if network.takes_photo_size {
         return vec![Family::Deim];
@@ -263,13 +263,13 @@ fn no_score(mut values: impl Iterator<Item = f32>) -> Option<String> {
     Some(format!("a score is {outside}: was it exported without its sigmoid?"))
 }
 
-/// A coordinate that is no share of the picture's side; boxes may reach beyond the picture.
+/// A coordinate that is no share of the image's side; boxes may reach beyond the image.
 fn no_share(mut values: impl Iterator<Item = f32>) -> Option<String> {
     let outside = values.find(|v| !(-2.0..=3.0).contains(v))?;
-    Some(format!("a coordinate is {outside}, which is no share of the picture"))
+    Some(format!("a coordinate is {outside}, which is no share of the image"))
 }
 
-/// Raw YOLOX: sizes are logarithms, of which the largest a picture allows is ln(8192 / 8).
+/// Raw YOLOX: sizes are logarithms, of which the largest a image allows is ln(8192 / 8).
 fn decoded(t: &Tensor) -> Option<String> {
     let outside = columns(t, 2..4).find(|v| *v > 7.0)?;
     Some(format!(
@@ -277,7 +277,7 @@ fn decoded(t: &Tensor) -> Option<String> {
     ))
 }
 
-/// DecodedOutputs boxes have sizes of pixels, nearly all above 0, and centres all over the picture.
+/// Decoded boxes have sizes of pixels, nearly all above 0, and centres all over the image.
 fn not_decoded(t: &Tensor, [width, _]: [u32; 2]) -> Option<String> {
     let negative = columns(t, 2..4).find(|v| *v < 0.0);
     let widest = columns(t, 0..1).fold(0.0, f32::max);
