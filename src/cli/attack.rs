@@ -16,6 +16,8 @@ mod run;
 #[cfg(feature = "attack")]
 mod train_dtn;
 
+pub use advice::advice;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -61,10 +63,6 @@ struct CheckArgs {
 
 /// Runs `scaleproof attack …`.
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    run_one(args, out).map_err(advice::advised)
-}
-
-fn run_one(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Render(args) => render::run(&args, out),
         What::Import(args) => import::run(&args, out),

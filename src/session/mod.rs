@@ -17,10 +17,11 @@ use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
 
 pub use contents::{Contents, Look};
-pub use new::{Made, NewError, NewSession, mesh_below};
+pub use new::{MadeSession, NewSession, NewSessionError, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SessionError {
     #[error(transparent)]
     File(#[from] files::FileError),

@@ -7,7 +7,7 @@ use super::loss::{HIT_CONFIDENCE, HIT_IOU, strongest};
 use super::view_set::ViewSet;
 use super::{Augmentation, Rgb, RunError};
 use crate::ap::{ImageBoxes, average_precision};
-use crate::detect::{Candidate, SCORE_FLOOR, suppress};
+use crate::detect::{CandidateBox, SCORE_FLOOR, suppress};
 use crate::geometry::BoxPx;
 use crate::whitebox::{Prediction, WhiteBox};
 
@@ -112,7 +112,7 @@ fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
     let candidates = predictions
         .iter()
         .filter(|prediction| prediction.confidence >= SCORE_FLOOR);
-    let candidates = candidates.map(|prediction| Candidate {
+    let candidates = candidates.map(|prediction| CandidateBox {
         label: 0,
         score: prediction.confidence,
         b: prediction.box_px,

@@ -11,15 +11,8 @@ use crate::surrogate::chart::SurrogateChartError;
 use crate::surrogate::dtn::DtnError;
 use crate::whitebox::device::DeviceError;
 
-/// The error with the option that helps.
-pub fn advised(error: Box<dyn Error>) -> Box<dyn Error> {
-    match advice(error.as_ref()) {
-        Some(advice) => format!("{error}{advice}").into(),
-        None => error,
-    }
-}
-
-fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+/// The option that helps.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     let fixed = None
         .or_else(|| error.downcast_ref().and_then(of_rendering))
         .or_else(|| error.downcast_ref().and_then(of_evaluation))
@@ -34,7 +27,7 @@ fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 fn of_device(error: &DeviceError) -> String {
     match error {
         DeviceError::NotBuilt(device) => {
-            format!(": build it with `cargo build --release --features {device}`, or leave --device out")
+            format!("build it with `cargo build --release --features {device}`, or leave --device out")
         }
         DeviceError::NotThere(_) => ", or leave --device out".to_owned(),
     }
