@@ -11,13 +11,14 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use place::Place;
+use place::OutputPlace;
 use staged::Staged;
 
 pub use whole_folder::{copy, make_folder};
 
 /// A file that could not be read or written, as a sentence.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileError {
     #[error("cannot read {path}: {reason}", path = path.display())]
     Read { path: PathBuf, reason: String },
@@ -102,9 +103,9 @@ pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileErro
 fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
     let (mut regular, mut streams) = (Vec::new(), Vec::new());
     for (path, content) in files {
-        match Place::of(path)? {
-            Place::File(path) => regular.push((path, *content)),
-            Place::Stream(stream) => streams.push((stream, *content)),
+        match OutputPlace::of(path)? {
+            OutputPlace::File(path) => regular.push((path, *content)),
+            OutputPlace::Stream(stream) => streams.push((stream, *content)),
         }
     }
     replace_together(&regular)?;

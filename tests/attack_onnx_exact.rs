@@ -8,7 +8,7 @@ use crate::tests::common;
 use burn::tensor::{Device, FloatDType};
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use scaleproof::detect::Manifest;
-use scaleproof::whitebox::onnx::Network;
+use scaleproof::whitebox::onnx::OnnxNetwork;
 
 #[test]
 fn outputs_in_64_bits_are_those_of_onnx_runtime() {
@@ -37,7 +37,7 @@ fn in_64_bits() {
         };
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
-        let network = Network::read(&bytes, file, &shape, &device).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, &device).unwrap();
         let mut sessions = [session(&bytes), as_written(&bytes)];
         let photos = photos();
         assert_eq!(photos.len(), 20);

@@ -184,6 +184,7 @@ fn the_yolov5_ramp_on_a_curve_with_a_false_positive() {
     assert!(
         ApDefinition::from_name("mAP")
             .unwrap_err()
+            .to_string()
             .contains("coco-101, all-point")
     );
 }

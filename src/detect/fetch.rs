@@ -11,6 +11,7 @@ use crate::files;
 
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FetchError {
     #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
     NoUrl { name: String, file: String },
@@ -36,7 +37,7 @@ pub enum FetchError {
         "the download of {name} has more than 2 GB, so it is not the file that the manifest describes; it was not kept"
     )]
     TooLarge { name: String },
-    #[error("{path} is already there and is not the file {name} was described with: move it away, or fetch into another folder by --detectors", path = path.display())]
+    #[error("{path} is already there and is not the file {name} was described with: move it away", path = path.display())]
     Taken { name: String, path: PathBuf },
     #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
     NoPart { path: PathBuf },

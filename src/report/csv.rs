@@ -8,7 +8,7 @@ use super::other_label;
 use crate::score::{EvaluatedDetector, NotScored, ScoredPhoto, Scores, Verdict};
 
 #[derive(Serialize, Default)]
-struct Row<'a> {
+struct PhotoRow<'a> {
     photo_id: Option<u64>,
     session: String,
     file: &'a str,
@@ -52,10 +52,10 @@ pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> Row<'a> {
+fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> PhotoRow<'a> {
     let (viewpoint, bin, outcome) = (photo.viewpoint, photo.bin, &photo.outcomes[index]);
     let other = other_label(photo, index, detector);
-    Row {
+    PhotoRow {
         photo_id: Some(photo.id),
         session: scores.sessions[photo.session].name.clone(),
         file: &photo.file,
@@ -83,17 +83,17 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &
         misclassified: Some(outcome.is_misclassified()),
         disappeared: Some(outcome.has_disappeared()),
         hallucinations: Some(outcome.hallucinations),
-        ..Row::default()
+        ..PhotoRow::default()
     }
 }
 
-fn not_scored(photo: &NotScored) -> Row<'_> {
-    Row {
+fn not_scored(photo: &NotScored) -> PhotoRow<'_> {
+    PhotoRow {
         session: photo.session.clone(),
         file: &photo.file,
         variant: &photo.variant,
         status: "not scored",
         reason: &photo.reason,
-        ..Row::default()
+        ..PhotoRow::default()
     }
 }

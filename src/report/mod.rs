@@ -5,6 +5,7 @@ mod comparison;
 mod counted;
 mod csv;
 mod evaluation;
+mod evaluation_files;
 mod figures_csv;
 mod html;
 mod latex;
@@ -23,7 +24,8 @@ use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 
 pub use comparison::{comparison_json, comparison_table, write_comparison};
 pub use counted::counted;
-pub use evaluation::{Evaluation, evaluation_tables, write_evaluation};
+pub use evaluation::{Evaluation, evaluation_tables};
+pub use evaluation_files::write_evaluation;
 pub use table::summary_table;
 pub use truth::truth_boxes;
 
@@ -31,6 +33,7 @@ const SUMMARY: &str = "summary.json";
 
 /// Why the report could not be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReportError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -86,10 +89,10 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, 
 fn detectors_before(folder: &Path) -> Vec<String> {
     #[derive(Deserialize)]
     struct Before {
-        results: Vec<Row>,
+        results: Vec<Reported>,
     }
     #[derive(Deserialize)]
-    struct Row {
+    struct Reported {
         detector: String,
     }
     let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();

@@ -77,7 +77,7 @@ pub(super) fn adjust(
         loss,
         camera,
     };
-    let found = minimise(Normal::at(problem, poses.clone()), &limits);
+    let found = minimise(NetworkEquations::at(problem, poses.clone()), &limits);
     *poses = found.poses;
     found.cost
 }
@@ -91,7 +91,7 @@ pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Opti
         loss: Loss::Squared,
         camera,
     };
-    let normal = Normal::at(problem, poses.clone());
+    let normal = NetworkEquations::at(problem, poses.clone());
     let inverse = Cholesky::new(normal.reduced(0.0)?.matrix)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.slots.tags.iter().map(block).collect())
@@ -141,7 +141,7 @@ struct Problem<'a> {
 }
 
 /// The normal equations `H δ = −g`, in blocks.
-struct Normal<'a> {
+struct NetworkEquations<'a> {
     problem: Problem<'a>,
     poses: Poses,
     cost: f64,
@@ -166,14 +166,14 @@ struct Step {
     photos: Vec<Vector6<f64>>,
 }
 
-impl<'a> Normal<'a> {
-    fn at(problem: Problem<'a>, poses: Poses) -> Normal<'a> {
+impl<'a> NetworkEquations<'a> {
+    fn at(problem: Problem<'a>, poses: Poses) -> NetworkEquations<'a> {
         let slots = Slots::of(problem.net, &poses, problem.free);
         let (tags, photos) = (
             slots.tags.iter().flatten().count(),
             slots.photos.iter().flatten().count(),
         );
-        let mut normal = Normal {
+        let mut normal = NetworkEquations {
             problem,
             poses,
             cost: 0.0,
@@ -288,13 +288,13 @@ impl<'a> Normal<'a> {
     }
 }
 
-impl LeastSquares for Normal<'_> {
+impl LeastSquares for NetworkEquations<'_> {
     fn cost(&self) -> f64 {
         self.cost
     }
 
     fn stepped(&self, damping: f64) -> Option<Self> {
         let moved = self.moved(&self.step(damping)?);
-        Some(Normal::at(self.problem, moved))
+        Some(NetworkEquations::at(self.problem, moved))
     }
 }

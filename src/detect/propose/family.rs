@@ -37,6 +37,11 @@ pub enum Family {
 /// Mean and standard deviation of ImageNet, red first, on values 0–255.
 const IMAGENET: ([f32; 3], [f32; 3]) = ([123.675, 116.28, 103.53], [58.395, 57.12, 57.375]);
 
+/// A name that no family has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no family `{0}`: choose one of {names}", names = Family::ALL.map(Family::name).join(", "))]
+pub struct NoSuchFamily(String);
+
 impl Family {
     pub const ALL: [Family; 16] = [
         Family::Yolov4,
@@ -57,7 +62,7 @@ impl Family {
         Family::Torchvision,
     ];
 
-    /// What `--family` takes.
+    /// Its name, as users write it.
     pub fn name(self) -> &'static str {
         match self {
             Family::Yolov4 => "yolov4",
@@ -80,12 +85,9 @@ impl Family {
     }
 
     /// The family of that name; the error lists the names.
-    pub fn from_name(name: &str) -> Result<Family, String> {
+    pub fn from_name(name: &str) -> Result<Family, NoSuchFamily> {
         let named = Family::ALL.into_iter().find(|f| f.name() == name);
-        named.ok_or_else(|| {
-            let names = Family::ALL.map(Family::name).join(", ");
-            format!("there is no family `{name}`: choose one of {names}")
-        })
+        named.ok_or_else(|| NoSuchFamily(name.to_owned()))
     }
 
     /// What people call it.
@@ -110,7 +112,7 @@ impl Family {
         }
     }
 
-    /// How the family's own programs prepare a photo, for a network that takes pictures of `size_px`, or of any size.
+    /// How the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.
     pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Input {
         let usual = self.usual();
         match (self, size_px) {
@@ -128,7 +130,7 @@ impl Family {
         }
     }
 
-    /// True for families whose networks take pictures of any size, where the file does not fix one.
+    /// True for families whose networks take images of any size, where the file does not fix one.
     pub(super) fn takes_any_size(self) -> bool {
         matches!(self, Family::TfOd | Family::Torchvision | Family::ZooRcnn)
     }
@@ -145,7 +147,7 @@ impl Family {
             mean: [0.0; 3],
             std: [255.0; 3],
         };
-        // Blue first, as OpenCV reads pictures; the deviations are those of the repository, not turned round from ImageNet's.
+        // Blue first, as OpenCV reads images; the deviations are those of the repository, not turned round from ImageNet's.
         let nanodet = Input {
             channels: Channels::Bgr,
             mean: [103.53, 116.28, 123.675],
