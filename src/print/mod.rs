@@ -10,6 +10,7 @@ pub mod check;
 pub mod date;
 pub mod frame;
 pub mod lettering;
+pub mod output;
 mod pack;
 pub mod page;
 pub mod paint;

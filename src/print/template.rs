@@ -13,6 +13,7 @@ pub use seams::{Seams, letters};
 
 use super::SheetError;
 use super::date::Date;
+use super::lettering::number;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use crate::geometry::length::{SCALES, shown};
@@ -64,6 +65,13 @@ pub struct TemplateRequest {
     /// Named in the caption when given; there is no clock, so that the same input gives the same bytes.
     pub date: Option<Date>,
     pub layout: LayoutRequest,
+}
+
+impl TemplateRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+    }
 }
 
 /// Which edge of the template points to the model's front.

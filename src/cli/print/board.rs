@@ -84,7 +84,7 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     })
     .map_err(advised)?;
     let line = made.definition.line();
-    let mut files = args.sheets.files(&line, std::slice::from_ref(&made.sheet))?;
+    let mut files = args.sheets.file(&line, &made.sheet)?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
     write_files(&files, &[args.sheets.printer.as_deref()])?;
     units::note(units::board(args.squares, args.square_mm));

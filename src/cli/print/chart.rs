@@ -21,7 +21,7 @@ pub struct ChartArgs {
 pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let made = chart(args.sheets.media()?)?;
     let title = format!("Colour chart {}", made.layout.kind.name());
-    let files = args.sheets.files(&title, std::slice::from_ref(&made.sheet))?;
+    let files = args.sheets.file(&title, &made.sheet)?;
     write_files(&files, &[args.sheets.printer.as_deref()])?;
     let (path, levels, patches) = (
         files[0].0.display(),

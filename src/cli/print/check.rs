@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
+use super::{CommandResult, FormatName, Outcome, printer, sheet_output, write_files, write_json};
 use crate::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
@@ -16,9 +16,9 @@ pub struct CheckArgs {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// pdf, or svg; without it, what the file's name ends in, else pdf
+    /// pdf, or svg; without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<Format>,
+    format: Option<FormatName>,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
     margin_mm: f64,
@@ -41,8 +41,7 @@ pub fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
         date: args.date.as_deref().map(str::parse).transpose()?,
     };
     let sheets = check(&request)?;
-    let format = Format::of(args.format, &args.output);
-    let files = as_files(format, &args.output, "Printer check", (&["check".to_owned()], &sheets))?;
+    let files = sheet_output(&args.output, args.format)?.files("Printer check", &["check".to_owned()], &sheets)?;
     write_files(&files, &[args.printer.as_deref()])?;
     if args.json {
         write_json(&files, json!({ "next": request.printer.verify_command() }), out)?;

@@ -22,11 +22,11 @@ use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::Pattern;
 use crate::pattern::card::{self, CardError};
+use crate::print::output::{OutputError, SheetFormat, SheetOutput};
 use crate::print::page::Media;
 use crate::print::paper::Stock;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
-use crate::print::{pdf, svg};
 
 pub use template::{summary, write_template};
 
@@ -75,47 +75,32 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 /// What the sheets are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
+pub enum FormatName {
     /// One file with all pages
     Pdf,
     /// One file a page, named OUTPUT-PAGE.svg
     Svg,
 }
 
-impl Format {
-    /// The one asked for, or the one the file's name asks for.
-    fn of(asked: Option<Self>, output: &Path) -> Self {
-        let is_svg = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
-        asked.unwrap_or(if is_svg { Self::Svg } else { Self::Pdf })
+impl From<FormatName> for SheetFormat {
+    fn from(name: FormatName) -> Self {
+        match name {
+            FormatName::Pdf => Self::Pdf,
+            FormatName::Svg => Self::Svg,
+        }
     }
+}
+
+/// Where the sheets go.
+fn sheet_output(path: &Path, format: Option<FormatName>) -> Result<SheetOutput, String> {
+    SheetOutput::named(path, format.map(SheetFormat::from)).map_err(|error| match error {
+        OutputError::UnknownEnding { .. } => format!("{error}, or give --format"),
+        _ => error.to_string(),
+    })
 }
 
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
-
-/// The pages as files: one PDF, or an SVG a page.
-fn as_files(
-    format: Format,
-    output: &Path,
-    title: &str,
-    pages: (&[String], &[Sheet]),
-) -> Result<Vec<NewFile>, Box<dyn Error>> {
-    let (names, sheets) = pages;
-    if format == Format::Svg && files::is_standard_output(output) {
-        return Err("SVG makes one file per page, so it cannot go to standard output: name a file".into());
-    }
-    Ok(match format {
-        Format::Pdf => vec![(output.to_owned(), pdf::write(title, sheets)?)],
-        Format::Svg => {
-            let named = names.iter().zip(sheets);
-            let file = |(name, sheet): (&String, &Sheet)| {
-                let text = svg::write(&format!("{title}: {name}"), sheet);
-                (svg_path(output, name), text.into_bytes())
-            };
-            named.map(file).collect()
-        }
-    })
-}
 
 /// Prints one JSON object whose `files` are those that were written.
 pub(super) fn write_json(files: &[NewFile], mut facts: Value, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
@@ -158,12 +143,6 @@ fn same_place(a: &Path, b: &Path) -> bool {
     a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }
 
-/// `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
-fn svg_path(output: &Path, name: &str) -> PathBuf {
-    let stem = output.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    output.with_file_name(format!("{}-{name}.svg", stem.unwrap_or_default()))
-}
-
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
 struct CutSheetArgs {
@@ -176,9 +155,9 @@ struct CutSheetArgs {
     /// The file to write
     #[arg(short, long, alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<Format>,
+    format: Option<FormatName>,
 }
 
 impl CutSheetArgs {
@@ -201,16 +180,15 @@ impl CutSheetArgs {
         })
     }
 
-    /// The sheets as files to write: one PDF, or numbered SVGs.
-    fn files(&self, title: &str, sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
-        let names: Vec<String> = (1..=sheets.len()).map(|n| n.to_string()).collect();
-        self.named_files(title, &names, sheets)
+    /// One sheet as the file to write.
+    fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>, Box<dyn Error>> {
+        Ok(self
+            .output()?
+            .files(title, &["1".to_owned()], std::slice::from_ref(sheet))?)
     }
 
-    /// The sheets as files to write: one PDF, or SVGs with these names.
-    fn named_files(&self, title: &str, names: &[String], sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
-        let format = Format::of(self.format, &self.output);
-        as_files(format, &self.output, title, (names, sheets))
+    fn output(&self) -> Result<SheetOutput, String> {
+        sheet_output(&self.output, self.format)
     }
 }
 

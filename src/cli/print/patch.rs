@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::wrap::{ModelArgs, SheetArgs};
-use super::{CommandResult, Format, Outcome, as_files, write_files, write_json};
+use super::{CommandResult, Outcome, sheet_output, write_files, write_json};
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::counted;
@@ -74,9 +74,8 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let sheets = &args.sheets;
     let request = sheets.request(1.0, model.scale, Path::new(""))?;
     let made = patches(&panels, &wanted, &request)?;
-    let format = Format::of(sheets.format, &sheets.output);
     let title = format!("Patches of {}", wanted[0].name);
-    let files = as_files(format, &sheets.output, &title, (&made.page_names, &made.pages))?;
+    let files = sheet_output(&sheets.output, sheets.format)?.files(&title, &made.page_names, &made.pages)?;
     let mut inputs: Vec<Option<&Path>> = args.places.patch.iter().map(|path| Some(path.as_path())).collect();
     inputs.extend([
         args.model.mesh.as_deref(),

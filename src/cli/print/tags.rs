@@ -43,9 +43,7 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     )
     .map_err(advised)?;
     let title = format!("Tags of {}", scene.model.name);
-    // In a file's name, `cards 1` is `cards-1`.
-    let names: Vec<String> = made.names.iter().map(|name| name.replace(' ', "-")).collect();
-    let files = args.sheets.named_files(&title, &names, &made.sheets)?;
+    let files = args.sheets.output()?.files(&title, &made.names, &made.sheets)?;
     write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
     if args.json {
         writeln!(out, "{}", json(&made, &files))?;

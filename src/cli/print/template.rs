@@ -8,9 +8,10 @@ use clap::ValueEnum;
 use serde_json::json;
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, Format, NewFile, Outcome, as_files, printer, write_files, write_json};
+use super::{CommandResult, FormatName, NewFile, Outcome, printer, sheet_output, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::pattern::Pattern;
+use crate::print::output::{SheetFormat, SheetOutput};
 use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
 use crate::print::{lettering, paper};
 
@@ -31,9 +32,9 @@ pub struct TemplateArgs {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<Format>,
+    format: Option<FormatName>,
     /// The model is 1:SCALE (named in the captions)
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,
@@ -119,22 +120,21 @@ pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let request = request(args, &pattern)?;
     let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
-    let place = (Format::of(args.format, &args.output), args.output.as_path());
+    let output = sheet_output(&args.output, args.format)?;
     if let Some(paints) = args.paint.paints()? {
         let inputs = [Some(&*args.pattern), args.printer.as_deref(), args.paint.palette_file()];
-        paint::run(&pattern, request, &paints, place, &inputs, (args.json, out))?;
+        paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
     } else {
         let (made, files) = write(
             &pattern,
             &request,
-            place,
+            &output,
             &[Some(&args.pattern), args.printer.as_deref()],
         )?;
         if args.json {
             write_json(&files, facts(&made), out)?;
         } else {
-            let first = files.first().map_or(args.output.as_path(), |(path, _)| path);
-            writeln!(out, "{}", summary(first, &made))?;
+            writeln!(out, "{}", summary(&files[0].0, &made))?;
         }
     }
     units::note(doubt);
@@ -143,24 +143,25 @@ pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
 
 /// Draws a template and writes it to a PDF.
 pub fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template, Box<dyn Error>> {
-    Ok(write(pattern, request, (Format::Pdf, output), &[])?.0)
+    Ok(write(
+        pattern,
+        request,
+        &SheetOutput::named(output, Some(SheetFormat::Pdf))?,
+        &[],
+    )?
+    .0)
 }
 
 /// Gives the files as well.
 fn write(
     pattern: &Pattern,
     request: &TemplateRequest,
-    (format, output): (Format, &Path),
+    output: &SheetOutput,
     inputs: &[Option<&Path>],
 ) -> Result<(Template, Vec<NewFile>), Box<dyn Error>> {
     let busy = progress::busy("drawing");
     let made = template(pattern, request)?;
-    let title = format!(
-        "Template of {}, tile {} mm",
-        request.pattern_name,
-        lettering::number(request.tile_mm)
-    );
-    let files = as_files(format, output, &title, (&made.page_names(), &made.pages))?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
     Ok((made, files))

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
+use super::{CommandResult, FormatName, Outcome, printer, sheet_output, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::mesh::{Mesh, MeshError, Placement};
 use crate::pattern::Pattern;
@@ -79,9 +79,9 @@ pub struct SheetArgs {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    pub format: Option<Format>,
+    pub format: Option<FormatName>,
     /// Strip that neighbouring sheets share for gluing, in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
     overlap_mm: f64,
@@ -187,15 +187,10 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             &args.pattern,
         )?
     };
+    let output = sheet_output(&sheets.output, sheets.format)?;
     let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &pattern, &request).map_err(advised)?;
-    let title = format!(
-        "Panels of {}, tile {} mm",
-        request.pattern_name,
-        lettering::number(request.tile_mm)
-    );
-    let format = Format::of(sheets.format, &sheets.output);
-    let files = as_files(format, &sheets.output, &title, (&made.page_names(), &made.pages))?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     let inputs = [
         Some(args.pattern.as_path()),
         args.model.mesh.as_deref(),

@@ -77,6 +77,16 @@ pub struct PaintRequest {
     pub mirror: bool,
 }
 
+impl PaintRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        let TemplateRequest {
+            pattern_name, tile_mm, ..
+        } = &self.template;
+        format!("Paint sheets of {pattern_name}, tile {} mm", number(*tile_mm))
+    }
+}
+
 /// What becomes of a paint's area. `openings_mm2` and `bridges_mm2` make up `cells_mm2`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PaintArea {
@@ -101,7 +111,22 @@ pub struct PaintSheets {
 
 impl PaintSheets {
     pub fn panel_mm2(&self) -> f64 {
-        self.areas.iter().map(|area| area.cells_mm2).sum()
+        self.whole().cells_mm2
+    }
+
+    /// What becomes of the area of all paints.
+    pub fn whole(&self) -> PaintArea {
+        self.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {
+            cells_mm2: sum.cells_mm2 + area.cells_mm2,
+            openings_mm2: sum.openings_mm2 + area.openings_mm2,
+            bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
+        })
+    }
+
+    /// How many of the pages are stencils: those of one paint on one sheet.
+    pub fn stencils(&self) -> usize {
+        let is_stencil = |name: &&String| name.starts_with("paint") && name.contains('-');
+        self.names.iter().filter(is_stencil).count()
     }
 
     fn add(&mut self, name: String, sheet: Sheet, stretch: (f64, f64)) {

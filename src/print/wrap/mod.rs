@@ -86,6 +86,11 @@ pub struct WrapRequest {
 }
 
 impl WrapRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Panels of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+    }
+
     /// What a panel is as a template.
     pub(super) fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
