@@ -12,26 +12,26 @@ const FONT: &[u8] = include_bytes!("print/fonts/DejaVuSans-latin1.ttf");
 const MARGIN: f64 = 0.3;
 
 /// An sRGB colour, 8 bit.
-pub type Colour = [u8; 3];
+pub type DrawColour = [u8; 3];
 
 /// What a line looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pen {
-    pub colour: Colour,
+    pub colour: DrawColour,
     pub width_px: f64,
 }
 
 /// What a label looks like: letters of a colour on a ground, their height from the tallest to the lowest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lettering {
-    pub colour: Colour,
-    pub ground: Colour,
+    pub colour: DrawColour,
+    pub ground: DrawColour,
     pub size_px: f64,
 }
 
 /// Where a label stands relative to its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
+pub enum LabelAnchor {
     /// The place is the label's top-left corner.
     TopLeft,
     /// The place is the label's bottom-left corner: a label that sits on a box.
@@ -88,7 +88,7 @@ pub fn rectangle(picture: &mut RgbImage, one: [f64; 2], other: [f64; 2], pen: Pe
 
 /// Text on a ground, moved as far as it takes to lie inside the picture, and cut where it is larger than that. `\n` starts a new
 /// line; a letter outside Latin-1 becomes a question mark.
-pub fn label(picture: &mut RgbImage, at: [f64; 2], anchor: Anchor, text: &str, lettering: Lettering) {
+pub fn label(picture: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, lettering: Lettering) {
     let Some([left, top, width, height]) = placed(picture, at, anchor, text, lettering.size_px) else {
         return;
     };
@@ -133,12 +133,12 @@ fn line_height(size_px: f64) -> f64 {
 
 /// Left, top, width and height of a label in whole pixels, inside the picture; the top-left is kept where it is too large. `None`
 /// where the place is no number.
-fn placed(picture: &RgbImage, at: [f64; 2], anchor: Anchor, text: &str, size_px: f64) -> Option<[i64; 4]> {
+fn placed(picture: &RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, size_px: f64) -> Option<[i64; 4]> {
     let [width, height] = label_size_px(text, size_px).map(f64::ceil);
     let [left, top] = match anchor {
-        Anchor::TopLeft => at,
-        Anchor::BottomLeft => [at[0], at[1] - height],
-        Anchor::Centre => [at[0] - width / 2.0, at[1] - height / 2.0],
+        LabelAnchor::TopLeft => at,
+        LabelAnchor::BottomLeft => [at[0], at[1] - height],
+        LabelAnchor::Centre => [at[0] - width / 2.0, at[1] - height / 2.0],
     };
     let inside = |start: f64, length: f64, side: u32| start.min(f64::from(side) - length).max(0.0).round() as i64;
     let is_number = left.is_finite() && top.is_finite() && size_px > 0.0 && size_px < 10_000.0;
@@ -235,7 +235,7 @@ fn distance_to(from: [f64; 2], to: [f64; 2], at: [f64; 2]) -> f64 {
 }
 
 /// Mixes a colour into a pixel by how much of it is covered; nothing outside the picture.
-fn blend(picture: &mut RgbImage, [x, y]: [i64; 2], colour: Colour, covered: f64) {
+fn blend(picture: &mut RgbImage, [x, y]: [i64; 2], colour: DrawColour, covered: f64) {
     let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
         return;
     };
@@ -295,7 +295,7 @@ mod tests {
         let mut picture = RgbImage::new(60, 40);
         line(&mut picture, [-1e12, -1e12], [1e12, -1e12], PEN);
         line(&mut picture, [f64::NAN, 3.0], [5.0, 5.0], PEN);
-        label(&mut picture, [f64::INFINITY, 0.0], Anchor::Centre, "text", LETTERS);
+        label(&mut picture, [f64::INFINITY, 0.0], LabelAnchor::Centre, "text", LETTERS);
         assert!(painted(&picture).is_empty());
         line(&mut picture, [-1e9, 20.0], [1e9, 20.0], PEN);
         assert_eq!(painted(&picture).len(), 3 * 60, "it crosses the whole picture");
@@ -305,9 +305,9 @@ mod tests {
     #[test]
     fn a_label_stays_inside_and_has_the_size_it_says() {
         for (at, anchor) in [
-            ([1e6, 1e6], Anchor::TopLeft),
-            ([-50.0, 3.0], Anchor::BottomLeft),
-            ([100.0, 50.0], Anchor::Centre),
+            ([1e6, 1e6], LabelAnchor::TopLeft),
+            ([-50.0, 3.0], LabelAnchor::BottomLeft),
+            ([100.0, 50.0], LabelAnchor::Centre),
         ] {
             let mut picture = RgbImage::new(200, 100);
             label(&mut picture, at, anchor, "azimuth 45°\n± 0.1", LETTERS);
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn the_letters_lie_within_their_ground() {
         let mut picture = RgbImage::new(400, 100);
-        label(&mut picture, [20.0, 20.0], Anchor::TopLeft, "ÄgjÅ|Wy,", LETTERS);
+        label(&mut picture, [20.0, 20.0], LabelAnchor::TopLeft, "ÄgjÅ|Wy,", LETTERS);
         let letters: Vec<_> = picture.enumerate_pixels().filter(|(_, _, p)| p.0[0] > 60).collect();
         let [width, height] = label_size_px("ÄgjÅ|Wy,", 20.0).map(|v| v.ceil() as u32);
         assert!(letters.len() > 200);

@@ -10,7 +10,7 @@ use super::frames::{Coverage, Frame, FrameSet, FramesError};
 use super::light;
 use super::projection::{Grid, Projection, Sampling, repeated, world};
 use super::renderer::{FitError, Kind, Learned, PerPixel, Renderer, Shot};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
@@ -428,8 +428,8 @@ fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&R
     scatter(&Cloud {
         title: title.to_owned(),
         note,
-        x: Axis::around(x, Scale::Log, rows.iter().map(&value)),
-        y: Axis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
+        x: PlotAxis::around(x, Scale::Log, rows.iter().map(&value)),
+        y: PlotAxis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
         colours: names,
         shapes,
         ringed: "the default".to_owned(),

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::ChartError;
+use super::ColourChartError;
 use super::layout::{CELL_MM, ChartKind, ChartLayout, FAMILY, PATCH_MM};
 use crate::geometry::homography::{self, mapped};
 use crate::tags::SeenTag;
@@ -43,7 +43,7 @@ impl FoundChart {
 ///
 /// # Errors
 /// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the picture.
-pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ChartError> {
+pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);
     let (mut chart_mm, mut picture_px) = (Vec::new(), Vec::new());
@@ -52,8 +52,8 @@ pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ChartError> {
         let mut of_this: Vec<_> = seen.iter().filter(|s| s.family == FAMILY && s.id == tag.id).collect();
         match (of_this.pop(), of_this.is_empty()) {
             (None, _) => missing.push(tag.id.to_string()),
-            (Some(_), false) => return Err(ChartError::TwoCharts),
-            (Some(one), true) if !one.is_whole => return Err(ChartError::TagCovered { id: tag.id }),
+            (Some(_), false) => return Err(ColourChartError::TwoCharts),
+            (Some(one), true) if !one.is_whole => return Err(ColourChartError::TagCovered { id: tag.id }),
             (Some(one), true) => {
                 chart_mm.extend(tag.corners_mm());
                 picture_px.extend(one.corners_px);
@@ -62,27 +62,27 @@ pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ChartError> {
     }
     if !missing.is_empty() {
         let ids = missing.join(", ");
-        return Err(ChartError::TagsMissing { ids });
+        return Err(ColourChartError::TagsMissing { ids });
     }
     placed(layout, &chart_mm, &picture_px)
 }
 
-fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ChartError> {
+fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ColourChartError> {
     let is_seen = |kind: &ChartKind| {
         seen.iter()
             .any(|s| s.family == FAMILY && kind.tag_ids().contains(&s.id))
     };
     let mut kinds = ChartKind::ALL.into_iter().filter(is_seen);
     match (kinds.next(), kinds.next()) {
-        (None, _) => Err(ChartError::NoChart),
+        (None, _) => Err(ColourChartError::NoChart),
         (Some(kind), None) => Ok(kind),
-        _ => Err(ChartError::TwoCharts),
+        _ => Err(ColourChartError::TwoCharts),
     }
 }
 
-fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -> Result<FoundChart, ChartError> {
-    let to_px = homography::fitted(chart_mm, picture_px).ok_or(ChartError::OnALine)?;
-    let to_mm = to_px.try_inverse().ok_or(ChartError::OnALine)?;
+fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -> Result<FoundChart, ColourChartError> {
+    let to_px = homography::fitted(chart_mm, picture_px).ok_or(ColourChartError::OnALine)?;
+    let to_mm = to_px.try_inverse().ok_or(ColourChartError::OnALine)?;
     let mut found = FoundChart {
         layout,
         to_px,
@@ -99,10 +99,10 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -
     // False for what is not a number, too.
     let is_flat = found.off_mm <= MOST_OFF_MM;
     if !is_flat {
-        return Err(ChartError::NotFlat { off_mm: found.off_mm });
+        return Err(ColourChartError::NotFlat { off_mm: found.off_mm });
     }
     if found.patch_px < LEAST_PATCH_PX {
-        return Err(ChartError::TooSmall {
+        return Err(ColourChartError::TooSmall {
             pixels: found.patch_px,
             least: LEAST_PATCH_PX,
         });

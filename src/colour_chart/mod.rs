@@ -11,11 +11,11 @@ pub mod light;
 pub mod read;
 pub mod sample;
 
-use layout::Cell;
+use layout::ChartCell;
 
 /// Why a photo of a chart was not read. Each variant says what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ChartError {
+pub enum ColourChartError {
     #[error("no colour chart is in the picture; photograph the whole sheet of `scaleproof print chart`, sharply")]
     NoChart,
     #[error("two colour charts are in the picture, or a copy of one; photograph one at a time")]
@@ -68,6 +68,6 @@ pub enum ChartError {
 }
 
 /// A cell as people count: `row 3, column 12`, from the upper left.
-fn place(cell: Cell) -> String {
+fn place(cell: ChartCell) -> String {
     format!("row {}, column {}", cell.row + 1, cell.column + 1)
 }

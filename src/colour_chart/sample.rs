@@ -4,7 +4,7 @@ use image::RgbImage;
 use palette::Srgb;
 
 use super::find::FoundChart;
-use super::layout::Cell;
+use super::layout::ChartCell;
 
 /// Side of the square in the middle of a cell whose pixels count: 2.5 mm of the patch around it are left to blur, to lens
 /// distortion and to paper that is not quite flat.
@@ -16,7 +16,7 @@ const CLIPPED: u8 = 254;
 
 /// What the camera saw of a cell. Light is linear in the primaries of sRGB, 1 is the end of the camera's scale.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct PatchSample {
     /// The mean of the middle half of the pixels, channel by channel: a speck or a hair does not count.
     pub light: [f64; 3],
     /// The same of each of the [`PARTS`]² parts, row by row.
@@ -28,7 +28,7 @@ pub struct Sample {
 }
 
 /// Samples a cell. `None` where a part of it lies outside the picture or has no pixel.
-pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: Cell) -> Option<Sample> {
+pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
     let [cx, cy] = cell.centre_mm();
     let h = SAMPLED_MM / 2.0;
     let corners = [[cx - h, cy - h], [cx + h, cy - h], [cx + h, cy + h], [cx - h, cy + h]].map(|mm| chart.px(mm));
@@ -56,7 +56,7 @@ pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: Cell) -> Option<Samp
         let count = all.iter().filter(|pixel| pixel.iter().any(|level| is(*level))).count();
         count as f64 / all.len() as f64
     };
-    Some(Sample {
+    Some(PatchSample {
         light: middle_mean(&all),
         parts: parts.iter().map(|part| middle_mean(part)).collect(),
         clipped: share(&|level| level >= CLIPPED),

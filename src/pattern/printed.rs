@@ -12,7 +12,7 @@ use super::gamut::Gamut;
 
 /// Where measured colours come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Source {
+pub struct ChartSource {
     /// Name of the chart.
     pub chart: String,
     /// The program that read it.
@@ -83,7 +83,7 @@ impl PrintedColour {
 impl PrintedColours {
     /// From light relative to the paper's. A colour that was asked for several times is averaged. `source.levels` must be those of
     /// a chart, all of whose colours are there.
-    pub fn of_light(source: Source, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
+    pub fn of_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
         let mut sums: BTreeMap<[u8; 3], ([f64; 3], f64)> = BTreeMap::new();
         for (asked, light) in patches {
             let (sum, count) = sums.entry(asked).or_default();
@@ -94,7 +94,7 @@ impl PrintedColours {
         Self::of(source, sums.into_iter().map(mean).collect())
     }
 
-    fn of(source: Source, measured: Vec<([u8; 3], Lab)>) -> Self {
+    fn of(source: ChartSource, measured: Vec<([u8; 3], Lab)>) -> Self {
         let patches: Vec<PrintedColour> = measured
             .into_iter()
             .map(|(asked, lab)| PrintedColour::new(asked, lab))
@@ -166,7 +166,7 @@ impl PrintedColours {
         if let Some([r, g, b]) = wanted.find(|rgb| !measured.contains_key(rgb)) {
             return Err(format!("its colour part has no patch for {r}, {g}, {b}"));
         }
-        let source = Source {
+        let source = ChartSource {
             chart: self.chart.clone(),
             program: self.program.clone(),
             photos_sha256: self.photos_sha256.clone(),

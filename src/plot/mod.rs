@@ -6,8 +6,8 @@ mod axis;
 mod panels;
 mod scatter;
 
-pub use axis::{Axis, Scale, tick_label};
-pub use panels::{Line, Panel, panels};
+pub use axis::{PlotAxis, Scale, tick_label};
+pub use panels::{PlotLine, PlotPanel, panels};
 pub use scatter::{Cloud, Dot, scatter};
 
 /// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.

@@ -64,7 +64,7 @@ impl Setup {
 
 /// One page and its areas (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct PageFrame {
     /// The paper as it is used: portrait or landscape.
     pub page: Paper,
     pub setup: Setup,
@@ -78,7 +78,7 @@ pub struct Frame {
     pub vertical_ruler: PointMm,
 }
 
-impl Frame {
+impl PageFrame {
     /// # Errors
     /// A margin that is no length, paper too small for the rulers and the captions.
     pub fn new(page: Paper, setup: Setup) -> Result<Self, SheetError> {

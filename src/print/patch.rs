@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 use super::SheetError;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use super::template::{Layout, SheetPlan, TemplateError, check_scale, furniture, layout};
+use super::template::{SheetLayout, SheetPlan, TemplateError, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
 use crate::geometry::length::{self, BadLength, shown};
@@ -52,12 +52,12 @@ pub enum PatchError {
 
 /// A picture to be printed as it is.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct PatchImage {
     pixels: Arc<RgbImage>,
     sha256: String,
 }
 
-impl Picture {
+impl PatchImage {
     /// Reads an opaque PNG or JPEG.
     ///
     /// # Errors
@@ -150,10 +150,10 @@ impl Picture {
 
 /// A picture on a panel.
 #[derive(Debug, Clone)]
-pub struct Patch {
+pub struct PanelPatch {
     /// How the captions call it: its file name.
     pub name: String,
-    pub picture: Picture,
+    pub picture: PatchImage,
     pub side: Side,
     /// Its middle in the panel's plane: (u, v), see [`Side`].
     pub at_mm: Point,
@@ -161,7 +161,7 @@ pub struct Patch {
     pub size_mm: (f64, f64),
 }
 
-impl Patch {
+impl PanelPatch {
     fn area(&self) -> RectMm {
         let ([u, v], (width, height)) = (self.at_mm, self.size_mm);
         RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
@@ -189,7 +189,7 @@ pub struct Patches {
 /// # Errors
 /// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
 /// layout refuses.
-pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PatchError> {
+pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
     check_scale(request.scale)?;
     // All before the first is drawn: a panel's sheets show every patch on it.
     patches.iter().try_for_each(check)?;
@@ -217,7 +217,7 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
         made.off_panel.push(if off < LEAST_SHARE { 0.0 } else { off });
         if !shown.contains(&patch.side) {
             shown.push(patch.side);
-            let here: Vec<&Patch> = patches.iter().filter(|p| p.side == patch.side).collect();
+            let here: Vec<&PanelPatch> = patches.iter().filter(|p| p.side == patch.side).collect();
             made.draw(side, &panel.region, &panel.edges, &here, request)?;
         }
         made.draw(&format!("patch{}", i + 1), &cut, &[], &[patch], request)?;
@@ -227,7 +227,7 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
 
 /// # Errors
 /// A place or size that no patch has.
-pub fn check(patch: &Patch) -> Result<(), PatchError> {
+pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
     for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {
             return Err(PatchError::Size { what, value });
@@ -246,7 +246,7 @@ impl Patches {
         name: &str,
         region: &Region,
         edges: &[[Point; 2]],
-        on_it: &[&Patch],
+        on_it: &[&PanelPatch],
         request: &WrapRequest,
     ) -> Result<(), SheetError> {
         let (low, high) = region.bounds().unwrap_or_default();
@@ -300,7 +300,7 @@ impl Patches {
 
 const EDGE_LINE_MM: f64 = 0.1;
 
-fn page(layout: &Layout, plan: &SheetPlan, marks: Vec<Mark>) -> Sheet {
+fn page(layout: &SheetLayout, plan: &SheetPlan, marks: Vec<Mark>) -> Sheet {
     Sheet {
         width_mm: layout.frame.page.width_mm,
         height_mm: layout.frame.page.height_mm,
@@ -310,7 +310,7 @@ fn page(layout: &Layout, plan: &SheetPlan, marks: Vec<Mark>) -> Sheet {
     }
 }
 
-impl Patch {
+impl PanelPatch {
     /// Size, place and hash, for the caption.
     fn fact(&self) -> String {
         let number = super::lettering::number;

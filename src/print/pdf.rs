@@ -16,7 +16,7 @@ use printpdf::{
 
 use super::SheetError;
 use super::lettering;
-use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
 use crate::files;
 
 /// Writes the sheets as the pages of one PDF.
@@ -286,7 +286,7 @@ fn moved_to(place: PointMm) -> XObjectTransform {
     }
 }
 
-fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) -> Vec<Op> {
+fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Vec<Op> {
     let dash = match dash_mm {
         Some((dash, gap)) => LineDashPattern::new(0.0, &[pt(dash).0, pt(gap).0]),
         None => LineDashPattern::solid(),
@@ -332,12 +332,12 @@ fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
     Op::DrawPolygon { polygon }
 }
 
-fn text_ops(at: PointMm, size_mm: f64, anchor: Anchor, text: &str, colour: Rgb) -> Vec<Op> {
+fn text_ops(at: PointMm, size_mm: f64, anchor: TextAnchor, text: &str, colour: Srgb8) -> Vec<Op> {
     let width_mm = lettering::width_mm(text, size_mm);
     let left_mm = match anchor {
-        Anchor::Left => at.x_mm,
-        Anchor::Centre => at.x_mm - 0.5 * width_mm,
-        Anchor::Right => at.x_mm - width_mm,
+        TextAnchor::Left => at.x_mm,
+        TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
+        TextAnchor::Right => at.x_mm - width_mm,
     };
     vec![
         Op::StartTextSection,
@@ -371,7 +371,7 @@ fn unit(channel: u8) -> f64 {
     (f64::from(channel) / 255.0 * 10_000.0).round() / 10_000.0
 }
 
-fn color(colour: Rgb) -> Color {
+fn color(colour: Srgb8) -> Color {
     let [r, g, b] = colour.map(|channel| unit(channel) as f32);
     Color::Rgb(printpdf::Rgb {
         r,

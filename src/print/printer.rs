@@ -233,7 +233,7 @@ pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
 /// `stamps`: the stamps stretched so far, before and after.
 fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Sheet {
     let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
-    let page = Stretch { factors, centre };
+    let page = PageStretch { factors, centre };
     sheet.trim = page.area(sheet.trim);
     sheet.bleed = page.area(sheet.bleed);
     for mark in &mut sheet.marks {
@@ -242,12 +242,12 @@ fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>
     sheet
 }
 
-struct Stretch {
+struct PageStretch {
     factors: (f64, f64),
     centre: PointMm,
 }
 
-impl Stretch {
+impl PageStretch {
     fn point(&self, p: PointMm) -> PointMm {
         let c = self.centre;
         PointMm::new(

@@ -1,7 +1,7 @@
 //! The 100 mm rulers every page carries: printers stretch one axis without saying so, and a ruler shows it.
 
 use super::lettering::CAP_HEIGHT;
-use super::sheet::{Anchor, Mark, PointMm};
+use super::sheet::{Mark, PointMm, TextAnchor};
 
 /// Length of every ruler.
 pub const LENGTH_MM: f64 = 100.0;
@@ -22,7 +22,7 @@ pub fn horizontal(origin: PointMm) -> Vec<Mark> {
         marks.push(Mark::line((x + at, y), (x + at, y - tick), LINE_MM));
     }
     for (at, label) in labels() {
-        marks.push(Mark::text((x + at, label_y), LABEL_MM, Anchor::Centre, label));
+        marks.push(Mark::text((x + at, label_y), LABEL_MM, TextAnchor::Centre, label));
     }
     marks
 }
@@ -37,7 +37,7 @@ pub fn vertical(origin: PointMm) -> Vec<Mark> {
     }
     for (at, label) in labels() {
         let baseline = y + at - 0.5 * CAP_HEIGHT * LABEL_MM;
-        marks.push(Mark::text((label_x, baseline), LABEL_MM, Anchor::Right, label));
+        marks.push(Mark::text((label_x, baseline), LABEL_MM, TextAnchor::Right, label));
     }
     marks
 }

@@ -8,8 +8,8 @@ mod seams;
 use std::sync::Arc;
 
 pub use furniture::{Captions, around, guides, rulers};
-pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
-pub use seams::{Seams, letters};
+pub use layout::{LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
+pub use seams::{SheetSeams, letters};
 
 use super::SheetError;
 use super::date::Date;
@@ -104,10 +104,10 @@ impl Front {
 /// A template ready to be written, and how it was spread over the paper.
 #[derive(Debug, Clone)]
 pub struct Template {
-    pub layout: Layout,
+    pub layout: SheetLayout,
     /// Width and height of a cell.
     pub cell_mm: f64,
-    /// How to assemble, with the scale check; then one page per [`Layout::sheets`], in the same order. Drawn as the printer
+    /// How to assemble, with the scale check; then one page per [`SheetLayout::sheets`], in the same order. Drawn as the printer
     /// needs it.
     pub pages: Vec<Sheet>,
 }

@@ -231,7 +231,7 @@ fn painted(opened: &Opened, view: usize, patches: &[Patch], base: [u8; 3]) -> Re
 fn placed(places: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(crate::print::patch::check)?;
-    let of = |patch: crate::print::patch::Patch| Patch {
+    let of = |patch: crate::print::patch::PanelPatch| Patch {
         picture: patch.picture.pixels().clone(),
         side: patch.side,
         at_mm: patch.at_mm,

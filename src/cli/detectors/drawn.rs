@@ -6,7 +6,7 @@ use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 
 use crate::cli::copies::{self, CopiesError};
-use crate::draw::{self, Anchor, Lettering, Pen};
+use crate::draw::{self, LabelAnchor, Lettering, Pen};
 use crate::geometry::BoxPx;
 
 const JPEG_QUALITY: u8 = 90;
@@ -37,7 +37,7 @@ pub fn draw_box(picture: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 
         ground: colour,
         size_px,
     };
-    draw::label(picture, [left, top], Anchor::BottomLeft, text, lettering);
+    draw::label(picture, [left, top], LabelAnchor::BottomLeft, text, lettering);
 }
 
 /// A picture as the bytes of a JPEG file.

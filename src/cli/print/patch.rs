@@ -11,7 +11,7 @@ use super::{CommandResult, Outcome, sheet_output, write_files, write_json};
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::counted;
-use crate::print::patch::{Patch, Picture, patches};
+use crate::print::patch::{PanelPatch, PatchImage, patches};
 use crate::print::{paper, wrap};
 
 #[derive(clap::Args)]
@@ -70,7 +70,7 @@ impl From<PanelName> for Side {
 pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let wanted = asked(&args.places)?;
     let model = args.model.load()?;
-    let panels = wrap::Paint::of_materials(&model.mesh, &model.materials).panels();
+    let panels = wrap::PaintedSurface::of_materials(&model.mesh, &model.materials).panels();
     let sheets = &args.sheets;
     let request = sheets.request(1.0, model.scale, Path::new(""))?;
     let made = patches(&panels, &wanted, &request)?;
@@ -113,20 +113,20 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The patches as they were asked for: the options belong together in order.
-pub fn asked(args: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+pub fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
     let count = args.patch.len();
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
     }
-    let one = |i: usize| -> Result<Patch, Box<dyn Error>> {
-        let picture = Picture::load(&args.patch[i])?;
+    let one = |i: usize| -> Result<PanelPatch, Box<dyn Error>> {
+        let picture = PatchImage::load(&args.patch[i])?;
         let size = args.size_mm[i].trim();
         let size_mm = match size.parse::<f64>() {
             Ok(width) => (width, picture.height_for(width)),
             Err(_) => paper::size_mm(size)?,
         };
         let name = args.patch[i].file_name().map(|n| n.to_string_lossy().into_owned());
-        Ok(Patch {
+        Ok(PanelPatch {
             name: name.unwrap_or_default(),
             picture,
             side: args.panel[i].into(),

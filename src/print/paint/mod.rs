@@ -18,7 +18,7 @@ use super::lettering::number;
 use super::printer;
 use super::sheet::Sheet;
 use super::template::cover::cover;
-use super::template::{Captions, Layout, MAX_SHEETS, SheetPlan, TemplateError, TemplateRequest, cell_mm};
+use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
 use crate::geometry::length::shown;
 use crate::pattern::Pattern;
 use crate::pattern::palette::Painted;
@@ -99,7 +99,7 @@ pub struct PaintArea {
 /// The pages, and what is on them.
 #[derive(Debug, Clone)]
 pub struct PaintSheets {
-    pub layout: Layout,
+    pub layout: SheetLayout,
     pub cell_mm: f64,
     /// For each of the paints.
     pub areas: Vec<PaintArea>,
@@ -167,7 +167,7 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
         let sheet = numbers::sheet(&layout, plan, &grid, &captions);
         made.add(format!("numbers-{}", plan.id()), sheet, stretch);
     }
-    let pen = stencil_sheet::Pen::new(&layout, pattern, request, cell_mm);
+    let pen = stencil_sheet::StencilPen::new(&layout, pattern, request, cell_mm);
     for Cut { paint, plan, stencil } in &stencils {
         let sheet = pen.sheet(plan, *paint + 1, &painted.paints[*paint].paint, stencil);
         made.add(format!("paint{}-{}", paint + 1, plan.id()), sheet, stretch);
@@ -233,7 +233,7 @@ struct Cut {
 }
 
 /// All stencils with an opening, paint by paint, and what becomes of each paint's area.
-fn cut(grid: &CellGrid, layout: &Layout, rules: Rules) -> Result<(Vec<Cut>, Vec<PaintArea>), PaintError> {
+fn cut(grid: &CellGrid, layout: &SheetLayout, rules: Rules) -> Result<(Vec<Cut>, Vec<PaintArea>), PaintError> {
     let mut stencils = Vec::new();
     let mut areas = Vec::new();
     for paint in 0..grid.painted.paints.len() {

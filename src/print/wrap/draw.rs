@@ -2,13 +2,15 @@
 
 use super::region::{Contour, Region};
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{BLEED_MM, Paint, Panel, Piece, Point, Unrolling, Wrap, WrapError, WrapRequest, cover, strips};
+use super::{
+    BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Unrolling, Wrap, WrapError, WrapRequest, cover, strips,
+};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::print::SheetError;
 use crate::print::lettering::CAP_HEIGHT;
 use crate::print::printer;
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Rgb, Sheet};
+use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout};
 
 /// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
@@ -26,7 +28,7 @@ const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
 /// `unrolling` is what became of `paint`, and `panels` those of its rest.
 pub fn wrap(
-    paint: &Paint,
+    paint: &PaintedSurface,
     unrolling: Unrolling,
     panels: Vec<Panel>,
     pattern: &Pattern,
@@ -77,10 +79,10 @@ pub fn wrap(
 }
 
 /// Spreads a panel over sheets.
-pub fn piece(panel: Panel, request: &WrapRequest) -> Result<Piece, SheetError> {
+pub fn piece(panel: Panel, request: &WrapRequest) -> Result<SpreadPanel, SheetError> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
     let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
-    Ok(Piece {
+    Ok(SpreadPanel {
         layout: layout(&request.template(panel.side, (size[0], size[1])).layout)?,
         corner: [low[0] - ROOM_MM, high[1] + ROOM_MM],
         panel,
@@ -88,7 +90,7 @@ pub fn piece(panel: Panel, request: &WrapRequest) -> Result<Piece, SheetError> {
 }
 
 struct Drawing<'a> {
-    piece: &'a Piece,
+    piece: &'a SpreadPanel,
     grown: &'a Region,
     letters: &'a [SeamMark],
     stamp: &'a PatternStamp,
@@ -157,7 +159,7 @@ pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     marks
 }
 
-pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) -> Mark {
+pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Mark {
     Mark::Line {
         from,
         to,
@@ -183,7 +185,7 @@ fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     let text = Mark::text(
         (at.x_mm, at.y_mm - 0.5 * CAP_HEIGHT * LETTER_MM),
         LETTER_MM,
-        Anchor::Centre,
+        TextAnchor::Centre,
         mark.letter.clone(),
     );
     if length - 2.0 > BLEED_MM + 0.5 {

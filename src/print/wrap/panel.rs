@@ -57,13 +57,13 @@ pub struct Face {
 
 /// The painted surface of a model.
 #[derive(Debug, Clone)]
-pub struct Paint {
+pub struct PaintedSurface {
     pub faces: Vec<Face>,
     /// Triangles of the mesh that are of other materials, or were taken out.
     others: Vec<Triangle>,
 }
 
-impl Paint {
+impl PaintedSurface {
     /// The triangles of some materials; those without area are left out.
     fn of(mesh: &Mesh, materials: &[usize]) -> Self {
         let (mut faces, mut others) = (Vec::new(), Vec::new());

@@ -6,16 +6,16 @@ use super::draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved
 use super::region::{Point, Region};
 use super::seams::{CLEAR_MM, SeamMark};
 use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
-use super::{BLEED_MM, Paint, Wrap, WrapError, WrapRequest};
+use super::{BLEED_MM, PaintedSurface, Wrap, WrapError, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 use crate::print::SheetError;
-use crate::print::frame::{Frame, Setup};
+use crate::print::frame::{PageFrame, Setup};
 use crate::print::lettering::{counted, wrapped};
 use crate::print::pack;
 use crate::print::paper::{Paper, Stock};
 use crate::print::printer;
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Sheet};
+use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::furniture;
 
 /// Around a strip on its page.
@@ -50,7 +50,7 @@ pub struct StripPlace {
 ///
 /// # Errors
 /// A limit that is no stretch, paper too small for the rulers, too many steep triangles.
-pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, WrapError> {
+pub fn unrolling(paint: &PaintedSurface, request: &WrapRequest) -> Result<Unrolling, WrapError> {
     let Some(limit) = request.max_stretch else {
         return Ok(Unrolling {
             strips: Vec::new(),
@@ -71,14 +71,14 @@ pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, Wrap
 }
 
 /// The pages of strips lie across: strips of a car are long rather than high. A piece of a roll is square.
-fn frame(request: &WrapRequest) -> Result<Frame, SheetError> {
+fn frame(request: &WrapRequest) -> Result<PageFrame, SheetError> {
     let frame = |page: Paper, turned: bool| {
         let setup = Setup {
             margin_mm: request.margin_mm,
             printer: request.printer,
             turned,
         };
-        Frame::new(page, setup)
+        PageFrame::new(page, setup)
     };
     match request.paper {
         Stock::Cut(paper) => frame(paper.landscape(), true).or_else(|_| frame(paper.portrait(), false)),
@@ -189,7 +189,7 @@ pub fn sheets(
         marks.push(Mark::text(
             at,
             PAGE_LABEL_MM,
-            Anchor::Right,
+            TextAnchor::Right,
             format!("strips {}/{count}", i + 1),
         ));
         Sheet {
@@ -248,7 +248,7 @@ impl Boxed {
         let from_below = self.lines.iter().rev().enumerate();
         from_below.map(move |(i, line)| {
             let baseline = at.y_mm + 0.7 + i as f64 * LEADING_MM;
-            Mark::text((at.x_mm, baseline), LABEL_MM, Anchor::Left, line.clone())
+            Mark::text((at.x_mm, baseline), LABEL_MM, TextAnchor::Left, line.clone())
         })
     }
 }
