@@ -1,4 +1,4 @@
-//! Tags → which chart, and where each millimetre of it is in the picture.
+//! Tags → which chart, and where each millimetre of it is in the photo.
 
 use nalgebra::Matrix3;
 
@@ -7,13 +7,13 @@ use super::layout::{CELL_MM, ChartKind, ChartLayout, FAMILY, PATCH_MM};
 use crate::geometry::homography::{self, mapped};
 use crate::tags::SeenTag;
 
-/// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's picture. A patch is sampled 2.5 mm
+/// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's image. A patch is sampled 2.5 mm
 /// from its edges, so that an error of this size, several times over in the middle of a bulge, still stays inside.
 const MOST_OFF_MM: f64 = 0.4;
 /// Fewer pixels than this a side of a patch, and the parts of one could not be told apart.
 const LEAST_PATCH_PX: f64 = 20.0;
 
-/// A chart found in a picture.
+/// A chart found in a photo.
 #[derive(Debug, Clone)]
 pub struct FoundChart {
     pub layout: ChartLayout,
@@ -39,10 +39,10 @@ impl FoundChart {
     }
 }
 
-/// Finds the chart that the tags belong to. Other tags may be in the picture.
+/// Finds the chart that the tags belong to. Other tags may be in the photo.
 ///
 /// # Errors
-/// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the picture.
+/// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the photo.
 pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);

@@ -15,10 +15,11 @@ use layout::ChartCell;
 
 /// Why a photo of a chart was not read. Each variant says what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ColourChartError {
-    #[error("no colour chart is in the picture; photograph the whole sheet of `scaleproof print chart`, sharply")]
+    #[error("no colour chart is in the photo; photograph the whole sheet of `scaleproof print chart`, sharply")]
     NoChart,
-    #[error("two colour charts are in the picture, or a copy of one; photograph one at a time")]
+    #[error("two colour charts are in the photo, or a copy of one; photograph one at a time")]
     TwoCharts,
     #[error(
         "of the chart's five tags {ids} cannot be read: covered, cut off, blurred or in a reflection; take the photo again with the \

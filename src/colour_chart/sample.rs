@@ -27,14 +27,14 @@ pub struct PatchSample {
     pub at_zero: f64,
 }
 
-/// Samples a cell. `None` where a part of it lies outside the picture or has no pixel.
-pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
+/// Samples a cell. `None` where a part of it lies outside the photo or has no pixel.
+pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
     let [cx, cy] = cell.centre_mm();
     let h = SAMPLED_MM / 2.0;
     let corners = [[cx - h, cy - h], [cx + h, cy - h], [cx + h, cy + h], [cx - h, cy + h]].map(|mm| chart.px(mm));
     let (columns, rows) = (
-        span(corners.map(|c| c[0]), picture.width())?,
-        span(corners.map(|c| c[1]), picture.height())?,
+        span(corners.map(|c| c[0]), photo.width())?,
+        span(corners.map(|c| c[1]), photo.height())?,
     );
     let mut parts: Vec<Vec<[u8; 3]>> = vec![Vec::new(); PARTS * PARTS];
     for y in rows {
@@ -44,7 +44,7 @@ pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option
             let (column, row) = (part(mm_x - cx + h), part(mm_y - cy + h));
             let within = |part: f64| part >= 0.0 && part < PARTS as f64;
             if within(column) && within(row) {
-                parts[row as usize * PARTS + column as usize].push(picture.get_pixel(x, y).0);
+                parts[row as usize * PARTS + column as usize].push(photo.get_pixel(x, y).0);
             }
         }
     }
@@ -64,7 +64,7 @@ pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option
     })
 }
 
-/// The pixels between the least and the greatest of some places; `None` when they leave the picture.
+/// The pixels between the least and the greatest of some places; `None` when they leave the photo.
 fn span(places: [f64; 4], side: u32) -> Option<std::ops::RangeInclusive<u32>> {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min).floor();
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();

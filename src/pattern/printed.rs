@@ -22,6 +22,20 @@ pub struct ChartSource {
     pub levels: Vec<u8>,
 }
 
+/// Why a file's colours are not those that this program writes: the end of a sentence about the file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ColoursError {
+    #[error("the levels of its colour part do not ascend from 0 to 255")]
+    Levels,
+    #[error("its colour part has a colour that is none")]
+    NoColour,
+    #[error("its colour part has no patch for {}, {}, {}", asked_rgb[0], asked_rgb[1], asked_rgb[2])]
+    NoPatch { asked_rgb: [u8; 3] },
+    #[error("the figures of its colour part are not those of its patches")]
+    OtherFigures,
+}
+
 /// One colour asked for, and what came out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -144,17 +158,17 @@ impl PrintedColours {
     ///
     /// # Errors
     /// What is wrong, as half a sentence.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), ColoursError> {
         let ascends = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         if !ascends || self.levels.first() != Some(&0) || self.levels.last() != Some(&255) {
-            return Err("the levels of its colour part do not ascend from 0 to 255".into());
+            return Err(ColoursError::Levels);
         }
         let finite = self
             .patches
             .iter()
             .all(|p| p.measured_lab.iter().all(|v| v.abs() <= 1000.0));
         if !finite {
-            return Err("its colour part has a colour that is none".into());
+            return Err(ColoursError::NoColour);
         }
         let measured: BTreeMap<[u8; 3], Lab> = self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect();
         let mut wanted = self.levels.iter().flat_map(|r| {
@@ -163,8 +177,8 @@ impl PrintedColours {
                 .iter()
                 .flat_map(move |g| levels.iter().map(move |b| [*r, *g, *b]))
         });
-        if let Some([r, g, b]) = wanted.find(|rgb| !measured.contains_key(rgb)) {
-            return Err(format!("its colour part has no patch for {r}, {g}, {b}"));
+        if let Some(asked_rgb) = wanted.find(|rgb| !measured.contains_key(rgb)) {
+            return Err(ColoursError::NoPatch { asked_rgb });
         }
         let source = ChartSource {
             chart: self.chart.clone(),
@@ -173,7 +187,7 @@ impl PrintedColours {
             levels: self.levels.clone(),
         };
         if Self::of(source, measured.into_iter().collect()) != *self {
-            return Err("the figures of its colour part are not those of its patches".into());
+            return Err(ColoursError::OtherFigures);
         }
         Ok(())
     }

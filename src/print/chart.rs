@@ -1,7 +1,7 @@
 //! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
 
 use super::SheetError;
-use super::lettering::number;
+use super::lettering::{number, size};
 use super::page::{FreePage, Media};
 use super::printer::Printer;
 use super::shapes::{TagPlacement, black_modules};
@@ -57,14 +57,10 @@ fn placed(media: Media) -> Result<(ChartLayout, FreePage, RectMm), ChartPrintErr
         let (width, height) = layout.size_mm;
         let fits = |page: &&FreePage| width <= page.0.usable.width_mm() && height <= page.0.usable.height_mm();
         if let Some(page) = pages.iter().find(fits) {
-            let usable = page.0.usable;
-            let left = usable.left_mm + (usable.width_mm() - width) / 2.0;
-            let bottom = usable.bottom_mm + (usable.height_mm() - height) / 2.0;
-            let area = RectMm::new(left, bottom, left + width, bottom + height);
+            let area = page.0.centred(layout.size_mm);
             return Ok((layout, *page, area));
         }
     }
-    let size = |(width, height): (f64, f64)| format!("{} × {}", number(width), number(height));
     let [.., smallest] = ChartKind::ALL;
     let free = pages
         .first()

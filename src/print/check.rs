@@ -3,7 +3,7 @@
 use super::SheetError;
 use super::date::Date;
 use super::frame::{PageFrame, Setup};
-use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, wrapped};
+use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
 use super::paper::{Paper, Stock};
 use super::printer::{self, Printer};
 use super::ruler;
@@ -73,9 +73,9 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
             page.height_mm + (needed.1 - area.height_mm()).max(0.0),
         );
         return Err(SheetError::PaperTooSmall {
-            paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
+            paper_mm: size((page.width_mm, page.height_mm)),
             margin_mm: request.margin_mm,
-            needed_mm: format!("{} × {}", number(more.0.ceil()), number(more.1.ceil())),
+            needed_mm: size((more.0.ceil(), more.1.ceil())),
         });
     }
     let (left, bottom) = (area.left_mm, area.bottom_mm);
@@ -105,16 +105,8 @@ pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
     marks.extend(head(&plan));
     marks.extend(blanks(&plan));
     marks.extend(caption(&plan, request));
-    let page = plan.frame.page;
-    let whole = RectMm::new(0.0, 0.0, page.width_mm, page.height_mm);
-    let sheet = Sheet {
-        width_mm: page.width_mm,
-        height_mm: page.height_mm,
-        trim: whole,
-        bleed: whole,
-        marks,
-    };
-    Ok(printer::corrected(vec![sheet], plan.frame.setup.stretch()))
+    let sheet = plan.frame.sheet(plan.frame.whole(), plan.frame.whole(), marks);
+    Ok(vec![printer::corrected_one(sheet, plan.frame.setup.stretch())])
 }
 
 /// A rectangle whose lines have their middles on its edges, and whose corners are closed.

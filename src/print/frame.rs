@@ -4,11 +4,11 @@
 //! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
 
 use super::SheetError;
-use super::lettering::number;
+use super::lettering::size;
 use super::paper::Paper;
 use super::printer::Printer;
 use super::ruler;
-use super::sheet::{PointMm, RectMm};
+use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use crate::geometry::length;
 
 /// Free strip around the content in which crop marks stand.
@@ -90,9 +90,9 @@ impl PageFrame {
         );
         if page.width_mm < needed.0 || page.height_mm < needed.1 {
             return Err(SheetError::PaperTooSmall {
-                paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
+                paper_mm: size((page.width_mm, page.height_mm)),
                 margin_mm,
-                needed_mm: format!("{} × {}", number(needed.0), number(needed.1)),
+                needed_mm: size(needed),
             });
         }
         let border = |side: f64, share: f64| 0.5 * (side - (side - 2.0 * margin_mm) * share);
@@ -102,6 +102,29 @@ impl PageFrame {
             setup,
             RectMm::new(x, y, page.width_mm - x, page.height_mm - y),
         ))
+    }
+
+    /// All of the page.
+    pub fn whole(&self) -> RectMm {
+        RectMm::new(0.0, 0.0, self.page.width_mm, self.page.height_mm)
+    }
+
+    /// The middle of the usable area.
+    pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
+        let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
+        let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;
+        RectMm::new(left, bottom, left + width_mm, bottom + height_mm)
+    }
+
+    /// This page with marks.
+    pub fn sheet(&self, trim: RectMm, bleed: RectMm, marks: Vec<Mark>) -> Sheet {
+        Sheet {
+            width_mm: self.page.width_mm,
+            height_mm: self.page.height_mm,
+            trim,
+            bleed,
+            marks,
+        }
     }
 
     fn within(page: Paper, setup: Setup, printable: RectMm) -> Self {

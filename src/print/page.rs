@@ -87,14 +87,7 @@ impl FreePage {
         all.extend(rulers(frame));
         all.extend(self.captions(captions));
         all.push(self.label(label));
-        let sheet = Sheet {
-            width_mm: frame.page.width_mm,
-            height_mm: frame.page.height_mm,
-            trim,
-            bleed: trim,
-            marks: all,
-        };
-        corrected_one(sheet, frame.setup.stretch())
+        corrected_one(frame.sheet(trim, trim, all), frame.setup.stretch())
     }
 
     fn captions(&self, lines: &[String]) -> impl Iterator<Item = Mark> {

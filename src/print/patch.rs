@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 use super::SheetError;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use super::template::{SheetLayout, SheetPlan, TemplateError, check_scale, furniture, layout};
+use super::template::{TemplateError, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
 use crate::geometry::length::{self, BadLength, shown};
@@ -17,7 +17,7 @@ use crate::photo::{Budget, PhotoFile, open_png};
 
 /// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
 pub const MAX_PIXELS: u32 = 8192;
-/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger pictures are embedded whole.
+/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger images are embedded whole.
 const MAX_RECTANGLES: u32 = 128;
 /// Around a piece on its sheets, for the line it is cut along.
 const ROOM_MM: f64 = 3.0;
@@ -50,7 +50,7 @@ pub enum PatchError {
     },
 }
 
-/// A picture to be printed as it is.
+/// An image to be printed as it is.
 #[derive(Debug, Clone)]
 pub struct PatchImage {
     pixels: Arc<RgbImage>,
@@ -79,7 +79,7 @@ impl PatchImage {
             ))),
             false => Ok(()),
         };
-        let picture = match format {
+        let image = match format {
             ImageFormat::Png => {
                 let decoder = open_png(&bytes, &Budget::FILE).map_err(damaged)?;
                 check_size(decoder.dimensions())?;
@@ -91,13 +91,13 @@ impl PatchImage {
                 file.rgb(1).map_err(|e| bad(e.to_string()))?.into()
             }
         };
-        if picture.color().has_alpha() && picture.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
+        if image.color().has_alpha() && image.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
             return Err(bad(
                 "it is see-through in places: flatten it onto an opaque colour".into()
             ));
         }
         Ok(Self {
-            pixels: Arc::new(picture.to_rgb8()),
+            pixels: Arc::new(image.to_rgb8()),
             sha256: files::sha256_hex(&bytes),
         })
     }
@@ -106,12 +106,12 @@ impl PatchImage {
         &self.pixels
     }
 
-    /// Height for a width that keeps the picture's proportions.
+    /// Height for a width that keeps the image's proportions.
     pub fn height_for(&self, width: f64) -> f64 {
         width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
     }
 
-    /// The picture over an area of a page.
+    /// The image over an area of a page.
     fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
         match stamp {
             Some(stamp) => Mark::Stamped {
@@ -120,7 +120,7 @@ impl PatchImage {
                 clip: area,
             },
             None => Mark::Image {
-                picture: Arc::clone(&self.pixels),
+                image: Arc::clone(&self.pixels),
                 area,
             },
         }
@@ -148,12 +148,12 @@ impl PatchImage {
     }
 }
 
-/// A picture on a panel.
+/// An image on a panel.
 #[derive(Debug, Clone)]
 pub struct PanelPatch {
     /// How the captions call it: its file name.
     pub name: String,
-    pub picture: PatchImage,
+    pub image: PatchImage,
     pub side: Side,
     /// Its middle in the panel's plane: (u, v), see [`Side`].
     pub at_mm: Point,
@@ -259,13 +259,13 @@ impl Patches {
         let template = named.template(side, (size[0], size[1]));
         let layout = layout(&template.layout)?;
         let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
-        let captions = furniture::Captions::of_picture(&template, &facts).of_piece(name);
-        let stamps: Vec<_> = on_it.iter().map(|p| p.picture.stamp(p.size_mm)).collect();
+        let captions = furniture::Captions::of_image(&template, &facts).of_piece(name);
+        let stamps: Vec<_> = on_it.iter().map(|p| p.image.stamp(p.size_mm)).collect();
         let corner = [low[0] - ROOM_MM, high[1] + ROOM_MM];
         let mut sheets = Vec::new();
         for plan in &layout.sheets {
             let by = moved_by_mm(plan, corner);
-            let pictures = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
+            let images = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
                 let area = patch.area();
                 let area = RectMm::new(
                     area.left_mm + by[0],
@@ -273,11 +273,11 @@ impl Patches {
                     area.right_mm + by[0],
                     area.top_mm + by[1],
                 );
-                patch.picture.mark(stamp.as_ref(), area)
+                patch.image.mark(stamp.as_ref(), area)
             });
             let on_sheet = Mark::Clipped {
                 to: moved(region.contours(), by),
-                marks: pictures.collect(),
+                marks: images.collect(),
             };
             let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
             let mut content = vec![on_sheet];
@@ -289,7 +289,7 @@ impl Patches {
             }];
             marks.push(cutter_path(region, by, plan));
             marks.extend(furniture::all(&layout, plan, &captions));
-            sheets.push(page(&layout, plan, marks));
+            sheets.push(layout.frame.sheet(plan.trim, plan.printed, marks));
             self.page_names.push(format!("{name}-{}", plan.id()));
         }
         self.pages
@@ -299,16 +299,6 @@ impl Patches {
 }
 
 const EDGE_LINE_MM: f64 = 0.1;
-
-fn page(layout: &SheetLayout, plan: &SheetPlan, marks: Vec<Mark>) -> Sheet {
-    Sheet {
-        width_mm: layout.frame.page.width_mm,
-        height_mm: layout.frame.page.height_mm,
-        trim: plan.trim,
-        bleed: plan.printed,
-        marks,
-    }
-}
 
 impl PanelPatch {
     /// Size, place and hash, for the caption.
@@ -321,7 +311,7 @@ impl PanelPatch {
             self.side.name(),
             number(self.at_mm[0]),
             number(self.at_mm[1]),
-            self.picture.sha256.get(..12).unwrap_or_default()
+            self.image.sha256.get(..12).unwrap_or_default()
         )
     }
 }

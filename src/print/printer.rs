@@ -174,7 +174,7 @@ impl PrinterFile {
             .transpose()
             .map_err(plain)?;
         if let Some(colours) = &colours {
-            colours.check()?;
+            colours.check().map_err(|e| e.to_string())?;
         }
         // A file of colours alone says nothing of lengths; then the printer is taken at its word.
         let printer = if table.is_empty() && colours.is_some() {

@@ -133,9 +133,9 @@ pub enum Mark {
         /// Whether they are the finished piece, so that the sheet's trim is not cut as well.
         is_piece: bool,
     },
-    /// A picture that fills an area; its pixels are neither mixed nor left out.
+    /// An image that fills an area; its pixels are neither mixed nor left out.
     Image {
-        picture: Arc<RgbImage>,
+        image: Arc<RgbImage>,
         area: RectMm,
     },
 }

@@ -97,7 +97,7 @@ impl SvgPage {
                 self.cut(outlines);
                 self.cuts_trim &= !is_piece;
             }
-            Mark::Image { picture, area } => self.image(picture, *area),
+            Mark::Image { image, area } => self.image(image, *area),
         }
     }
 
@@ -112,10 +112,10 @@ impl SvgPage {
     }
 
     /// A PNG inside the file, whose pixels stay squares where they are enlarged.
-    fn image(&mut self, picture: &RgbImage, area: RectMm) {
+    fn image(&mut self, image: &RgbImage, area: RectMm) {
         let mut png = Cursor::new(Vec::new());
-        // Encoding into memory cannot fail: the picture is not empty and 8-bit RGB.
-        let _ = picture.write_to(&mut png, ImageFormat::Png);
+        // Encoding into memory cannot fail: the image is not empty and 8-bit RGB.
+        let _ = image.write_to(&mut png, ImageFormat::Png);
         let (place, data) = (self.corner_and_size(area), BASE64_STANDARD.encode(png.into_inner()));
         let _ = writeln!(
             self.content,

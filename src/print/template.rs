@@ -134,13 +134,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
     let sheet = |plan: &SheetPlan| {
         let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
         marks.extend(furniture::all(&layout, plan, &captions));
-        Sheet {
-            width_mm: layout.frame.page.width_mm,
-            height_mm: layout.frame.page.height_mm,
-            trim: plan.trim,
-            bleed: plan.printed,
-            marks,
-        }
+        layout.frame.sheet(plan.trim, plan.printed, marks)
     };
     let sheets = layout.sheets.iter().map(sheet).collect();
     let mut pages = printer::corrected(

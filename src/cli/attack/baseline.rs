@@ -232,7 +232,7 @@ fn placed(places: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(crate::print::patch::check)?;
     let of = |patch: crate::print::patch::PanelPatch| Patch {
-        picture: patch.picture.pixels().clone(),
+        picture: patch.image.pixels().clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm.into(),

@@ -119,16 +119,16 @@ pub fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
     }
     let one = |i: usize| -> Result<PanelPatch, Box<dyn Error>> {
-        let picture = PatchImage::load(&args.patch[i])?;
+        let image = PatchImage::load(&args.patch[i])?;
         let size = args.size_mm[i].trim();
         let size_mm = match size.parse::<f64>() {
-            Ok(width) => (width, picture.height_for(width)),
+            Ok(width) => (width, image.height_for(width)),
             Err(_) => paper::size_mm(size)?,
         };
         let name = args.patch[i].file_name().map(|n| n.to_string_lossy().into_owned());
         Ok(PanelPatch {
             name: name.unwrap_or_default(),
-            picture,
+            image,
             side: args.panel[i].into(),
             at_mm: place(&args.at_mm[i])?,
             size_mm,

@@ -6,7 +6,7 @@ mod draw;
 pub use crate::board::Definition;
 
 use super::SheetError;
-use super::lettering::number;
+use super::lettering::size;
 use super::page::{FreePage, Media};
 use super::printer::Printer;
 use super::shapes::OutlineMm;
@@ -121,15 +121,12 @@ fn placed(media: Media, width: f64, height: f64) -> Result<(FreePage, RectMm), B
     };
     let fits = |page: &&FreePage| width <= room(page).0 && height <= room(page).1;
     let Some(page) = pages.iter().find(fits) else {
-        let (across, down) = pages.last().map(room).unwrap_or_default();
         return Err(BoardError::TooLarge {
-            board_mm: format!("{} × {}", number(width), number(height)),
-            free_mm: format!("{} × {}", number(across), number(down)),
+            board_mm: size((width, height)),
+            free_mm: size(pages.last().map(room).unwrap_or_default()),
         });
     };
-    let left = page.0.usable.left_mm + (page.0.usable.width_mm() - width) / 2.0;
-    let bottom = page.0.usable.bottom_mm + (page.0.usable.height_mm() - height) / 2.0;
-    Ok((*page, RectMm::new(left, bottom, left + width, bottom + height)))
+    Ok((*page, page.0.centred((width, height))))
 }
 
 fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {

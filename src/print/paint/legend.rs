@@ -81,14 +81,7 @@ pub fn sheets(frame: &PageFrame, painted: &Painted, areas: &[PaintArea], caption
         let mut marks = table.marks;
         marks.extend(rulers(frame));
         marks.extend(captions.marks(frame.printable));
-        let whole = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
-        Sheet {
-            width_mm: whole.right_mm,
-            height_mm: whole.top_mm,
-            trim: whole,
-            bleed: whole,
-            marks,
-        }
+        frame.sheet(frame.whole(), frame.whole(), marks)
     };
     lines.chunks(rows).enumerate().map(page).collect()
 }

@@ -110,10 +110,6 @@ pub struct PaintSheets {
 }
 
 impl PaintSheets {
-    pub fn panel_mm2(&self) -> f64 {
-        self.whole().cells_mm2
-    }
-
     /// What becomes of the area of all paints.
     pub fn whole(&self) -> PaintArea {
         self.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {

@@ -52,11 +52,5 @@ pub fn sheet(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: 
     marks.extend(guides(layout, &cut_here));
     marks.extend(registration(outer, rim, 0.0));
     marks.extend(around(layout, plan, captions));
-    Sheet {
-        width_mm: layout.frame.page.width_mm,
-        height_mm: layout.frame.page.height_mm,
-        trim: part,
-        bleed: part,
-        marks,
-    }
+    layout.frame.sheet(part, part, marks)
 }

@@ -88,13 +88,7 @@ impl<'a> StencilPen<'a> {
             marks = marks.into_iter().map(|mark| mirrored(mark, outer)).collect();
         }
         marks.extend(around(self.layout, plan, &self.captions));
-        Sheet {
-            width_mm: self.layout.frame.page.width_mm,
-            height_mm: self.layout.frame.page.height_mm,
-            trim: outer,
-            bleed: outer,
-            marks,
-        }
+        self.layout.frame.sheet(outer, outer, marks)
     }
 
     /// Those of the paint, and the registration holes.

@@ -23,7 +23,7 @@ const NAME_MM: f64 = 2.6;
 const LINE_MM: f64 = 0.25;
 const THIN_MM: f64 = 0.12;
 const PAPER: Srgb8 = [238, 238, 238];
-/// Small pictures of the pages with cards: their height, at most and at least.
+/// Small images of the pages with cards: their height, at most and at least.
 const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
 /// What of the page's height they may take.
 const THUMBNAIL_SHARE: f64 = 0.45;
@@ -69,7 +69,7 @@ impl TagMap<'_> {
         Ok(page.sheet(marks, &captions(self.scene, self.media, how_to), "map"))
     }
 
-    /// Steps above the pictures, or beside them where the page is wide.
+    /// Steps above the images, or beside them where the page is wide.
     fn body(&self, body: RectMm) -> Vec<Mark> {
         let wide = body.width_mm() > 1.2 * body.height_mm();
         let steps_mm = if wide {

@@ -301,7 +301,7 @@ fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
     }
 }
 
-/// The picture of a tag, checked to be printable.
+/// The image of a tag, checked to be printable.
 fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
     let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
         family: family_name(tag.family),

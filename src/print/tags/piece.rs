@@ -1,7 +1,7 @@
 //! What is cut out of shared pages: tent cards, plain cards and place strips.
 
 use super::{Instead, LINE_MM, TagPrintError};
-use crate::print::lettering::number;
+use crate::print::lettering::size;
 use crate::print::pack::{self, Spot};
 use crate::print::page::{FreePage, Media};
 use crate::print::paper::Stock;
@@ -124,7 +124,6 @@ fn packed(
     }
     best.ok_or_else(|| {
         let (thing, area) = refused.unwrap_or((0, RectMm::new(0.0, 0.0, 0.0, 0.0)));
-        let size = |(width, height): (f64, f64)| format!("{} × {}", number(width), number(height));
         let (what, instead) = name(thing);
         TagPrintError::TooLarge {
             what,

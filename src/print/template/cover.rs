@@ -52,14 +52,7 @@ pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructi
     marks.extend(scale_check(frame));
     marks.extend(furniture::rulers(frame));
     marks.extend(captions.marks(frame.printable));
-    let page = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
-    Sheet {
-        width_mm: page.right_mm,
-        height_mm: page.top_mm,
-        trim: page,
-        bleed: page,
-        marks,
-    }
+    frame.sheet(frame.whole(), frame.whole(), marks)
 }
 
 /// Numbered instructions, and where they end.

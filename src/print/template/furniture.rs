@@ -179,26 +179,18 @@ pub struct Captions {
 
 impl Captions {
     pub fn new(pattern: &Pattern, request: &TemplateRequest, cell_mm: f64) -> Self {
-        let scale = request.scale;
         let short_hash = pattern.sha256().get(..12).unwrap_or_default();
         let facts = [
             format!("sha256 {short_hash}"),
             format!("tile {} mm", number(request.tile_mm)),
             format!("cell {} mm", number(cell_mm)),
-            format!("scale 1:{}", number(scale)),
+            format!("scale 1:{}", number(request.scale)),
         ];
-        Self {
-            piece: None,
-            name: printable(&request.pattern_name),
-            facts: facts.join(" · "),
-            making: making(request),
-            true_size: true_size(scale),
-            front: request.front,
-        }
+        Self::of_image(request, &facts.join(" · "))
     }
 
-    /// The captions of a picture that is printed as it is, with these facts about it.
-    pub fn of_picture(request: &TemplateRequest, facts: &str) -> Self {
+    /// The captions of an image that is printed as it is, with these facts about it.
+    pub fn of_image(request: &TemplateRequest, facts: &str) -> Self {
         Self {
             piece: None,
             name: printable(&request.pattern_name),

@@ -7,7 +7,7 @@ use super::seams::letters;
 use crate::geometry::length;
 use crate::print::SheetError;
 use crate::print::frame::{PageFrame, Setup};
-use crate::print::lettering::number;
+use crate::print::lettering::size;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
 use crate::print::printer::Printer;
 use crate::print::sheet::RectMm;
@@ -169,7 +169,7 @@ fn sheets(request: &LayoutRequest, frame: &PageFrame) -> Result<(usize, usize), 
         return Err(SheetError::OverlapTooLarge {
             overlap_mm,
             bleed_mm,
-            usable_mm: format!("{} × {}", number(across), number(down)),
+            usable_mm: size((across, down)),
         });
     }
     let columns = sheets_along(request.size_mm.0 + 2.0 * bleed_mm, across, overlap_mm);

@@ -74,14 +74,7 @@ pub fn cover(wrap: &Wrap, seams: &PanelSeams, pattern: &Pattern, request: &WrapR
     marks.extend(cover::scale_check(frame));
     marks.extend(furniture::rulers(frame));
     marks.extend(captions.marks(frame.printable));
-    let page = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
-    let sheet = Sheet {
-        width_mm: page.right_mm,
-        height_mm: page.top_mm,
-        trim: page,
-        bleed: page,
-        marks,
-    };
+    let sheet = frame.sheet(frame.whole(), frame.whole(), marks);
     Ok(printer::corrected_one(sheet, frame.setup.stretch()))
 }
 

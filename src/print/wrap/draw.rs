@@ -113,13 +113,7 @@ impl Drawing<'_> {
         marks.push(cutter_path(&self.piece.panel.region, by, plan));
         marks.extend(self.letters.iter().flat_map(|mark| letter(mark, by, plan)));
         marks.extend(furniture::all(layout, plan, &self.captions));
-        Sheet {
-            width_mm: layout.frame.page.width_mm,
-            height_mm: layout.frame.page.height_mm,
-            trim: plan.trim,
-            bleed: plan.printed,
-            marks,
-        }
+        layout.frame.sheet(plan.trim, plan.printed, marks)
     }
 
     fn lines(&self, by: Point) -> Vec<Mark> {

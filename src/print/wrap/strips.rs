@@ -159,7 +159,7 @@ pub fn sheets(
         return Ok((Vec::new(), Vec::new()));
     }
     let frame = frame(request)?;
-    let laid = WorldAligned {
+    let texture = WorldAligned {
         pattern,
         cell_mm: wrap.cell_mm,
     };
@@ -176,7 +176,7 @@ pub fn sheets(
             moved_by_mm: by,
         });
         pages.resize_with(pages.len().max(spot.page + 1), Vec::new);
-        pages[spot.page].extend(drawn(strip, &laid, by));
+        pages[spot.page].extend(drawn(strip, &texture, by));
         pages[spot.page].extend(boxed.label(spot.at));
     }
     let template = request.template(Side::Front, (frame.usable.width_mm(), frame.usable.height_mm()));
@@ -192,13 +192,7 @@ pub fn sheets(
             TextAnchor::Right,
             format!("strips {}/{count}", i + 1),
         ));
-        Sheet {
-            width_mm: frame.page.width_mm,
-            height_mm: frame.page.height_mm,
-            trim: frame.printable,
-            bleed: frame.printable,
-            marks,
-        }
+        frame.sheet(frame.printable, frame.printable, marks)
     };
     let sheets = pages.into_iter().enumerate().map(sheet).collect();
     Ok((places, printer::corrected(sheets, frame.setup.stretch())))
@@ -270,19 +264,19 @@ fn neighbours(strip: &Strip) -> String {
     all.join(", ")
 }
 
-fn drawn(strip: &Strip, laid: &WorldAligned, by: Point) -> Vec<Mark> {
+fn drawn(strip: &Strip, texture: &WorldAligned, by: Point) -> Vec<Mark> {
     let region = strip.region();
     // First every triangle with what runs on beyond it, then each where it belongs.
     let with_bleed = strip.faces.iter().map(|f| {
         let grown = Region::union(vec![f.corners.to_vec()]).grown(BLEED_MM);
         Mark::Clipped {
             to: moved(grown.contours(), by),
-            marks: cells(f, laid, BLEED_MM, by),
+            marks: cells(f, texture, BLEED_MM, by),
         }
     });
     let exact = strip.faces.iter().map(|f| Mark::Clipped {
         to: moved([f.corners.to_vec()].iter(), by),
-        marks: cells(f, laid, 0.0, by),
+        marks: cells(f, texture, 0.0, by),
     });
     let mut marks: Vec<Mark> = with_bleed.chain(exact).collect();
     for [a, b] in &strip.folds {
@@ -332,8 +326,8 @@ fn spans(unrolled: &Unrolled, cell_mm: f64, around_mm: f64) -> [RangeInclusive<i
 }
 
 /// The cells of a triangle and of what lies within `around_mm` of it, each as it lies on the strip.
-fn cells(unrolled: &Unrolled, laid: &WorldAligned, around_mm: f64, by: Point) -> Vec<Mark> {
-    let cell = laid.cell_mm;
+fn cells(unrolled: &Unrolled, texture: &WorldAligned, around_mm: f64, by: Point) -> Vec<Mark> {
+    let cell = texture.cell_mm;
     let [columns, rows] = spans(unrolled, cell, around_mm);
     // Each runs on under its right and its lower neighbour, which cover it. Not far: where a triangle's clip cuts through
     // covered colours, a viewer mixes them into the pixel of the cut.
@@ -346,7 +340,7 @@ fn cells(unrolled: &Unrolled, laid: &WorldAligned, around_mm: f64, by: Point) ->
             let corners = [[left, below], [right, below], [right, top], [left, top]];
             marks.push(Mark::Area {
                 outlines: vec![corners.iter().map(|p| place(unrolled.place(*p), by)).collect()],
-                colour: laid.colour_at([left + 0.5 * cell, bottom + 0.5 * cell]),
+                colour: texture.colour_at([left + 0.5 * cell, bottom + 0.5 * cell]),
             });
         }
     }

@@ -195,7 +195,7 @@ impl<'a> Growth<'a> {
             high: [f64::NEG_INFINITY; 2],
             folds: Vec::new(),
         };
-        let upright = laid(face);
+        let upright = upright(face);
         if growth.take(seed, upright) {
             return Some(growth);
         }
@@ -285,7 +285,7 @@ impl<'a> Growth<'a> {
 }
 
 /// A face in its own plane: u of its side to the right as far as the slope allows, the first corner at (0, 0).
-fn laid(face: &Face) -> [Point; 3] {
+fn upright(face: &Face) -> [Point; 3] {
     let normal = doubled_area(&face.corners).normalize();
     let [u, _] = face.side.axes();
     let right = (u - u.dot(&normal) * normal).normalize();
