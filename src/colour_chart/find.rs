@@ -10,7 +10,7 @@ use crate::tags::SeenTag;
 /// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's image. A patch is sampled 2.5 mm
 /// from its edges, so that an error of this size, several times over in the middle of a bulge, still stays inside.
 const MOST_OFF_MM: f64 = 0.4;
-/// Fewer pixels than this a side of a patch, and the parts of one could not be told apart.
+/// Fewer pixels than this a side of a patch, and the parts of one could not be distinguished.
 const LEAST_PATCH_PX: f64 = 20.0;
 
 /// A chart found in a photo.

@@ -1,6 +1,6 @@
 //! Small SVG charts, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
 //!
-//! Colours are those of Okabe & Ito (2008), which people with colour blindness tell apart.
+//! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
 
 mod axis;
 mod panels;

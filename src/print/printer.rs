@@ -15,7 +15,7 @@ use crate::pattern::printed::PrintedColours;
 
 /// What the rulers of every sheet measure on a perfect printer.
 pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
-/// A printer that is further off than this share was told to scale; that is to be undone in its settings, not here.
+/// A printer that is further off than this share scales on purpose, which its settings must undo.
 pub const MOST_OFF: f64 = 0.05;
 
 /// Why nothing is known of a printer.
@@ -52,7 +52,7 @@ struct Lengths {
     correction_y: f64,
 }
 
-/// What a printer file says. One that only `colour read` has written tells of no lengths.
+/// What a printer file says. One that only `colour read` has written has no lengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrinterFile {
     pub printer: Printer,
@@ -118,7 +118,7 @@ impl Printer {
     /// Reads a `printer.toml`.
     ///
     /// # Errors
-    /// A file that is missing, no printer file, contradicts itself or tells of an implausible printer.
+    /// A file that is missing, no printer file, contradicts itself or describes an implausible printer.
     pub fn load(path: &Path) -> Result<Self, PrinterError> {
         Ok(PrinterFile::load(path)?.printer)
     }

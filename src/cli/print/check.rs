@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{CommandResult, FormatName, Outcome, printer, sheet_output, write_files, write_json};
+use super::{CommandResult, Outcome, SheetFormatName, printer, sheet_output, write_files, write_json};
 use crate::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
@@ -18,7 +18,7 @@ pub struct CheckArgs {
     output: PathBuf,
     /// pdf, or svg; without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<FormatName>,
+    format: Option<SheetFormatName>,
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
     margin_mm: f64,

@@ -75,24 +75,24 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 /// What the sheets are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum FormatName {
+pub enum SheetFormatName {
     /// One file with all pages
     Pdf,
     /// One file a page, named OUTPUT-PAGE.svg
     Svg,
 }
 
-impl From<FormatName> for SheetFormat {
-    fn from(name: FormatName) -> Self {
+impl From<SheetFormatName> for SheetFormat {
+    fn from(name: SheetFormatName) -> Self {
         match name {
-            FormatName::Pdf => Self::Pdf,
-            FormatName::Svg => Self::Svg,
+            SheetFormatName::Pdf => Self::Pdf,
+            SheetFormatName::Svg => Self::Svg,
         }
     }
 }
 
 /// Where the sheets go.
-fn sheet_output(path: &Path, format: Option<FormatName>) -> Result<SheetOutput, String> {
+fn sheet_output(path: &Path, format: Option<SheetFormatName>) -> Result<SheetOutput, String> {
     SheetOutput::named(path, format.map(SheetFormat::from)).map_err(|error| match error {
         OutputError::UnknownEnding { .. } => format!("{error}, or give --format"),
         _ => error.to_string(),
@@ -157,7 +157,7 @@ struct CutSheetArgs {
     output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<FormatName>,
+    format: Option<SheetFormatName>,
 }
 
 impl CutSheetArgs {

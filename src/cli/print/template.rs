@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use serde_json::json;
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, FormatName, NewFile, Outcome, printer, sheet_output, write_files, write_json};
+use super::{CommandResult, NewFile, Outcome, SheetFormatName, printer, sheet_output, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::pattern::Pattern;
 use crate::print::output::{SheetFormat, SheetOutput};
@@ -34,7 +34,7 @@ pub struct TemplateArgs {
     output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<FormatName>,
+    format: Option<SheetFormatName>,
     /// The model is 1:SCALE (named in the captions)
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,

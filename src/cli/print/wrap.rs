@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{CommandResult, FormatName, Outcome, printer, sheet_output, write_files, write_json};
+use super::{CommandResult, Outcome, SheetFormatName, printer, sheet_output, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::mesh::{Mesh, MeshError, Placement};
 use crate::pattern::Pattern;
@@ -81,7 +81,7 @@ pub struct SheetArgs {
     pub output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    pub format: Option<FormatName>,
+    pub format: Option<SheetFormatName>,
     /// Strip that neighbouring sheets share for gluing, in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
     overlap_mm: f64,
