@@ -12,7 +12,7 @@ use crate::photo::Photo;
 
 /// Convert, show and guess camera files
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -77,7 +77,7 @@ impl FormatName {
 }
 
 /// Runs `scaleproof camera …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Convert(args) => convert(&args, out)?,
         What::Show(args) if args.json => writeln!(out, "{}", json(&Camera::open(&args.file)?))?,

@@ -16,7 +16,7 @@ use crate::tags::AprilTagC;
 
 /// Measure a printer's colours
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -62,7 +62,7 @@ struct Answer<'a> {
 }
 
 /// Runs `scaleproof colour …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Read(args) => run_read(&args, out),
     }

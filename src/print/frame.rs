@@ -12,11 +12,11 @@ use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use crate::geometry::length;
 
 /// Free strip around the content in which crop marks stand.
-pub const CROP_STRIP_MM: f64 = 5.5;
+pub(crate) const CROP_STRIP_MM: f64 = 5.5;
 /// Height of the captions at the foot of the page.
-pub const FOOTER_MM: f64 = 13.0;
+pub(crate) const FOOTER_MM: f64 = 13.0;
 /// Width of the block at the foot's right end that holds arrows, the sheet's id and the mini-map.
-pub const KEY_WIDTH_MM: f64 = 18.0;
+pub(crate) const KEY_WIDTH_MM: f64 = 18.0;
 /// From the end of the horizontal ruler to the key block: half a label and some air.
 const RULER_END_MM: f64 = 3.0;
 

@@ -7,7 +7,7 @@ const GAP_MM: f64 = 4.0;
 
 /// Where a thing lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
+pub(crate) struct Spot {
     /// From 0.
     pub page: usize,
     /// Its lower left corner (page frame).
@@ -18,7 +18,7 @@ pub struct Spot {
 ///
 /// # Errors
 /// The index of the first thing that is larger than the area.
-pub fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
+pub(crate) fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     let (mut page, mut x, mut top, mut row_mm) = (0, area.left_mm, area.top_mm, 0.0_f64);
     let mut spots = Vec::with_capacity(sizes.len());
     for (i, (width, height)) in sizes.iter().enumerate() {
@@ -46,7 +46,7 @@ pub fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
 ///
 /// # Errors
 /// The index of the first thing that is larger than the area.
-pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
+pub(crate) fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     if let Some(i) = sizes
         .iter()
         .position(|(w, h)| *w > area.width_mm() || *h > area.height_mm())

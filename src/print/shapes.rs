@@ -4,7 +4,7 @@ use super::sheet::{PointMm, RectMm};
 use crate::tags::Modules;
 
 /// A closed convex outline, counter-clockwise.
-pub type OutlineMm = Vec<PointMm>;
+pub(crate) type OutlineMm = Vec<PointMm>;
 
 /// Where a square of modules lies on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ impl TagPlacement {
 }
 
 /// The black of a square of modules: one outline for each run of black modules in a row.
-pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> {
+pub(crate) fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> {
     let side = modules.side();
     let edge = |module: usize| (module as f64 - 0.5 * side as f64) * place.module_mm;
     let mut outlines = Vec::new();
@@ -65,7 +65,7 @@ pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> 
 }
 
 /// A straight stroke with butt ends.
-pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
+pub(crate) fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
     let (dx, dy) = (to.x_mm - from.x_mm, to.y_mm - from.y_mm);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
     let (x, y) = (-dy / length * width_mm / 2.0, dx / length * width_mm / 2.0);
@@ -74,7 +74,7 @@ pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
 }
 
 /// Strokes along a closed outline.
-pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
+pub(crate) fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
     let next = outline.iter().cycle().skip(1);
     outline
         .iter()
@@ -84,7 +84,7 @@ pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
 }
 
 /// The part of a convex outline inside a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if there is none.
-pub fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
+pub(crate) fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
     let edges: [(bool, f64, f64); 4] = [
         (true, to.left_mm, 1.0),
         (true, to.right_mm, -1.0),
@@ -116,7 +116,7 @@ fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> OutlineMm {
 }
 
 /// Whether two convex outlines share more than a border, by the separating axis theorem.
-pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
+pub(crate) fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
     /// Shared borders are no overlap, and rounding is no border.
     const TOUCH_MM: f64 = 0.01;
     let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {

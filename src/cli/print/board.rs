@@ -12,7 +12,7 @@ use crate::files;
 use crate::print::board::{BoardError, BoardKind, BoardRequest, board};
 
 #[derive(clap::Args)]
-pub struct BoardArgs {
+pub(crate) struct BoardArgs {
     /// The kind of board
     #[arg(long = "type", value_enum)]
     kind: Kind,
@@ -66,7 +66,7 @@ fn columns_and_rows(text: &str) -> Result<(u32, u32), String> {
 }
 
 /// Runs `scaleproof print board`.
-pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let definition_path = match &args.definition {
         Some(path) => path.clone(),
         None if files::is_standard_output(&args.sheets.output) => {

@@ -9,7 +9,7 @@ use super::{CommandResult, Outcome, SheetFormatName, printer, sheet_output, writ
 use crate::print::check::{CheckRequest, check};
 
 #[derive(clap::Args)]
-pub struct CheckArgs {
+pub(crate) struct CheckArgs {
     /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
@@ -33,7 +33,7 @@ pub struct CheckArgs {
     json: bool,
 }
 
-pub fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let request = CheckRequest {
         paper: args.paper.parse()?,
         margin_mm: args.margin_mm,

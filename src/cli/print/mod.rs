@@ -5,11 +5,11 @@ mod board;
 mod chart;
 mod check;
 mod paint;
-pub mod patch;
+pub(crate) mod patch;
 mod tags;
 mod template;
 mod verify;
-pub mod wrap;
+pub(crate) mod wrap;
 
 use std::error::Error;
 use std::io::Write;
@@ -28,11 +28,11 @@ use crate::print::paper::Stock;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
 
-pub use template::{summary, write_template};
+pub(crate) use template::{summary, write_template};
 
 /// Print sheets in true millimetres
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -59,7 +59,7 @@ enum What {
 }
 
 /// Runs `scaleproof print …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => template::run(&args, out),
         What::Wrap(args) => wrap::run(&args, out),

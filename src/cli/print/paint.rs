@@ -16,7 +16,7 @@ use crate::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, pain
 use crate::print::template::TemplateRequest;
 
 #[derive(clap::Args)]
-pub struct PaintArgs {
+pub(crate) struct PaintArgs {
     /// Paint instead of paper: reduce the pattern to this many paints, with a stencil for each
     #[arg(long, value_name = "N", group = "paint", allow_negative_numbers = true)]
     paints: Option<i64>,
@@ -38,7 +38,7 @@ pub struct PaintArgs {
 }
 
 /// How the paints are found, and what their stencils must hold.
-pub struct Paints {
+pub(crate) struct Paints {
     source: Source,
     min_feature_mm: f64,
     mirror: bool,
@@ -51,7 +51,7 @@ enum Source {
 
 impl PaintArgs {
     /// `None`: paper.
-    pub fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
+    pub(crate) fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
         let source = match (self.paints, &self.palette) {
             (Some(asked), _) => Source::Count(usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?),
             (None, Some(file)) => Source::Palette(Palette::load(file)?),
@@ -64,12 +64,12 @@ impl PaintArgs {
         }))
     }
 
-    pub fn palette_file(&self) -> Option<&Path> {
+    pub(crate) fn palette_file(&self) -> Option<&Path> {
         self.palette.as_deref()
     }
 }
 
-pub fn run(
+pub(crate) fn run(
     pattern: &Pattern,
     template: TemplateRequest,
     paints: &Paints,

@@ -15,7 +15,7 @@ use crate::print::patch::{PanelPatch, PatchImage, patches};
 use crate::print::{paper, wrap};
 
 #[derive(clap::Args)]
-pub struct PatchArgs {
+pub(crate) struct PatchArgs {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
@@ -29,7 +29,7 @@ pub struct PatchArgs {
 
 /// Patches in their places.
 #[derive(clap::Args)]
-pub struct PlaceArgs {
+pub(crate) struct PlaceArgs {
     /// A finished texture, PNG or JPEG; for several patches repeat this and the next three options
     #[arg(long, value_name = "FILE", required = true)]
     patch: Vec<PathBuf>,
@@ -67,7 +67,7 @@ impl From<PanelName> for Side {
 }
 
 /// Runs `scaleproof print patch`.
-pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let wanted = asked(&args.places)?;
     let model = args.model.load()?;
     let panels = wrap::PaintedSurface::of_materials(&model.mesh, &model.materials).panels();
@@ -113,7 +113,7 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The patches as they were asked for: the options belong together in order.
-pub fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
+pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
     let count = args.patch.len();
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());

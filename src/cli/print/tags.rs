@@ -12,7 +12,7 @@ use crate::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, Ta
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
-pub struct TagsArgs {
+pub(crate) struct TagsArgs {
     /// The scene whose tags to print
     #[arg(long, value_name = "TOML")]
     scene: PathBuf,
@@ -30,7 +30,7 @@ pub struct TagsArgs {
 }
 
 /// Runs `scaleproof print tags`.
-pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     let media = args.sheets.any_media()?;
     let scene = Scene::open(&args.scene)?;
     let made = tag_sheets(

@@ -16,7 +16,7 @@ use crate::print::template::{LayoutRequest, Template, TemplateRequest, template}
 use crate::print::{lettering, paper};
 
 #[derive(clap::Args)]
-pub struct TemplateArgs {
+pub(crate) struct TemplateArgs {
     /// The pattern: a PNG with one pixel per cell
     #[arg(long, value_name = "PNG")]
     pattern: PathBuf,
@@ -116,7 +116,7 @@ impl From<Orientation> for paper::Orientation {
     }
 }
 
-pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let request = request(args, &pattern)?;
     let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
@@ -142,7 +142,11 @@ pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Draws a template and writes it to a PDF.
-pub fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template, Box<dyn Error>> {
+pub(crate) fn write_template(
+    pattern: &Pattern,
+    request: &TemplateRequest,
+    output: &Path,
+) -> Result<Template, Box<dyn Error>> {
     Ok(write(
         pattern,
         request,
@@ -205,7 +209,7 @@ fn facts(made: &Template) -> serde_json::Value {
     })
 }
 
-pub fn summary(output: &Path, made: &Template) -> String {
+pub(crate) fn summary(output: &Path, made: &Template) -> String {
     let layout = &made.layout;
     let count = match layout.sheets.len() {
         1 => "1 sheet".to_owned(),

@@ -16,7 +16,7 @@ use crate::print::wrap::{Kept, Wrap, WrapError, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
-pub struct WrapArgs {
+pub(crate) struct WrapArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// The pattern: a PNG with one pixel per cell
@@ -46,7 +46,7 @@ pub struct WrapArgs {
 
 /// What is wrapped.
 #[derive(clap::Args)]
-pub struct ModelArgs {
+pub(crate) struct ModelArgs {
     /// The model's surface: .glb, .obj, .stl or .ply; without it, the box of the scene's model
     #[arg(long, value_name = "FILE", required_unless_present = "scene")]
     pub mesh: Option<PathBuf>,
@@ -72,7 +72,7 @@ pub struct ModelArgs {
 
 /// What it is printed on.
 #[derive(clap::Args)]
-pub struct SheetArgs {
+pub(crate) struct SheetArgs {
     /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
     #[arg(long, default_value = "a4", allow_hyphen_values = true)]
     paper: String,
@@ -97,14 +97,14 @@ pub struct SheetArgs {
 }
 
 /// A model ready to be printed on: its surface in the model frame, which materials are paint, its scale.
-pub struct Model {
+pub(crate) struct Model {
     pub mesh: Mesh,
     pub materials: Vec<usize>,
     pub scale: f64,
 }
 
 impl ModelArgs {
-    pub fn load(&self) -> Result<Model, Box<dyn Error>> {
+    pub(crate) fn load(&self) -> Result<Model, Box<dyn Error>> {
         let scene = self.scene.as_deref().map(Scene::open).transpose()?;
         let mesh = match (&self.mesh, &scene) {
             (Some(file), _) => Mesh::load(file, &self.placement()?)?,
@@ -128,7 +128,7 @@ impl ModelArgs {
     }
 
     /// How the mesh file lies in the model frame.
-    pub fn placement(&self) -> Result<Placement, MeshError> {
+    pub(crate) fn placement(&self) -> Result<Placement, MeshError> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
         Ok(Placement {
             front: axis(&self.mesh_front)?,
@@ -138,7 +138,7 @@ impl ModelArgs {
     }
 
     /// What was said about the mesh besides its file, as arguments again.
-    pub fn described(&self) -> String {
+    pub(crate) fn described(&self) -> String {
         let mut text = String::new();
         if !self.material.is_empty() {
             text += &format!(" --material {}", self.material.join(" "));
@@ -156,7 +156,12 @@ impl ModelArgs {
 }
 
 impl SheetArgs {
-    pub fn request(&self, tile_mm: f64, scale: f64, name: &std::path::Path) -> Result<WrapRequest, Box<dyn Error>> {
+    pub(crate) fn request(
+        &self,
+        tile_mm: f64,
+        scale: f64,
+        name: &std::path::Path,
+    ) -> Result<WrapRequest, Box<dyn Error>> {
         Ok(WrapRequest {
             tile_mm,
             scale,
@@ -175,7 +180,7 @@ impl SheetArgs {
 }
 
 /// Runs `scaleproof print wrap`.
-pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let model = args.model.load()?;
     let sheets = &args.sheets;

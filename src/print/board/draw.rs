@@ -7,7 +7,7 @@ use crate::scene::TagFamily;
 use crate::tags::{MarkerDictionary, Modules, TagImage};
 
 /// The black of a board whose upper left corner is at `corner` (page frame).
-pub fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>, BoardError> {
+pub(crate) fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>, BoardError> {
     match definition {
         Definition::Chessboard { squares, square_mm, .. } => Ok(black_squares(*squares, *square_mm, corner)),
         Definition::Charuco {

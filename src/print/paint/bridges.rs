@@ -4,14 +4,14 @@
 use super::plane::{Area, PlanePoint, edges};
 
 /// A bridge: the square is swept along it.
-pub type Link = (PlanePoint, PlanePoint);
+pub(crate) type Link = (PlanePoint, PlanePoint);
 
 /// Slanted cuts are rounded to the unit: places this close are looked at as well.
 const ROUNDING: i64 = 3;
 
 /// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
 /// the material between them is narrower than the square.
-pub fn necks(core: &Area, side: i32) -> Vec<Link> {
+pub(crate) fn necks(core: &Area, side: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
     let ways: Vec<Link> = core.edges().collect();
     let mut found: Vec<Link> = Vec::new();
@@ -35,7 +35,7 @@ pub fn necks(core: &Area, side: i32) -> Vec<Link> {
 
 /// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close
 /// a circle are left out; pieces that this does not join yet are joined in the next round (Borůvka 1926).
-pub fn nearest(core: &Area) -> Vec<Link> {
+pub(crate) fn nearest(core: &Area) -> Vec<Link> {
     let count = core.pieces.len();
     if count < 2 {
         return Vec::new();

@@ -25,7 +25,7 @@ const NUMBERS_AT_MM: [f64; 5] = [98.0, 118.0, 138.0, 156.0, TABLE_MM];
 const NUMBER_HEADS: [&str; 5] = ["area cm²", "stencil", "touch up", "ΔE mean", "max"];
 
 /// The steps from printed sheets to a painted model.
-pub fn steps(request: &PaintRequest) -> Vec<String> {
+pub(crate) fn steps(request: &PaintRequest) -> Vec<String> {
     let feature = number(request.min_feature_mm);
     let mut steps = vec![
         "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.".to_owned(),
@@ -56,7 +56,7 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
 type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
 /// The pages of the table.
-pub fn sheets(frame: &PageFrame, painted: &Painted, areas: &[PaintArea], captions: &Captions) -> Vec<Sheet> {
+pub(crate) fn sheets(frame: &PageFrame, painted: &Painted, areas: &[PaintArea], captions: &Captions) -> Vec<Sheet> {
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
     // Heading, column heads and the two lines below the table.
     let rows = ((frame.usable.height_mm() / (ROW_MM * factor)).floor() as usize)

@@ -13,7 +13,7 @@ const NUMBER_MM: f64 = 4.0;
 const NUMBER_SHARE: f64 = 0.6;
 
 /// One sheet, cut at its part of the panel; the part lies on the page where the stencils of this sheet have it.
-pub fn sheet(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
+pub(crate) fn sheet(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
     let outer = plan.trim;
     let rim = plan.own.left_mm - plan.carried.left_mm;
     let part = RectMm::new(

@@ -8,7 +8,7 @@ use crate::print::template::{LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, 
 
 /// The sheets: of each, `own` is its part of the panel, `carried` that and the rim. `trim` and `printed` are the rim's
 /// outer edge. Overlap and bleed of the request do not matter.
-pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLayout, SheetError> {
+pub(crate) fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLayout, SheetError> {
     // A strip of two rims between sheets and one around them leaves each sheet its part and its own rim.
     let spread = layout(&LayoutRequest {
         overlap_mm: 2.0 * rim_mm,

@@ -10,21 +10,21 @@ use crate::print::template::TemplateRect;
 
 /// A pattern in paints, repeated over a panel from its top-left corner.
 #[derive(Debug, Clone, Copy)]
-pub struct CellGrid<'a> {
+pub(crate) struct CellGrid<'a> {
     pub painted: &'a Painted,
     pub cell_mm: f64,
 }
 
 /// Neighbouring cells of one paint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PaintPatch {
+pub(crate) struct PaintPatch {
     pub paint: usize,
     /// The middle and the size of the part of a cell that is farthest from the patch's border.
     pub at_mm: (f64, f64),
     pub room_mm: (f64, f64),
 }
 
-pub fn bounds(region: TemplateRect) -> Bounds {
+pub(crate) fn bounds(region: TemplateRect) -> Bounds {
     Bounds {
         left: units(region.left_mm),
         bottom: units(-region.bottom_mm),
@@ -33,7 +33,7 @@ pub fn bounds(region: TemplateRect) -> Bounds {
     }
 }
 
-pub fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
+pub(crate) fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
     match corners[..] {
         [a, _, b, _] => mm(b.x - a.x) * mm(b.y - a.y),
         _ => 0.0,
@@ -42,7 +42,7 @@ pub fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
 
 impl CellGrid<'_> {
     /// The columns, and the rows, that reach into a region.
-    pub fn cells(&self, region: TemplateRect) -> (Range<usize>, Range<usize>) {
+    pub(crate) fn cells(&self, region: TemplateRect) -> (Range<usize>, Range<usize>) {
         // What is left of a cell must be a unit at least: seams on borders of cells are rounded.
         let range = |from: f64, to: f64| {
             let first = (from.max(0.0) / self.cell_mm).floor() as usize;
@@ -72,7 +72,7 @@ impl CellGrid<'_> {
     }
 
     /// What a paint takes of a region: a rectangle for each run of its cells in a row. They share borders and nothing else.
-    pub fn runs(&self, paint: usize, region: TemplateRect) -> Vec<PlaneOutline> {
+    pub(crate) fn runs(&self, paint: usize, region: TemplateRect) -> Vec<PlaneOutline> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
         let mut runs = Vec::new();
@@ -93,7 +93,7 @@ impl CellGrid<'_> {
     }
 
     /// The lines between cells of different paints, and around the region.
-    pub fn borders(&self, region: TemplateRect) -> Vec<(PlanePoint, PlanePoint)> {
+    pub(crate) fn borders(&self, region: TemplateRect) -> Vec<(PlanePoint, PlanePoint)> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
         let paint = |column: usize, row: usize| self.painted.paint_at(column, row);
@@ -122,7 +122,7 @@ impl CellGrid<'_> {
     }
 
     /// The patches of a region, cells that share a side taken together, row by row of their first cells.
-    pub fn patches(&self, region: TemplateRect) -> Vec<PaintPatch> {
+    pub(crate) fn patches(&self, region: TemplateRect) -> Vec<PaintPatch> {
         let (columns, rows) = self.cells(region);
         let (wide, high) = (columns.len(), rows.len());
         let paint = |i: usize| self.painted.paint_at(columns.start + i % wide, rows.start + i / wide);

@@ -18,12 +18,12 @@ const HOLE_MM: f64 = 3.0;
 const HOLE_CORNERS: u32 = 24;
 
 /// Width of a registration hole.
-pub fn hole_mm(min_feature_mm: f64) -> f64 {
+pub(crate) fn hole_mm(min_feature_mm: f64) -> f64 {
     HOLE_MM.max(min_feature_mm)
 }
 
 /// Crosses in the corners of a rim; with a hole, only the arms beside it.
-pub fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
+pub(crate) fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     let (near, far) = (0.5 * hole_mm, 0.5 * rim_mm - 0.5);
     let arms = |(x, y): (f64, f64)| {
         [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
@@ -40,7 +40,7 @@ fn corners(outer: RectMm, rim_mm: f64) -> [(f64, f64); 4] {
 }
 
 /// Draws the stencils of one request.
-pub struct StencilPen<'a> {
+pub(crate) struct StencilPen<'a> {
     layout: &'a SheetLayout,
     captions: Captions,
     min_feature_mm: f64,
@@ -48,7 +48,7 @@ pub struct StencilPen<'a> {
 }
 
 impl<'a> StencilPen<'a> {
-    pub fn new(layout: &'a SheetLayout, pattern: &Pattern, request: &PaintRequest, cell_mm: f64) -> Self {
+    pub(crate) fn new(layout: &'a SheetLayout, pattern: &Pattern, request: &PaintRequest, cell_mm: f64) -> Self {
         let template = &request.template;
         let front = match (request.mirror, template.front) {
             (true, Front::Left) => Front::Right,
@@ -68,7 +68,7 @@ impl<'a> StencilPen<'a> {
     }
 
     /// The page of one paint and one part of the panel. `number`: the paint's in the legend.
-    pub fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
+    pub(crate) fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
         let outer = plan.trim;
         let rim = plan.own.left_mm - plan.carried.left_mm;
         let openings = self.openings(plan, rim, stencil);

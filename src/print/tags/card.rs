@@ -14,7 +14,7 @@ const TEXT_MM: f64 = 3.0;
 const UP_MM: f64 = 3.0;
 
 /// The card of each tag.
-pub fn pieces<'a>(tags: &[&'a Tag]) -> Result<Vec<CutPiece<'a>>, TagPrintError> {
+pub(crate) fn pieces<'a>(tags: &[&'a Tag]) -> Result<Vec<CutPiece<'a>>, TagPrintError> {
     let piece = |tag: &&'a Tag| {
         let (tag, image) = (*tag, image_of(tag)?);
         let width = image.width_mm(tag.size_mm);

@@ -92,7 +92,7 @@ impl FloorPlace {
 ///
 /// # Errors
 /// Paper too small for the rulers.
-pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
+pub(crate) fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     if tags.is_empty() {
         return Ok(Vec::new());
     }
@@ -139,7 +139,7 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
 }
 
 /// What page `i` (from 0) is called.
-pub fn name(i: usize) -> String {
+pub(crate) fn name(i: usize) -> String {
     format!("floor plan {}", i + 1)
 }
 

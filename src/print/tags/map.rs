@@ -31,7 +31,7 @@ const THUMBNAIL_SHARE: f64 = 0.45;
 const BODY_MOST_MM: f64 = 320.0;
 
 /// What the map shows.
-pub struct TagMap<'a> {
+pub(crate) struct TagMap<'a> {
     pub scene: &'a Scene,
     pub media: Media,
     pub arrangement: &'a Arrangement<'a>,
@@ -47,7 +47,7 @@ impl TagMap<'_> {
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
+    pub(crate) fn sheet(&self) -> Result<Sheet, TagPrintError> {
         let upright = FreePage::new(self.media, Orientation::Portrait);
         let page = match upright {
             Ok(page) => page.shortened(self.media, ROLL_COVER_MM)?,

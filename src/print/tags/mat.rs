@@ -12,10 +12,10 @@ use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, overlap, stro
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
 use crate::scene::{Model, Scene, Tag};
 
-pub const GREY: Srgb8 = [110, 110, 110];
+pub(crate) const GREY: Srgb8 = [110, 110, 110];
 /// Free paper around everything.
 const BORDER_MM: f64 = 8.0;
-pub const LINE_MM: f64 = 0.4;
+pub(crate) const LINE_MM: f64 = 0.4;
 const TEXT_MM: f64 = 4.0;
 const TITLE_MM: f64 = 8.0;
 const UP_MM: f64 = 4.0;
@@ -196,7 +196,7 @@ impl Mat {
     }
 }
 
-pub fn on_mat(point: &Point3<f64>) -> PointMm {
+pub(crate) fn on_mat(point: &Point3<f64>) -> PointMm {
     PointMm::new(point.x, point.y)
 }
 

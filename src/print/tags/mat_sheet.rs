@@ -11,7 +11,7 @@ use crate::print::template::{SheetPlan, guides};
 use crate::scene::Scene;
 
 /// The pages of the mat, row by row from the top left.
-pub fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
+pub(crate) fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
     let page = FreePage(ground.layout.frame);
     let how_to = [
         "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet; seams that meet have the same letter.",

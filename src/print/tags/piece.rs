@@ -10,7 +10,7 @@ use crate::print::sheet::{Mark, PointMm, RectMm};
 type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 
 /// One thing to cut out.
-pub struct CutPiece<'a> {
+pub(crate) struct CutPiece<'a> {
     pub size_mm: (f64, f64),
     /// What the map calls it.
     pub name: String,
@@ -22,7 +22,7 @@ pub struct CutPiece<'a> {
 }
 
 /// A page with pieces.
-pub struct PiecePage {
+pub(crate) struct PiecePage {
     pub page: FreePage,
     pub marks: Vec<Mark>,
     /// What lies where: name and area.
@@ -33,7 +33,7 @@ pub struct PiecePage {
 ///
 /// # Errors
 /// Paper too small for the rulers or for a piece, and whatever the drawing refuses.
-pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPrintError> {
+pub(crate) fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPrintError> {
     if pieces.is_empty() {
         return Ok(Vec::new());
     }
@@ -69,7 +69,7 @@ fn placed(pieces: &[CutPiece], media: Media) -> Result<(FreePage, Vec<Spot>), Ta
 ///
 /// # Errors
 /// As [`spread`].
-pub fn check(pieces: &[CutPiece], media: Media) -> Result<(), TagPrintError> {
+pub(crate) fn check(pieces: &[CutPiece], media: Media) -> Result<(), TagPrintError> {
     placed(pieces, media).map(|_| ())
 }
 
@@ -77,7 +77,7 @@ pub fn check(pieces: &[CutPiece], media: Media) -> Result<(), TagPrintError> {
 ///
 /// # Errors
 /// As [`spread`].
-pub fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
+pub(crate) fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
     let unnamed = |_| ("a card".to_owned(), Instead::Nothing);
     if sizes.is_empty() {
         Ok(0)
@@ -135,7 +135,7 @@ fn packed(
 }
 
 /// Solid lines around what is cut out.
-pub fn cut_line(area: RectMm) -> [Mark; 4] {
+pub(crate) fn cut_line(area: RectMm) -> [Mark; 4] {
     let (l, b, r, t) = (area.left_mm, area.bottom_mm, area.right_mm, area.top_mm);
     [((l, b), (r, b)), ((r, b), (r, t)), ((r, t), (l, t)), ((l, t), (l, b))]
         .map(|(from, to)| Mark::line(from, to, LINE_MM))

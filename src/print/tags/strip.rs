@@ -8,7 +8,7 @@ use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 
 /// Across a strip.
-pub const WIDTH_MM: f64 = 36.0;
+pub(crate) const WIDTH_MM: f64 = 36.0;
 /// What of a strip lies beneath its card.
 const UNDER_MM: f64 = 18.0;
 /// What lies on the mat: a shorter root would let the strip turn.
@@ -35,7 +35,7 @@ pub struct PlaceStrip {
 
 /// How a tent card finds its place.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Standing {
+pub(crate) enum Standing {
     /// A whole foot of it is drawn on the mat.
     OnMat,
     OnStrip(PlaceStrip),
@@ -45,7 +45,7 @@ pub enum Standing {
 
 impl Standing {
     /// Of a tent card around a mat on some paper; a strip is no longer than `most_mm`.
-    pub fn of(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
+    pub(crate) fn of(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
         let [a_left, a_right, b_right, b_left] = tent.foot_mm().each_ref().map(on_mat);
         let feet = [[a_left, a_right], [b_right, b_left]];
         if feet.iter().any(|foot| within(grown(bounds(foot), FOOT_MM), paper)) {

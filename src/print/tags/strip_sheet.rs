@@ -12,7 +12,7 @@ const TEXT_MM: f64 = 2.4;
 const EDGE_MM: f64 = 2.0;
 
 /// The strips of a mat.
-pub fn pieces(ground: &Ground) -> Vec<CutPiece<'_>> {
+pub(crate) fn pieces(ground: &Ground) -> Vec<CutPiece<'_>> {
     ground.strips.iter().map(|strip| piece(strip, ground)).collect()
 }
 

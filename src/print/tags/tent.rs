@@ -19,7 +19,7 @@ pub const TILT_DEG: std::ops::RangeInclusive<f64> = 20.0..=80.0;
 /// What a rounded scene file may take from the room a tag needs.
 const FIT_MM: f64 = 0.05;
 /// Beside the tag: its id and up mark.
-pub const SIDE_MM: f64 = 12.0;
+pub(crate) const SIDE_MM: f64 = 12.0;
 const TAB_MM: f64 = 12.0;
 /// The tab's ends are cut back, so that it slides in.
 const TAB_SLANT_MM: f64 = 5.0;

@@ -16,7 +16,7 @@ const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
 /// The cards of some tents; tent `i` is called T`i + 1`.
-pub fn pieces(tents: &[Tent]) -> Vec<CutPiece<'_>> {
+pub(crate) fn pieces(tents: &[Tent]) -> Vec<CutPiece<'_>> {
     let piece = |(i, tent): (usize, &'_ Tent)| {
         let (net, tent) = (tent.net(), tent.clone());
         let [a, b] = [tent.tags[0].id, tent.tags[1].id];

@@ -41,7 +41,7 @@ impl GroundWindow {
 }
 
 /// The rectangle around some points.
-pub fn bounds<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> RectMm {
+pub(crate) fn bounds<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> RectMm {
     let none = RectMm::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
     points.into_iter().fold(none, |r, p| {
         RectMm::new(
@@ -54,7 +54,7 @@ pub fn bounds<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> RectMm {
 }
 
 /// The rectangle around two.
-pub fn union(a: RectMm, b: RectMm) -> RectMm {
+pub(crate) fn union(a: RectMm, b: RectMm) -> RectMm {
     RectMm::new(
         a.left_mm.min(b.left_mm),
         a.bottom_mm.min(b.bottom_mm),
@@ -64,7 +64,7 @@ pub fn union(a: RectMm, b: RectMm) -> RectMm {
 }
 
 /// A rectangle with more on every side.
-pub fn grown(r: RectMm, by_mm: f64) -> RectMm {
+pub(crate) fn grown(r: RectMm, by_mm: f64) -> RectMm {
     RectMm::new(
         r.left_mm - by_mm,
         r.bottom_mm - by_mm,
@@ -74,7 +74,7 @@ pub fn grown(r: RectMm, by_mm: f64) -> RectMm {
 }
 
 /// Whether one rectangle lies within another.
-pub fn within(inner: RectMm, outer: RectMm) -> bool {
+pub(crate) fn within(inner: RectMm, outer: RectMm) -> bool {
     inner.left_mm >= outer.left_mm
         && inner.right_mm <= outer.right_mm
         && inner.bottom_mm >= outer.bottom_mm

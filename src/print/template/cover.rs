@@ -11,7 +11,7 @@ const TEXT_MM: f64 = 2.8;
 const LEADING_MM: f64 = 4.0;
 const GAP_MM: f64 = 4.0;
 /// Height of the scale check above the horizontal ruler.
-pub const CHECK_MM: f64 = 20.0;
+pub(crate) const CHECK_MM: f64 = 20.0;
 /// Largest lettering on the map.
 const MAP_ID_MM: f64 = 6.0;
 const MAP_SEAM_MM: f64 = 3.2;
@@ -22,7 +22,7 @@ const MAP_MOST_MM: f64 = 150.0;
 const BODY_MOST_MM: f64 = 320.0;
 
 /// Draws the first page: a heading, numbered steps, the map and the scale check.
-pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
+pub(crate) fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
     let frame = &layout.cover;
     let area = frame.usable;
     let title_size = TITLE_MM;
@@ -56,7 +56,7 @@ pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructi
 }
 
 /// Numbered instructions, and where they end.
-pub fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
+pub(crate) fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
     let mut marks = Vec::new();
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
     for (i, step) in texts.iter().enumerate() {
@@ -81,7 +81,7 @@ pub fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mar
 }
 
 /// The steps from printed sheets to a piece on the model.
-pub fn assembly(layout: &SheetLayout) -> Vec<&'static str> {
+pub(crate) fn assembly(layout: &SheetLayout) -> Vec<&'static str> {
     let mut steps = vec!["Print at 100 %, without fit to page. Measure both rulers below before you cut anything."];
     if layout.sheets.len() == 1 {
         steps.push("Cut at the crop marks. The pattern runs on beyond them, so that no white edge is left.");
@@ -144,7 +144,7 @@ fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
 }
 
 /// Two blanks, named as `print verify` names them: its x is the paper's short side, whichever way round the page is.
-pub fn scale_check(frame: &PageFrame) -> Vec<Mark> {
+pub(crate) fn scale_check(frame: &PageFrame) -> Vec<Mark> {
     let area = frame.usable;
     let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };
     let lines = [

@@ -37,7 +37,7 @@ const MAP_HEIGHT_MM: f64 = 11.0;
 const MAP_LEAST_MM: f64 = 1.5;
 
 /// All marks of one sheet besides the pattern.
-pub fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
+pub(crate) fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let mut marks = guides(layout, plan);
     marks.extend(around(layout, plan, captions));
     marks
@@ -296,7 +296,7 @@ fn key(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark>
 }
 
 /// Where a sheet lies on a map of the template.
-pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
+pub(crate) fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
     let size = layout.size_mm();
     let x = |mm: f64| map.left_mm + map.width_mm() * mm / size.0;
     let y = |mm: f64| map.top_mm - map.height_mm() * mm / size.1;
@@ -305,7 +305,7 @@ pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
 }
 
 /// The lines of a map: the outline of every sheet, shared ones once.
-pub fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
+pub(crate) fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
     let mut marks = vec![
         Mark::line((map.left_mm, map.bottom_mm), (map.left_mm, map.top_mm), CROP_LINE_MM),
         Mark::line((map.left_mm, map.top_mm), (map.right_mm, map.top_mm), CROP_LINE_MM),

@@ -38,7 +38,12 @@ const STEPS: [&str; 4] = [
 const STRIPS_STEP: &str = "The numbered strips are steep parts that were unrolled, seen from outside, with their upper end (on the roof: the front) up \
      unless they say otherwise. Cut them out, fold them at their dashes, and put each where this page shows its number.";
 
-pub fn cover(wrap: &Wrap, seams: &PanelSeams, pattern: &Pattern, request: &WrapRequest) -> Result<Sheet, SheetError> {
+pub(crate) fn cover(
+    wrap: &Wrap,
+    seams: &PanelSeams,
+    pattern: &Pattern,
+    request: &WrapRequest,
+) -> Result<Sheet, SheetError> {
     let template = request.template(Side::Front, (100.0, 100.0));
     let frame = match wrap.pieces.first() {
         Some(piece) => piece.layout.cover,

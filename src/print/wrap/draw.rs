@@ -17,17 +17,17 @@ use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout
 const CUT_GAP_MM: f64 = 0.1;
 const CUT_LINE_MM: f64 = 0.15;
 /// Free paper that the line takes around a region, and a little more.
-pub const CUT_ROOM_MM: f64 = 1.0;
+pub(crate) const CUT_ROOM_MM: f64 = 1.0;
 /// Edges within a panel are marked lightly: they lie on the pattern.
-pub const EDGE_LINE_MM: f64 = 0.06;
-pub const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
+pub(crate) const EDGE_LINE_MM: f64 = 0.06;
+pub(crate) const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
 /// `unrolling` is what became of `paint`, and `panels` those of its rest.
-pub fn wrap(
+pub(crate) fn wrap(
     paint: &PaintedSurface,
     unrolling: Unrolling,
     panels: Vec<Panel>,
@@ -79,7 +79,7 @@ pub fn wrap(
 }
 
 /// Spreads a panel over sheets.
-pub fn piece(panel: Panel, request: &WrapRequest) -> Result<SpreadPanel, SheetError> {
+pub(crate) fn piece(panel: Panel, request: &WrapRequest) -> Result<SpreadPanel, SheetError> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
     let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
     Ok(SpreadPanel {
@@ -132,7 +132,7 @@ impl Drawing<'_> {
 }
 
 /// What a cutter follows on a sheet: the part of the region's border that the sheet shows.
-pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
+pub(crate) fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
     let sheet = plan.printed.outline();
     let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
     Mark::Cut {
@@ -142,7 +142,7 @@ pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
 }
 
 /// The line around a region, outside of it.
-pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
+pub(crate) fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     let around = region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM);
     let mut marks = Vec::new();
     for outline in moved(around.contours(), by) {
@@ -194,7 +194,7 @@ pub(super) fn place(p: Point, by: Point) -> PointMm {
 }
 
 /// Outlines of a plane, moved onto a page.
-pub fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
+pub(crate) fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
     outlines
         .map(|outline| outline.iter().map(|p| place(*p, by)).collect())
         .collect()

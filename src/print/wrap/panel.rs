@@ -167,13 +167,13 @@ impl PaintedSurface {
 }
 
 /// The place of a mesh corner that the face has.
-pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
+pub(crate) fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
     let place = face.triangle.corners.iter().position(|c| *c == corner);
     face.corners[place.unwrap_or_default()]
 }
 
 /// By how much two faces are bent against each other.
-pub fn bend_deg(a: &Face, b: &Face) -> f64 {
+pub(crate) fn bend_deg(a: &Face, b: &Face) -> f64 {
     doubled_area(&a.corners).angle(&doubled_area(&b.corners)).to_degrees()
 }
 

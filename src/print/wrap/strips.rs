@@ -50,7 +50,7 @@ pub struct StripPlace {
 ///
 /// # Errors
 /// A limit that is no stretch, paper too small for the rulers, too many steep triangles.
-pub fn unrolling(paint: &PaintedSurface, request: &WrapRequest) -> Result<Unrolling, WrapError> {
+pub(crate) fn unrolling(paint: &PaintedSurface, request: &WrapRequest) -> Result<Unrolling, WrapError> {
     let Some(limit) = request.max_stretch else {
         return Ok(Unrolling {
             strips: Vec::new(),
@@ -93,7 +93,7 @@ fn frame(request: &WrapRequest) -> Result<PageFrame, SheetError> {
 }
 
 /// Numbers where strips left a panel, as far as the paper there is free.
-pub fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<SeamMark>) {
+pub(crate) fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<SeamMark>) {
     for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.side == side) {
         let at = Region::union(strip.projected()).innermost();
         let apart = |mark: &SeamMark| (mark.at[0] - at[0]).hypot(mark.at[1] - at[1]) > 2.0 * CLEAR_MM;
@@ -108,7 +108,7 @@ pub fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<Sea
 }
 
 /// One sentence on all strips.
-pub fn fact(wrap: &Wrap) -> Option<String> {
+pub(crate) fn fact(wrap: &Wrap) -> Option<String> {
     let areas: Vec<f64> = wrap.strips.iter().map(Strip::surface_mm2).collect();
     let Kept {
         too_large,
@@ -149,7 +149,7 @@ pub fn fact(wrap: &Wrap) -> Option<String> {
 ///
 /// # Errors
 /// Paper too small for the rulers, more than [`MOST_CELLS`].
-pub fn sheets(
+pub(crate) fn sheets(
     wrap: &Wrap,
     before: usize,
     pattern: &Pattern,

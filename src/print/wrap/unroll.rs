@@ -112,7 +112,7 @@ impl Kept {
 ///
 /// # Errors
 /// More than [`MOST_STEEP`] such triangles.
-pub fn unroll(paint: &PaintedSurface, limit: f64, most_mm: Point) -> Result<Unrolling, WrapError> {
+pub(crate) fn unroll(paint: &PaintedSurface, limit: f64, most_mm: Point) -> Result<Unrolling, WrapError> {
     let mut kept = Kept::default();
     let mut wanted = |face: &Face| {
         let steep = PRINTED.contains(&face.side) && face.stretch > limit + ROUNDING;
