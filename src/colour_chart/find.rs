@@ -15,7 +15,7 @@ const LEAST_PATCH_PX: f64 = 20.0;
 
 /// A chart found in a photo.
 #[derive(Debug, Clone)]
-pub struct FoundChart {
+pub(crate) struct FoundChart {
     pub layout: ChartLayout,
     /// Homography from the chart frame (mm) to pixels.
     to_px: Matrix3<f64>,
@@ -29,12 +29,12 @@ pub struct FoundChart {
 
 impl FoundChart {
     /// The pixel of a point of the chart; (0, 0) is the centre of the top-left pixel.
-    pub fn px(&self, at_mm: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn px(&self, at_mm: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_px, at_mm)
     }
 
     /// The point of the chart at a pixel.
-    pub fn mm(&self, at_px: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn mm(&self, at_px: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_mm, at_px)
     }
 }
@@ -43,7 +43,7 @@ impl FoundChart {
 ///
 /// # Errors
 /// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the photo.
-pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
+pub(crate) fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);
     let (mut chart_mm, mut picture_px) = (Vec::new(), Vec::new());

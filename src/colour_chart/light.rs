@@ -19,7 +19,7 @@ pub enum Surface {
 
 /// The white of the paper over the chart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ChartLight {
+pub(crate) struct ChartLight {
     pub surface: Surface,
     /// Root mean square of what the left-out whites differ from the surface, as a share of the light.
     pub error: f64,
@@ -33,7 +33,7 @@ pub struct ChartLight {
 
 impl ChartLight {
     /// Fits the light to whites: place (mm, chart frame) and light, all positive. `None` with fewer than 8 of them.
-    pub fn fit(whites: &[([f64; 2], [f64; 3])], (width_mm, height_mm): (f64, f64)) -> Option<Self> {
+    pub(crate) fn fit(whites: &[([f64; 2], [f64; 3])], (width_mm, height_mm): (f64, f64)) -> Option<Self> {
         if whites.len() < 8 || whites.iter().any(|(_, light)| light.iter().any(|v| *v <= 0.0)) {
             return None;
         }
@@ -48,7 +48,7 @@ impl ChartLight {
     }
 
     /// The light of bare paper at a place (mm, chart frame).
-    pub fn at(&self, place: [f64; 2]) -> [f64; 3] {
+    pub(crate) fn at(&self, place: [f64; 2]) -> [f64; 3] {
         let terms = terms(self.surface, place, self.middle);
         [0, 1, 2].map(|channel| {
             let sum: f64 = self.coefficients[channel].iter().zip(&terms).map(|(c, t)| c * t).sum();

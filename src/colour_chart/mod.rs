@@ -5,11 +5,11 @@
 //! camera's own tone curve and colours stay in them: they could only be fitted to the colours asked for, and that would hide
 //! exactly what is measured, the printer.
 
-pub mod find;
+pub(crate) mod find;
 pub mod layout;
-pub mod light;
+pub(crate) mod light;
 pub mod read;
-pub mod sample;
+pub(crate) mod sample;
 
 use layout::ChartCell;
 

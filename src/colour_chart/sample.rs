@@ -8,15 +8,15 @@ use super::layout::ChartCell;
 
 /// Side of the square in the middle of a cell whose pixels count: 2.5 mm of the patch around it are left to blur, to lens
 /// distortion and to paper that is not quite flat.
-pub const SAMPLED_MM: f64 = 5.0;
+pub(crate) const SAMPLED_MM: f64 = 5.0;
 /// The square is also looked at in so many parts a side.
-pub const PARTS: usize = 3;
+pub(crate) const PARTS: usize = 3;
 /// Levels from here up are at the end of the scale.
 const CLIPPED: u8 = 254;
 
 /// What the camera saw of a cell. Light is linear in the primaries of sRGB, 1 is the end of the camera's scale.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PatchSample {
+pub(crate) struct PatchSample {
     /// The mean of the middle half of the pixels, channel by channel: a speck or a hair does not count.
     pub light: [f64; 3],
     /// The same of each of the [`PARTS`]² parts, row by row.
@@ -28,7 +28,7 @@ pub struct PatchSample {
 }
 
 /// Samples a cell. `None` where a part of it lies outside the photo or has no pixel.
-pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
+pub(crate) fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
     let [cx, cy] = cell.centre_mm();
     let h = SAMPLED_MM / 2.0;
     let corners = [[cx - h, cy - h], [cx + h, cy - h], [cx + h, cy + h], [cx - h, cy + h]].map(|mm| chart.px(mm));

@@ -2,7 +2,7 @@
 
 pub mod card;
 pub mod colour;
-pub mod contrast;
+pub(crate) mod contrast;
 pub mod gamut;
 pub mod palette;
 pub mod printed;

@@ -6,7 +6,7 @@ mod bridges;
 mod legend;
 mod numbers;
 mod pieces;
-pub mod plane;
+pub(crate) mod plane;
 mod regions;
 mod stencil;
 mod stencil_sheet;

@@ -8,19 +8,19 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 /// Units in a millimetre.
-pub const PER_MM: f64 = 10_000.0;
+pub(crate) const PER_MM: f64 = 10_000.0;
 
 /// A corner, in units.
-pub type PlanePoint = IntPoint<i32>;
+pub(crate) type PlanePoint = IntPoint<i32>;
 /// A closed outline.
-pub type PlaneOutline = Vec<PlanePoint>;
+pub(crate) type PlaneOutline = Vec<PlanePoint>;
 
 /// Millimetres to the nearest unit. Beyond 100 m, where nothing is printed, the value is held.
-pub fn units(mm: f64) -> i32 {
+pub(crate) fn units(mm: f64) -> i32 {
     (mm * PER_MM).round().clamp(-1e9, 1e9) as i32
 }
 
-pub fn mm(units: i32) -> f64 {
+pub(crate) fn mm(units: i32) -> f64 {
     f64::from(units) / PER_MM
 }
 
@@ -149,12 +149,12 @@ impl Area {
 }
 
 /// Each corner of an outline and the next.
-pub fn edges(outline: &PlaneOutline) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
+pub(crate) fn edges(outline: &PlaneOutline) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
     outline.iter().copied().zip(outline.iter().copied().cycle().skip(1))
 }
 
 /// What a square of half side `half` covers while its centre goes straight from `a` to `b`: a hexagon, or a rectangle.
-pub fn swept(a: PlanePoint, b: PlanePoint, half: i32) -> PlaneOutline {
+pub(crate) fn swept(a: PlanePoint, b: PlanePoint, half: i32) -> PlaneOutline {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
     let corners = if a.y <= b.y {
         [(a, -1, -1), (a, 1, -1), (b, 1, -1), (b, 1, 1), (b, -1, 1), (a, -1, 1)]
