@@ -33,7 +33,7 @@ pub struct PrintedChart {
 /// Draws the chart with the most colours that the paper has room for.
 ///
 /// # Errors
-/// Paper without room for the smallest chart, upright and across.
+/// A roll; paper without room for the smallest chart, upright and across.
 pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);
@@ -51,6 +51,7 @@ pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
 }
 
 fn placed(media: Media) -> Result<(ChartLayout, FreePage, RectMm), ChartPrintError> {
+    media.check_is_cut()?;
     let pages = FreePage::both_ways(media)?;
     for kind in ChartKind::ALL {
         let layout = ChartLayout::new(kind);

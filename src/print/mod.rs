@@ -38,6 +38,8 @@ pub enum SheetError {
         spelling::hint(text, ["a4", "a3", "letter", "tabloid"])
     )]
     UnknownPaper { text: String },
+    #[error("boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm")]
+    Roll,
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
     UnknownSize { text: String },
     #[error("'{text}' is no date; write YYYY-MM-DD, as in 2026-11-21")]

@@ -24,6 +24,17 @@ pub struct Media {
     pub printer: Printer,
 }
 
+impl Media {
+    /// # Errors
+    /// A roll, for what must lie on one cut sheet.
+    pub(crate) fn check_is_cut(&self) -> Result<(), SheetError> {
+        match self.paper {
+            Stock::Cut(_) => Ok(()),
+            Stock::Roll { .. } => Err(SheetError::Roll),
+        }
+    }
+}
+
 /// A page that is drawn on freely: its frame's usable area is for the content.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreePage(pub PageFrame);

@@ -24,7 +24,6 @@ use crate::pattern::Pattern;
 use crate::pattern::card::{self, CardError};
 use crate::print::output::{OutputError, SheetFormat, SheetOutput};
 use crate::print::page::Media;
-use crate::print::paper::Stock;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
 
@@ -161,19 +160,7 @@ struct CutSheetArgs {
 }
 
 impl CutSheetArgs {
-    /// Cut paper.
     fn media(&self) -> Result<Media, Box<dyn Error>> {
-        let media = self.any_media()?;
-        if let Stock::Roll { .. } = media.paper {
-            return Err(
-                "boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into(),
-            );
-        }
-        Ok(media)
-    }
-
-    /// Cut paper or a roll.
-    fn any_media(&self) -> Result<Media, Box<dyn Error>> {
         Ok(Media {
             paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,

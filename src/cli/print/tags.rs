@@ -31,7 +31,7 @@ pub(crate) struct TagsArgs {
 
 /// Runs `scaleproof print tags`.
 pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
-    let media = args.sheets.any_media()?;
+    let media = args.sheets.media()?;
     let scene = Scene::open(&args.scene)?;
     let made = tag_sheets(
         &scene,

@@ -91,8 +91,9 @@ pub struct Board {
 /// Draws a board in the middle of one sheet.
 ///
 /// # Errors
-/// Numbers that make no board, too few markers in the dictionary, a board larger than the paper.
+/// A roll, numbers that make no board, too few markers in the dictionary, a board larger than the paper.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
+    request.media.check_is_cut()?;
     let definition = definition::definition(request)?;
     let (width, height) = definition.size_mm();
     let (page, area) = placed(request.media, width, height)?;
