@@ -22,6 +22,8 @@ use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::Pattern;
 use crate::pattern::card::{self, CardError};
+use crate::print::SheetError;
+use crate::print::date::Date;
 use crate::print::output::{OutputError, SheetFormat, SheetOutput};
 use crate::print::page::Media;
 use crate::print::printer::Printer;
@@ -72,27 +74,31 @@ pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// What the sheets are written as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum SheetFormatName {
-    /// One file with all pages
-    Pdf,
-    /// One file a page, named OUTPUT-PAGE.svg
-    Svg,
-}
+/// Makes choices of the library values of options: each with its name, and what the help says of it.
+macro_rules! value_names {
+    ($choice:ty: $($variant:ident $name:literal $($help:literal)?),+) => {
+        impl clap::ValueEnum for $choice {
+            fn value_variants<'a>() -> &'a [Self] {
+                &[$(Self::$variant),+]
+            }
 
-impl From<SheetFormatName> for SheetFormat {
-    fn from(name: SheetFormatName) -> Self {
-        match name {
-            SheetFormatName::Pdf => Self::Pdf,
-            SheetFormatName::Svg => Self::Svg,
+            fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+                match self {
+                    $(Self::$variant => Some(clap::builder::PossibleValue::new($name)$(.help($help))?),)+
+                    #[allow(unreachable_patterns)]
+                    _ => None,
+                }
+            }
         }
-    }
+    };
 }
+use value_names;
+
+value_names!(SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
 
 /// Where the sheets go.
-fn sheet_output(path: &Path, format: Option<SheetFormatName>) -> Result<SheetOutput, String> {
-    SheetOutput::named(path, format.map(SheetFormat::from)).map_err(|error| match error {
+fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput, String> {
+    SheetOutput::named(path, format).map_err(|error| match error {
         OutputError::UnknownEnding { .. } => format!("{error}, or give --format"),
         _ => error.to_string(),
     })
@@ -156,7 +162,7 @@ struct CutSheetArgs {
     output: PathBuf,
     /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<SheetFormatName>,
+    format: Option<SheetFormat>,
 }
 
 impl CutSheetArgs {
@@ -188,6 +194,43 @@ fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, St
         }
         _ => error.to_string(),
     })
+}
+
+/// What tiled sheets and the check page are printed on, and where they are written.
+#[derive(clap::Args)]
+pub(crate) struct PaperArgs {
+    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
+    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
+    paper: String,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// pdf, or svg (one file a page); without it, what the file's name ends in
+    #[arg(long, value_enum)]
+    format: Option<SheetFormat>,
+    /// Border of the paper that the printer cannot reach, in mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
+    margin_mm: f64,
+    /// Take back the stretch of this printer: a file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// A day for the caption, as YYYY-MM-DD
+    #[arg(long, value_name = "DATE")]
+    date: Option<String>,
+}
+
+impl PaperArgs {
+    fn output(&self) -> Result<SheetOutput, String> {
+        sheet_output(&self.output, self.format)
+    }
+
+    fn printer(&self) -> Result<Printer, Box<dyn Error>> {
+        printer(self.printer.as_deref())
+    }
+
+    fn date(&self) -> Result<Option<Date>, SheetError> {
+        self.date.as_deref().map(str::parse).transpose()
+    }
 }
 
 fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::wrap::{ModelArgs, SheetArgs};
-use super::{CommandResult, Outcome, sheet_output, write_files, write_json};
+use super::{CommandResult, Outcome, value_names, write_files, write_json};
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::counted;
@@ -35,7 +35,7 @@ pub(crate) struct PlaceArgs {
     patch: Vec<PathBuf>,
     /// The panel it goes on
     #[arg(long, value_enum, required = true)]
-    panel: Vec<PanelName>,
+    panel: Vec<Side>,
     /// The patch's middle as the panel is seen from outside: to the right of the model's middle and above the ground (on the
     /// roof: before the middle), in mm, as in -40,65
     #[arg(long, value_name = "X,Y", required = true, allow_hyphen_values = true)]
@@ -45,26 +45,7 @@ pub(crate) struct PlaceArgs {
     size_mm: Vec<String>,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum PanelName {
-    Left,
-    Right,
-    Roof,
-    Front,
-    Rear,
-}
-
-impl From<PanelName> for Side {
-    fn from(name: PanelName) -> Self {
-        match name {
-            PanelName::Left => Self::Left,
-            PanelName::Right => Self::Right,
-            PanelName::Roof => Self::Roof,
-            PanelName::Front => Self::Front,
-            PanelName::Rear => Self::Rear,
-        }
-    }
-}
+value_names!(Side: Left "left", Right "right", Roof "roof", Front "front", Rear "rear");
 
 /// Runs `scaleproof print patch`.
 pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
@@ -75,12 +56,12 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let request = sheets.request(1.0, model.scale, Path::new(""))?;
     let made = patches(&panels, &wanted, &request)?;
     let title = format!("Patches of {}", wanted[0].name);
-    let files = sheet_output(&sheets.output, sheets.format)?.files(&title, &made.page_names, &made.pages)?;
+    let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
     let mut inputs: Vec<Option<&Path>> = args.places.patch.iter().map(|path| Some(path.as_path())).collect();
     inputs.extend([
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
-        sheets.printer.as_deref(),
+        sheets.paper.printer.as_deref(),
     ]);
     write_files(&files, &inputs)?;
     if args.model.mesh.is_some() {
@@ -129,7 +110,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>>
         Ok(PanelPatch {
             name: name.unwrap_or_default(),
             image,
-            side: args.panel[i].into(),
+            side: args.panel[i],
             at_mm: place(&args.at_mm[i])?,
             size_mm,
         })

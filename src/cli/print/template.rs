@@ -4,16 +4,16 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use serde_json::json;
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, NewFile, Outcome, SheetFormatName, printer, sheet_output, write_files, write_json};
+use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::pattern::Pattern;
+use crate::print::lettering;
 use crate::print::output::{SheetFormat, SheetOutput};
-use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
-use crate::print::{lettering, paper};
+use crate::print::paper::{self, Orientation};
+use crate::print::template::{Front, LayoutRequest, Template, TemplateRequest, template};
 
 #[derive(clap::Args)]
 pub(crate) struct TemplateArgs {
@@ -26,15 +26,8 @@ pub(crate) struct TemplateArgs {
     /// Width and height of the whole template, in mm, as in 600x300
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size_mm: String,
-    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
-    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
-    /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in
-    #[arg(long, value_enum)]
-    format: Option<SheetFormatName>,
+    #[command(flatten)]
+    paper: PaperArgs,
     /// The model is 1:SCALE (named in the captions)
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,
@@ -56,21 +49,12 @@ pub(crate) struct TemplateArgs {
         conflicts_with = "paint"
     )]
     bleed_mm: f64,
-    /// Border of the paper that the printer cannot reach, in mm
-    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
-    margin_mm: f64,
     /// Which way round the paper is used; auto needs the fewest sheets
     #[arg(long, value_enum, default_value_t = Orientation::Auto)]
     orientation: Orientation,
     /// Which edge of the template points to the model's front
     #[arg(long, value_enum, default_value_t = Front::Left)]
     front: Front,
-    /// Take back the stretch of this printer: a file of `print verify`
-    #[arg(long, value_name = "TOML")]
-    printer: Option<PathBuf>,
-    /// A day for the caption, as YYYY-MM-DD
-    #[arg(long, value_name = "DATE")]
-    date: Option<String>,
     #[command(flatten)]
     paint: PaintArgs,
     /// One JSON object instead of text
@@ -78,58 +62,27 @@ pub(crate) struct TemplateArgs {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Orientation {
-    Auto,
-    Portrait,
-    Landscape,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Front {
-    Left,
-    Right,
-    Up,
-    Down,
-    None,
-}
-
-impl From<Front> for crate::print::template::Front {
-    fn from(choice: Front) -> Self {
-        match choice {
-            Front::Left => Self::Left,
-            Front::Right => Self::Right,
-            Front::Up => Self::Up,
-            Front::Down => Self::Down,
-            Front::None => Self::None,
-        }
-    }
-}
-
-impl From<Orientation> for paper::Orientation {
-    fn from(choice: Orientation) -> Self {
-        match choice {
-            Orientation::Auto => Self::Auto,
-            Orientation::Portrait => Self::Portrait,
-            Orientation::Landscape => Self::Landscape,
-        }
-    }
-}
+value_names!(Orientation: Auto "auto", Portrait "portrait", Landscape "landscape");
+value_names!(Front: Left "left", Right "right", Up "up", Down "down", None "none");
 
 pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let request = request(args, &pattern)?;
     let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
-    let output = sheet_output(&args.output, args.format)?;
+    let output = args.paper.output()?;
     if let Some(paints) = args.paint.paints()? {
-        let inputs = [Some(&*args.pattern), args.printer.as_deref(), args.paint.palette_file()];
+        let inputs = [
+            Some(&*args.pattern),
+            args.paper.printer.as_deref(),
+            args.paint.palette_file(),
+        ];
         paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
     } else {
         let (made, files) = write(
             &pattern,
             &request,
             &output,
-            &[Some(&args.pattern), args.printer.as_deref()],
+            &[Some(&args.pattern), args.paper.printer.as_deref()],
         )?;
         if args.json {
             write_json(&files, facts(&made), out)?;
@@ -174,12 +127,12 @@ fn write(
 fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Box<dyn Error>> {
     let layout = LayoutRequest {
         size_mm: paper::size_mm(&args.size_mm)?,
-        paper: args.paper.parse()?,
-        orientation: args.orientation.into(),
+        paper: args.paper.paper.parse()?,
+        orientation: args.orientation,
         overlap_mm: args.overlap_mm,
         bleed_mm: args.bleed_mm,
-        margin_mm: args.margin_mm,
-        printer: printer(args.printer.as_deref())?,
+        margin_mm: args.paper.margin_mm,
+        printer: args.paper.printer()?,
     };
     let pattern_name = args
         .pattern
@@ -190,8 +143,8 @@ fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Bo
         tile_mm: super::tile_mm(args.tile_mm, &args.pattern, pattern)?,
         scale: args.scale,
         pattern_name,
-        front: args.front.into(),
-        date: args.date.as_deref().map(str::parse).transpose()?,
+        front: args.front,
+        date: args.paper.date()?,
         layout,
     })
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{CommandResult, Outcome, SheetFormatName, printer, sheet_output, write_files, write_json};
+use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::mesh::{Mesh, MeshError, Placement};
 use crate::pattern::Pattern;
@@ -73,27 +73,11 @@ pub(crate) struct ModelArgs {
 /// What it is printed on.
 #[derive(clap::Args)]
 pub(crate) struct SheetArgs {
-    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
-    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
-    /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in
-    #[arg(long, value_enum)]
-    pub format: Option<SheetFormatName>,
+    #[command(flatten)]
+    pub(super) paper: PaperArgs,
     /// Strip that neighbouring sheets share for gluing, in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
     overlap_mm: f64,
-    /// Border of the paper that the printer cannot reach, in mm
-    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
-    margin_mm: f64,
-    /// Take back the stretch of this printer: a file of `print verify`
-    #[arg(long, value_name = "TOML")]
-    pub printer: Option<PathBuf>,
-    /// A day for the caption, as YYYY-MM-DD
-    #[arg(long, value_name = "DATE")]
-    date: Option<String>,
 }
 
 /// A model ready to be printed on: its surface in the model frame, which materials are paint, its scale.
@@ -169,11 +153,11 @@ impl SheetArgs {
                 .file_name()
                 .map(|n| n.to_string_lossy().into_owned())
                 .unwrap_or_default(),
-            date: self.date.as_deref().map(str::parse).transpose()?,
-            paper: self.paper.parse()?,
+            date: self.paper.date()?,
+            paper: self.paper.paper.parse()?,
             overlap_mm: self.overlap_mm,
-            margin_mm: self.margin_mm,
-            printer: printer(self.printer.as_deref())?,
+            margin_mm: self.paper.margin_mm,
+            printer: self.paper.printer()?,
             max_stretch: None,
         })
     }
@@ -192,7 +176,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             &args.pattern,
         )?
     };
-    let output = sheet_output(&sheets.output, sheets.format)?;
+    let output = sheets.paper.output()?;
     let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &pattern, &request).map_err(advised)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
@@ -200,7 +184,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         Some(args.pattern.as_path()),
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
-        sheets.printer.as_deref(),
+        sheets.paper.printer.as_deref(),
     ];
     write_files(&files, &inputs)?;
     busy.finish_and_clear();
