@@ -86,6 +86,14 @@ pub fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
 }
 
+/// Whether an output is written to as a stream: standard output, a named pipe or a character device.
+///
+/// # Errors
+/// What lies in its place can be neither replaced nor written to.
+pub fn is_stream(path: &Path) -> Result<bool, FileError> {
+    Ok(matches!(Place::of(path)?, Place::Stream(_)))
+}
+
 /// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is
 /// killed between two of them leaves a note by which the next one that writes into the folder finishes (`journal.rs`). Missing parent
 /// folders are made.

@@ -8,7 +8,7 @@ use super::timing::fastest;
 use crate::camera::Camera;
 use crate::capture::{Guidance, Judge, Tolerance, viewpoints_of};
 use crate::photo::{Budget, Photo};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::scene::{Bins, Scene};
 use crate::tags::{CornersBy, TagDetectorChoice};
 
@@ -134,12 +134,12 @@ pub fn draw(rows: &[Row]) -> String {
         note: format!(
             "{frames} frames; limits {median:.0} ms (median) and {p95:.0} ms (95 %); filled share of a mark: share located"
         ),
-        x: Axis::around(
+        x: PlotAxis::around(
             "median milliseconds, one core",
             Scale::Log,
             rows.iter().map(|row| row.median_ms),
         ),
-        y: Axis::around("95 % take no longer, ms", Scale::Log, rows.iter().map(|row| row.p95_ms)),
+        y: PlotAxis::around("95 % take no longer, ms", Scale::Log, rows.iter().map(|row| row.p95_ms)),
         colours: names.clone(),
         shapes: vec!["running camera".to_owned(), "photos".to_owned()],
         ringed: "the default".to_owned(),

@@ -6,7 +6,7 @@ use super::timing::fastest;
 use crate::camera::Camera;
 use crate::envelope::EnvelopeShape;
 use crate::geometry::{BoxPx, Rigid};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::statistics::median;
 
 /// A photo with its pose, and the truth about it.
@@ -108,12 +108,12 @@ pub fn draw(rows: &[Row]) -> String {
     let cloud = Cloud {
         title: "Truth box: error against time".to_owned(),
         note: format!("{photos} photos; filled share of a mark: share that got a truth box; lower left is better"),
-        x: Axis::around(
+        x: PlotAxis::around(
             "milliseconds a photo, one core",
             Scale::Log,
             dots.iter().map(|dot| dot.x),
         ),
-        y: Axis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
+        y: PlotAxis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
         colours: rows.iter().map(|row| row.envelope.to_owned()).collect(),
         shapes: vec!["median photo".to_owned(), "worst photo".to_owned()],
         ringed: "the default".to_owned(),

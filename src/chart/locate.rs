@@ -8,7 +8,7 @@ use super::timing::fastest;
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::scene::{Scene, Viewpoint};
 use crate::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
 
@@ -262,8 +262,8 @@ pub fn draw(rows: &[Row]) -> String {
         note: format!(
             "{photos} photos; filled share of a mark: share of the photos that got a pose; lower left is better"
         ),
-        x: Axis::around("milliseconds a photo, one core", Scale::Log, rows.iter().map(Row::ms)),
-        y: Axis::around(
+        x: PlotAxis::around("milliseconds a photo, one core", Scale::Log, rows.iter().map(Row::ms)),
+        y: PlotAxis::around(
             "median azimuth error, °",
             Scale::Log,
             rows.iter().filter_map(|row| row.azimuth_error_median_deg),

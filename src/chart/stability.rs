@@ -9,7 +9,7 @@ use super::spoil::{Quad, Spoil};
 use crate::camera::Camera;
 use crate::geometry::angle;
 use crate::locate::{self, Located, Solver, locate_luma};
-use crate::plot::{Axis, Line, Panel, Scale, panels};
+use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
 use crate::simulate::{Fault, Noise, Simulator, View};
 use crate::statistics::upper_median;
@@ -454,7 +454,7 @@ pub fn draw(title: &str, steps: &[Step]) -> String {
         "Silently wrong: another azimuth bin than the true one, the truth being more than 1° inside its bin."
             .to_owned(),
     ];
-    let all: Vec<Panel> = sweeps
+    let all: Vec<PlotPanel> = sweeps
         .iter()
         .flat_map(|sweep| {
             let of_sweep: Vec<&Step> = steps.iter().filter(|step| step.sweep == *sweep).collect();
@@ -465,8 +465,8 @@ pub fn draw(title: &str, steps: &[Step]) -> String {
     panels(title, &notes, &names, 4, &all)
 }
 
-fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
-    let line = |series: usize, is_dashed: bool, value: fn(&Step) -> f64| Line {
+fn shares(steps: &[&Step], methods: &[&str]) -> PlotPanel {
+    let line = |series: usize, is_dashed: bool, value: fn(&Step) -> f64| PlotLine {
         series,
         values: of_method(steps, methods[series])
             .map(|step| Some(value(step)))
@@ -476,10 +476,10 @@ fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
     let numbers = 0..methods.len();
     let answered = numbers.clone().map(|i| line(i, false, |step| step.answered));
     let wrong = numbers.map(|i| line(i, true, |step| step.silently_wrong));
-    Panel {
+    PlotPanel {
         title: steps.first().map_or("", |step| step.unit).to_owned(),
         steps: amounts(steps, methods),
-        y: Axis {
+        y: PlotAxis {
             title: "share of views".to_owned(),
             scale: Scale::Linear,
             low: 0.0,
@@ -489,20 +489,20 @@ fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
     }
 }
 
-fn errors(steps: &[&Step], methods: &[&str]) -> Panel {
-    let line = |series: usize| Line {
+fn errors(steps: &[&Step], methods: &[&str]) -> PlotPanel {
+    let line = |series: usize| PlotLine {
         series,
         values: of_method(steps, methods[series])
             .map(|step| step.azimuth_error_median_deg)
             .collect(),
         is_dashed: false,
     };
-    let lines: Vec<Line> = (0..methods.len()).map(line).collect();
+    let lines: Vec<PlotLine> = (0..methods.len()).map(line).collect();
     let values = lines.iter().flat_map(|line| line.values.iter().flatten().copied());
-    Panel {
+    PlotPanel {
         title: String::new(),
         steps: amounts(steps, methods),
-        y: Axis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
+        y: PlotAxis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
         lines,
     }
 }

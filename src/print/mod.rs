@@ -7,9 +7,10 @@
 pub mod board;
 pub mod chart;
 pub mod check;
-pub mod date;
-pub mod frame;
-pub mod lettering;
+pub(crate) mod date;
+pub(crate) mod frame;
+pub(crate) mod lettering;
+pub mod output;
 mod pack;
 pub mod page;
 pub mod paint;
@@ -17,8 +18,8 @@ pub mod paper;
 pub mod patch;
 pub mod pdf;
 pub mod printer;
-pub mod ruler;
-pub mod shapes;
+pub(crate) mod ruler;
+pub(crate) mod shapes;
 pub mod sheet;
 pub mod svg;
 pub mod tags;
@@ -37,6 +38,8 @@ pub enum SheetError {
         spelling::hint(text, ["a4", "a3", "letter", "tabloid"])
     )]
     UnknownPaper { text: String },
+    #[error("boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm")]
+    Roll,
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
     UnknownSize { text: String },
     #[error("'{text}' is no date; write YYYY-MM-DD, as in 2026-11-21")]

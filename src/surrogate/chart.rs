@@ -454,8 +454,8 @@ fn cloud(
     scatter(&Cloud {
         title: title.to_owned(),
         note,
-        x: Axis::around(x, Scale::Log, rows.iter().map(&value)),
-        y: Axis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
+        x: PlotAxis::around(x, Scale::Log, rows.iter().map(&value)),
+        y: PlotAxis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
         colours: names,
         shapes,
         ringed: "the default".to_owned(),
