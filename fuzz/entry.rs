@@ -6,12 +6,12 @@ use std::sync::LazyLock;
 
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof::board::Definition;
-use scaleproof::camera::{Camera, Format};
+use scaleproof::camera::{Camera, CameraFormat};
 use scaleproof::detect::{Manifest, Recorded};
 use scaleproof::files::sha256_hex;
 use scaleproof::frames::FrameSet;
 use scaleproof::frames::import::import as import_frames;
-use scaleproof::mesh::{Mesh, Placement};
+use scaleproof::mesh::{Mesh, MeshPlacement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::palette::Palette;
 use scaleproof::photo::Photo;
@@ -26,7 +26,7 @@ pub fn camera(bytes: &[u8]) {
     let Some(camera) = text(bytes).and_then(|t| Camera::parse(t, Path::new("camera")).ok()) else {
         return;
     };
-    for (format, name) in Format::ALL {
+    for (format, name) in CameraFormat::ALL {
         let Ok(written) = camera.write(format) else { continue };
         let again = Camera::parse(&written, Path::new(name)).expect("what was written can be read");
         assert_eq!(again, camera, "{written}");
@@ -123,9 +123,9 @@ pub fn ply(bytes: &[u8]) {
 
 /// What is read has corners and materials that exist.
 fn mesh(name: &str, bytes: &[u8]) {
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(100.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     if let Ok(mesh) = Mesh::load(&file(name, bytes), &placement) {
         for triangle in mesh.triangles() {
@@ -203,7 +203,7 @@ pub fn frames(bytes: &[u8]) {
     std::fs::write(FOLDER.join("frames.json"), bytes).expect("the temporary folder takes files");
     let Ok(set) = FrameSet::open(&FOLDER) else { return };
     for frame in set.list.frames.iter().take(2) {
-        let _ = set.check_pictures(frame);
+        let _ = set.check_images(frame);
     }
 }
 

@@ -2,7 +2,7 @@
 //! what must be refused.
 #![cfg(feature = "attack")]
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 
@@ -14,10 +14,10 @@ use scaleproof::frames::FrameSet;
 use scaleproof::frames::light;
 use scaleproof::frames::views;
 use scaleproof::surrogate::dtn::data::TrainingSet;
-use scaleproof::surrogate::dtn::run::{Budget, train};
-use scaleproof::surrogate::dtn::training::{Plan, Trainer};
+use scaleproof::surrogate::dtn::run::{TrainingBudget, train};
+use scaleproof::surrogate::dtn::trained::DtnView;
+use scaleproof::surrogate::dtn::training::{Trainer, TrainingPlan};
 use scaleproof::surrogate::dtn::transformer::Maps;
-use scaleproof::surrogate::dtn::view::View;
 use scaleproof::surrogate::dtn::{Architecture, Encoder, Transformer, file};
 use scaleproof::surrogate::renderer::Renderer;
 
@@ -36,8 +36,8 @@ fn training_set(width_px: u32) -> TrainingSet {
     TrainingSet::read(&[stored()], None, width_px, &[GREY], || ()).unwrap()
 }
 
-fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> Plan {
-    Plan {
+fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> TrainingPlan {
+    TrainingPlan {
         architecture: Architecture {
             encoder,
             depth,
@@ -49,12 +49,12 @@ fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> Plan {
     }
 }
 
-fn trainer(plan: Plan) -> Trainer {
+fn trainer(plan: TrainingPlan) -> Trainer {
     Trainer::new(plan, Device::flex()).unwrap()
 }
 
 /// The network's model of the first stored view.
-fn first_view(trainer: &Trainer) -> View {
+fn first_view(trainer: &Trainer) -> DtnView {
     let set = stored();
     let all = views(&set.list.frames);
     let grey = all[0].iter().find(|f| f.flat_rgb() == Some(GREY)).unwrap();
@@ -121,7 +121,7 @@ fn slopes_are_finite_differences() {
                 continue;
             }
             let by = |f: &dyn Fn(f64) -> f64| (f(step) - f(-step)) / (2.0 * step);
-            let found = kind.slope(maps, eta);
+            let found = kind.derivative(maps, eta);
             let wanted = by(&|d| kind.value(maps, eta + d));
             assert!((found - wanted).abs() < 1e-6, "{maps:?} {eta}: {found} for {wanted}");
             // Where both ReLUs are open, what reaches the maps is the derivative; NTR has none.
@@ -130,7 +130,7 @@ fn slopes_are_finite_differences() {
                 continue;
             }
             open += 1;
-            let pulls = kind.pulls(maps, eta, pull);
+            let gradients = kind.vjp(maps, eta, pull);
             let moved = |change: fn(&mut Maps, f64)| {
                 by(&|d| {
                     let mut maps = maps;
@@ -139,10 +139,10 @@ fn slopes_are_finite_differences() {
                 })
             };
             for (found, wanted) in [
-                (pulls.subtract, moved(|m, d| m.subtract += d)),
-                (pulls.add, moved(|m, d| m.add += d)),
-                (pulls.multiply, moved(|m, d| m.multiply += d)),
-                (pulls.bias, moved(|m, d| m.bias += d)),
+                (gradients.subtract, moved(|m, d| m.subtract += d)),
+                (gradients.add, moved(|m, d| m.add += d)),
+                (gradients.multiply, moved(|m, d| m.multiply += d)),
+                (gradients.bias, moved(|m, d| m.bias += d)),
             ] {
                 assert!((found - wanted).abs() < 1e-6, "{kind:?} {maps:?}: {found} for {wanted}");
             }
@@ -163,17 +163,17 @@ fn a_shut_relu_can_be_opened_again() {
     let kind = Transformer::Texture;
     assert_eq!(kind.value(shut, 0.5), 0.0);
     assert!(
-        kind.pulls(shut, 0.5, -1.0).bias < 0.0,
+        kind.vjp(shut, 0.5, -1.0).bias < 0.0,
         "the step against the gradient raises the bias"
     );
-    assert_eq!(kind.pulls(shut, 0.5, 1.0).bias, 0.0);
+    assert_eq!(kind.vjp(shut, 0.5, 1.0).bias, 0.0);
     let dark = Maps {
         subtract: 0.8,
         bias: 0.2,
         ..shut
     };
-    assert!(kind.pulls(dark, 0.5, -1.0).subtract > 0.0);
-    assert_eq!(kind.pulls(dark, 0.5, 1.0).subtract, 0.0);
+    assert!(kind.vjp(dark, 0.5, -1.0).subtract > 0.0);
+    assert_eq!(kind.vjp(dark, 0.5, 1.0).subtract, 0.0);
 }
 
 /// Every architecture starts about as the reference picture where the texture is the reference, scaled elsewhere (shut, it would be off by its
@@ -226,7 +226,7 @@ fn training_lowers_the_error_on_an_unseen_view() {
         train(
             &mut trainer,
             &set,
-            Budget::Epochs(200),
+            TrainingBudget::Epochs(200),
             &folder.path().join("n.dtn"),
             |_, _| (),
         )
@@ -255,19 +255,19 @@ fn the_view_slope_is_a_finite_difference() {
             .collect();
         let step = 1e-6;
         let moved = |by: f64| view.predict(&paint.iter().map(|p| p.map(|v| v + by)).collect::<Vec<_>>());
-        let (low, high, slopes) = (moved(-step), moved(step), view.slope(&paint));
+        let (low, high, derivatives) = (moved(-step), moved(step), view.derivative(&paint));
         let mut steep = 0;
-        for ((low, high), slope) in low.iter().zip(&high).zip(&slopes) {
+        for ((low, high), derivative) in low.iter().zip(&high).zip(&derivatives) {
             for c in 0..3 {
-                // A kink between the two is neither side's slope.
+                // A kink between the two is neither side's derivative.
                 let wanted = (high[c] - low[c]) / (2.0 * step);
                 let is_kink = low[c] <= 0.0 || high[c] >= 1.0;
                 assert!(
-                    is_kink || (wanted - slope[c]).abs() < 1e-3 * (1.0 + wanted.abs()),
+                    is_kink || (wanted - derivative[c]).abs() < 1e-3 * (1.0 + wanted.abs()),
                     "{} for {wanted}",
-                    slope[c]
+                    derivative[c]
                 );
-                steep += usize::from(slope[c] > 0.1);
+                steep += usize::from(derivative[c] > 0.1);
             }
         }
         assert!(steep > 1000, "{steep}");
@@ -281,12 +281,12 @@ fn going_on_is_as_if_it_had_not_stopped() {
     let set = training_set(96);
     let plan = plan(Encoder::ResNet, 3, Transformer::Texture);
     let mut whole = trainer(plan.clone());
-    train(&mut whole, &set, Budget::Epochs(12), &path, |_, _| ()).unwrap();
+    train(&mut whole, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
     let mut first = trainer(plan);
-    train(&mut first, &set, Budget::Epochs(7), &path, |_, _| ()).unwrap();
+    train(&mut first, &set, TrainingBudget::Epochs(7), &path, |_, _| ()).unwrap();
     let mut second = Trainer::go_on(file::load(&path).unwrap(), Device::flex()).unwrap();
     assert_eq!(second.steps, 7);
-    train(&mut second, &set, Budget::Epochs(12), &path, |_, _| ()).unwrap();
+    train(&mut second, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
     let paint = vec![[0.3, 0.1, 0.7]; 96 * 64];
     assert_eq!(first_view(&whole).predict(&paint), first_view(&second).predict(&paint));
     assert_ne!(first_view(&whole).predict(&paint), first_view(&first).predict(&paint));

@@ -2,9 +2,8 @@
 //! tables against figures by hand, resume, and what is refused.
 #![cfg(unix)]
 
-mod common;
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common;
+use crate::tests::common::onnx;
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
@@ -333,7 +332,7 @@ fn what_would_give_wrong_tables_is_refused() {
         &["box.stl is not a PNG file"],
     );
     refused(&["--target", "yolov4"], &["the target 'yolov4'", "made, other"]);
-    refused(&["--distance-mm", "150"], &["not whole in the picture", "150 mm"]);
+    refused(&["--distance-mm", "150"], &["not whole in the image", "150 mm"]);
     refused(&["--pitch-deg", "-30"], &["not above the ground"]);
     refused(&["--class", "unicorn"], &["made has no label `unicorn`"]);
     assert!(!bench.at("out").exists(), "nothing was begun");

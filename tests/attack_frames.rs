@@ -1,7 +1,7 @@
 //! Frames: the stored ones are whole, damaged ones are refused; what is asked of Blender is what print has; a render is gone on with
 //! after it stopped (with a program that stands in for Blender); frames of another engine.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -12,8 +12,8 @@ use rand::{RngExt, SeedableRng};
 use scaleproof::frames::FrameSet;
 use scaleproof::frames::import::carla::{Transform, pose};
 use scaleproof::frames::light;
-use scaleproof::frames::render::{Colour, Plan, RenderRequest};
-use scaleproof::mesh::{Mesh, Placement, doubled_area};
+use scaleproof::frames::render::{RenderPaint, RenderPlan, RenderRequest};
+use scaleproof::mesh::{Mesh, MeshPlacement, doubled_area};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::WorldAligned;
 use scaleproof::scene::Viewpoint;
@@ -115,7 +115,7 @@ fn damaged_frames_are_refused_in_a_sentence() {
     assert_refused(&edit("rgb/studio", "../studio"), &["not a path below"]);
     assert_refused(
         &edit("\"size_px\": [\n    96", "\"size_px\": [\n    95"),
-        &["rgb picture has 96×64", "95×64"],
+        &["rgb image has 96×64", "95×64"],
     );
     assert_refused(
         &edit("\"linear_max\": 4.0", "\"linear_max\": 0.0"),
@@ -170,8 +170,8 @@ fn request(mesh: Mesh, mesh_file: PathBuf) -> RenderRequest {
         lights: vec!["forest".parse().unwrap(), "studio@90".parse().unwrap()],
         viewpoints: vec![view(0.0), view(135.0)],
         colours: vec![
-            Colour::Flat([128, 0, 255]),
-            Colour::Pattern("p".into(), Pattern::random(5, 3).unwrap(), 71.0),
+            RenderPaint::Flat([128, 0, 255]),
+            RenderPaint::Pattern("p".into(), Pattern::random(5, 3).unwrap(), 71.0),
         ],
         size_px: [32, 24],
         field_of_view_deg: 50.0,
@@ -198,7 +198,7 @@ fn textured(paint: &serde_json::Value, uv_mm: [f64; 2]) -> [f64; 3] {
 
 /// Random points of the surface that Blender gets, with a pattern, have the colours of the printed panels.
 fn assert_world_aligned(mesh: &Mesh, mesh_file: PathBuf, materials: Vec<usize>) -> usize {
-    let plan = Plan::new(RenderRequest {
+    let plan = RenderPlan::new(RenderRequest {
         materials,
         ..request(mesh.clone(), mesh_file)
     })
@@ -254,9 +254,9 @@ fn blender_gets_the_pattern_as_print_lays_it() {
     let Some(skyline) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
         return;
     };
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(455.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     let mesh = Mesh::load(&skyline, &placement).unwrap();
     let paint = mesh.materials_named(&["Material.001".to_owned()]).unwrap();
@@ -269,7 +269,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("box.stl");
     std::fs::write(&file, "x").unwrap();
-    let plan = Plan::new(request(Mesh::cuboid([180.0, 90.0, 60.0]), file)).unwrap();
+    let plan = RenderPlan::new(request(Mesh::cuboid([180.0, 90.0, 60.0]), file)).unwrap();
     let script = plan.to_script(&plan.everything(), Path::new("raw"));
     let source = std::fs::read_to_string(home().join("src/frames/render/render_frames.py")).unwrap();
     let first = |v: &serde_json::Value| v.as_object().unwrap().values().next().unwrap().clone();

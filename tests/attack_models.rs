@@ -1,6 +1,6 @@
 //! Models of a view: light adds up, renderer models, projections; against direct renders, finite differences and each other.
 
-mod common;
+use crate::tests::common;
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use scaleproof::frames::{Frame, FrameSet};
 use scaleproof::surrogate::additive::Additive;
 use scaleproof::surrogate::chart::mse;
 use scaleproof::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
-use scaleproof::surrogate::renderer::{Kind, PerPixel, Renderer, Shot, Tone};
+use scaleproof::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer, Tone};
 
 fn stored() -> FrameSet {
     FrameSet::open(&home().join("captures/skyline_frames")).unwrap()
@@ -22,12 +22,12 @@ fn stored() -> FrameSet {
 
 const REFERENCES: [[u8; 3]; 3] = [[0; 3], [255; 3], [128; 3]];
 
-fn shots(set: &FrameSet, view: &[&Frame]) -> Vec<Shot> {
+fn shots(set: &FrameSet, view: &[&Frame]) -> Vec<FlatImage> {
     let shot = |rgb: &[u8; 3]| {
         let frame = view.iter().find(|f| f.flat_rgb() == Some(*rgb)).unwrap();
-        Shot {
+        FlatImage {
             flat_rgb: *rgb,
-            picture: set.rgb(frame).unwrap(),
+            image: set.rgb(frame).unwrap(),
         }
     };
     REFERENCES.iter().map(shot).collect()
@@ -66,7 +66,7 @@ fn colours_made_of_three_are_those_that_were_rendered() {
 #[test]
 fn models_predict_unseen_colours() {
     let set = stored();
-    for kind in Kind::ALL {
+    for kind in ClosedForm::ALL {
         let (mut sum, mut count) = (0.0, 0);
         for view in views(&set.list.frames) {
             let model = PerPixel::fit(kind, &shots(&set, &view)).unwrap();
@@ -88,15 +88,15 @@ fn models_predict_unseen_colours() {
         );
         let most = match kind {
             // The paper's best, which is the acceptance line.
-            Kind::AffineCurve | Kind::QuadraticCurve => 0.0007,
-            Kind::Affine | Kind::Quadratic => 0.005,
+            ClosedForm::AffineCurve | ClosedForm::QuadraticCurve => 0.0007,
+            ClosedForm::Affine | ClosedForm::Quadratic => 0.005,
         };
         assert!(mean < most, "{}: {mean}", kind.name());
     }
 }
 
 /// Pictures of a view that follow a known model exactly, but for 8 bits.
-fn known(tone: Tone, rng: &mut impl Rng, colours: &[[u8; 3]]) -> (Vec<[[f64; 2]; 3]>, Vec<Shot>) {
+fn known(tone: Tone, rng: &mut impl Rng, colours: &[[u8; 3]]) -> (Vec<[[f64; 2]; 3]>, Vec<FlatImage>) {
     let terms: Vec<[[f64; 2]; 3]> = (0..64)
         .map(|_| std::array::from_fn(|_| [rng.random_range(0.0..0.1), rng.random_range(0.2..0.8)]))
         .collect();
@@ -109,9 +109,9 @@ fn known(tone: Tone, rng: &mut impl Rng, colours: &[[u8; 3]]) -> (Vec<[[f64; 2];
             }))
         })
     };
-    let shots = colours.iter().map(|rgb| Shot {
+    let shots = colours.iter().map(|rgb| FlatImage {
         flat_rgb: *rgb,
-        picture: picture(*rgb),
+        image: picture(*rgb),
     });
     (terms.clone(), shots.collect())
 }
@@ -122,7 +122,7 @@ fn a_known_tone_curve_is_found() {
     for power in [0.7, 1.0, 1.4] {
         let tone = Tone { power };
         let (terms, shots) = known(tone, &mut rng, &[[0; 3], [128; 3], [190; 3], [255; 3]]);
-        let model = PerPixel::fit(Kind::AffineCurve, &shots).unwrap();
+        let model = PerPixel::fit(ClosedForm::AffineCurve, &shots).unwrap();
         let found = model.tone().unwrap().power;
         assert!((found - power).abs() < 0.02, "{found} for {power}");
         let rgb = [60, 220, 100];
@@ -140,13 +140,13 @@ fn a_known_tone_curve_is_found() {
 fn clipped_values_do_not_bend_the_fit() {
     // Pixels of light 0.1 + 1.6 ρ: white is clipped, the others are not.
     let value = |rgb: [u8; 3]| light::rgb_of(light::linear_of(rgb).map(|rho| 0.1 + 1.6 * rho));
-    let shot = |v: u8| Shot {
+    let shot = |v: u8| FlatImage {
         flat_rgb: [v; 3],
-        picture: RgbImage::from_pixel(4, 4, Rgb(value([v; 3]))),
+        image: RgbImage::from_pixel(4, 4, Rgb(value([v; 3]))),
     };
     let shots = [shot(0), shot(128), shot(160), shot(255)];
-    assert_eq!(shots[3].picture.get_pixel(0, 0).0, [255; 3], "white is clipped");
-    for kind in [Kind::AffineCurve, Kind::QuadraticCurve] {
+    assert_eq!(shots[3].image.get_pixel(0, 0).0, [255; 3], "white is clipped");
+    for kind in [ClosedForm::AffineCurve, ClosedForm::QuadraticCurve] {
         let model = PerPixel::fit(kind, &shots).unwrap();
         let predicted = model.predict(&[light::linear_of([90, 150, 255]); 16])[5];
         let truth = value([90, 150, 255]).map(|v| f64::from(v) / 255.0);
@@ -155,23 +155,23 @@ fn clipped_values_do_not_bend_the_fit() {
             "{kind:?}: {predicted:?}, {truth:?}"
         );
         // Where the picture is clipped, no paint changes it.
-        assert_eq!(model.slope(&[light::linear_of([90, 150, 255]); 16])[5][2], 0.0);
+        assert_eq!(model.derivative(&[light::linear_of([90, 150, 255]); 16])[5][2], 0.0);
     }
 }
 
 #[test]
 fn what_cannot_be_fitted_is_refused() {
-    let shot = |rgb: [u8; 3], side: u32| Shot {
+    let shot = |rgb: [u8; 3], side: u32| FlatImage {
         flat_rgb: rgb,
-        picture: RgbImage::new(side, side),
+        image: RgbImage::new(side, side),
     };
-    let sentence = |kind, shots: &[Shot]| PerPixel::fit(kind, shots).unwrap_err().to_string();
+    let sentence = |kind, shots: &[FlatImage]| PerPixel::fit(kind, shots).unwrap_err().to_string();
     let two = [shot([0; 3], 4), shot([255; 3], 4)];
-    assert!(sentence(Kind::Quadratic, &two).contains("needs pictures in 3 flat colours"));
+    assert!(sentence(ClosedForm::Quadratic, &two).contains("needs images in 3 flat colours"));
     // Red never changes.
     let same_red = [shot([9, 0, 0], 4), shot([9, 255, 255], 4)];
-    assert!(sentence(Kind::Affine, &same_red).contains("and there are 1"));
-    assert!(sentence(Kind::Affine, &[shot([0; 3], 4), shot([255; 3], 5)]).contains("different sizes"));
+    assert!(sentence(ClosedForm::Affine, &same_red).contains("and there are 1"));
+    assert!(sentence(ClosedForm::Affine, &[shot([0; 3], 4), shot([255; 3], 5)]).contains("different sizes"));
 }
 
 fn random_colours(count: usize, rng: &mut impl Rng) -> Vec<[f64; 3]> {
@@ -242,7 +242,7 @@ fn gradients_through_projection_and_model_are_those_of_finite_differences() {
     let all = views(&set.list.frames);
     let (view, mut rng) = (&all[0], Pcg32::seed_from_u64(9));
     let linear = |eta: &[[f64; 3]]| -> Vec<[f64; 3]> { eta.iter().map(|c| c.map(light::decode)).collect() };
-    for kind in Kind::ALL {
+    for kind in ClosedForm::ALL {
         let model = PerPixel::fit(kind, &shots(&set, view)).unwrap();
         for (name, projection) in projections(&set, view[0]).into_iter().step_by(2) {
             let eta = random_colours(projection.cells(), &mut rng);
@@ -257,15 +257,15 @@ fn gradients_through_projection_and_model_are_those_of_finite_differences() {
                     .sum::<f64>()
             };
             let paint = projection.forward(&linear(&eta));
-            let (x, slope) = (model.predict(&paint), model.slope(&paint));
+            let (x, derivative) = (model.predict(&paint), model.derivative(&paint));
             let at_pixels: Vec<[f64; 3]> = (0..x.len())
-                .map(|i| std::array::from_fn(|c| (x[i][c] - wanted[i][c]) * slope[i][c]))
+                .map(|i| std::array::from_fn(|c| (x[i][c] - wanted[i][c]) * derivative[i][c]))
                 .collect();
             let at_cells = projection.transposed(&at_pixels);
             let gradient: Vec<[f64; 3]> = at_cells
                 .iter()
                 .zip(&eta)
-                .map(|(g, e)| std::array::from_fn(|c| g[c] * light::decode_slope(e[c])))
+                .map(|(g, e)| std::array::from_fn(|c| g[c] * light::decode_derivative(e[c])))
                 .collect();
             let direction = random_colours(eta.len(), &mut rng);
             let moved = |step: f64| -> Vec<[f64; 3]> {
@@ -283,7 +283,7 @@ fn gradients_through_projection_and_model_are_those_of_finite_differences() {
 
 /// The error of a predicted pattern against its direct render, over the paint.
 fn pattern_error(set: &FrameSet, view: &[&Frame], place: impl Fn(&Frame, &Grid) -> Projection, mirrored: bool) -> f64 {
-    let model = PerPixel::fit(Kind::AffineCurve, &shots(set, view)).unwrap();
+    let model = PerPixel::fit(ClosedForm::AffineCurve, &shots(set, view)).unwrap();
     let frame = view.iter().find(|f| f.flat_rgb().is_none()).unwrap();
     let (pattern, tile_mm) = set.pattern(frame).unwrap().unwrap();
     let mut cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();

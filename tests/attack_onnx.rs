@@ -1,7 +1,7 @@
 //! Detectors that gradients pass: outputs against ONNX Runtime, gradients against finite differences, confidences against scoring.
 #![cfg(feature = "attack")]
 
-mod common;
+use crate::tests::common;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,12 +15,10 @@ use rand_pcg::Pcg32;
 use scaleproof::detect::{Detector, Manifest, Runtime};
 use scaleproof::whitebox::WhiteBox;
 use scaleproof::whitebox::detector::OnnxDetector;
-use scaleproof::whitebox::onnx::Network;
+use scaleproof::whitebox::onnx::OnnxNetwork;
 
-#[path = "common/onnx.rs"]
-mod onnx;
-#[path = "attack_onnx/parity.rs"]
-mod parity;
+use crate::tests::common::onnx;
+pub(super) mod parity;
 
 const CAR: usize = 2;
 
@@ -33,7 +31,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = Network::read(&bytes, file, &shape, &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, &Device::flex()).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -70,7 +68,7 @@ fn picture(photo: &RgbImage) -> (Vec<[f64; 3]>, [u32; 2]) {
     (pixels, [photo.width(), photo.height()])
 }
 
-/// Weights that pick the claims of highest confidence.
+/// Weights that pick the predictions of highest confidence.
 fn best_claims(confidences: &[f64], count: usize) -> Vec<f64> {
     let mut order: Vec<usize> = (0..confidences.len()).collect();
     order.sort_by(|a, b| confidences[*b].total_cmp(&confidences[*a]));
@@ -80,8 +78,12 @@ fn best_claims(confidences: &[f64], count: usize) -> Vec<f64> {
 }
 
 fn loss(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], weights: &[f64]) -> f64 {
-    let claims = detector.claims(picture, size).unwrap();
-    claims.iter().zip(weights).map(|(claim, w)| w * claim.loss).sum()
+    let predictions = detector.predictions(picture, size).unwrap();
+    predictions
+        .iter()
+        .zip(weights)
+        .map(|(prediction, w)| w * prediction.loss)
+        .sum()
 }
 
 fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
@@ -91,13 +93,13 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
         .sum()
 }
 
-/// By how much directional derivatives of the three best claims' losses differ from central differences, relatively; the worst of some
+/// By how much directional derivatives of the three best predictions' losses differ from central differences, relatively; the worst of some
 /// directions.
 fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> f64 {
-    let look = detector.look(picture, size).unwrap();
-    let confidences: Vec<f64> = look.claims().iter().map(|c| c.confidence).collect();
+    let look = detector.forward(picture, size).unwrap();
+    let confidences: Vec<f64> = look.predictions().iter().map(|c| c.confidence).collect();
     let weights = best_claims(&confidences, 3);
-    let gradient = look.pull_back(&weights);
+    let gradient = look.vjp(&weights);
     let length = dot(&gradient, &gradient).sqrt();
     let before = loss(detector, picture, size, &weights);
     let differences = (0..2).map(|_| {
@@ -162,9 +164,9 @@ fn confidences_are_those_of_scoring() {
             let photo = image::imageops::resize(&photo(file), side, side, image::imageops::FilterType::Triangle);
             let (picture, size) = picture(&photo);
             let found = scorer.detect(&photo).unwrap();
-            let look = detector.look(&picture, size).unwrap();
+            let look = detector.forward(&picture, size).unwrap();
             let best = look
-                .claims()
+                .predictions()
                 .iter()
                 .max_by(|a, b| a.confidence.total_cmp(&b.confidence))
                 .unwrap();
@@ -174,15 +176,15 @@ fn confidences_are_those_of_scoring() {
                 "{name} {i}: {best:?} {:?}",
                 found[0]
             );
-            let look = cars.look(&picture, size).unwrap();
+            let look = cars.forward(&picture, size).unwrap();
             for car in found.iter().filter(|d| d.label == CAR && d.score > 0.2 && own_size) {
                 let corners: [f64; 4] = car.box_px.into();
-                let same = look.claims().iter().find(|claim| {
-                    let b: [f64; 4] = claim.box_px.into();
-                    (claim.confidence - car.score).abs() < tolerance.0
+                let same = look.predictions().iter().find(|prediction| {
+                    let b: [f64; 4] = prediction.box_px.into();
+                    (prediction.confidence - car.score).abs() < tolerance.0
                         && (0..4).all(|k| (b[k] - corners[k]).abs() < tolerance.1)
                 });
-                assert!(same.is_some(), "{name} {i}: no claim is {car:?}");
+                assert!(same.is_some(), "{name} {i}: no prediction is {car:?}");
             }
         }
     }
@@ -198,11 +200,11 @@ fn time_of_one_step() {
         let (mut forth, mut back) = (Vec::new(), Vec::new());
         for _ in 0..6 {
             let started = Instant::now();
-            let look = detector.look(&picture, size).unwrap();
+            let look = detector.forward(&picture, size).unwrap();
             forth.push(started.elapsed().as_secs_f64() * 1e3);
-            let weights = vec![1.0; look.claims().len()];
+            let weights = vec![1.0; look.predictions().len()];
             let started = Instant::now();
-            let gradient = look.pull_back(&weights);
+            let gradient = look.vjp(&weights);
             back.push(started.elapsed().as_secs_f64() * 1e3);
             assert!(dot(&gradient, &gradient) > 0.0);
         }
@@ -607,7 +609,7 @@ fn every_operator_answers_and_derives_as_it_should() {
         .flatten()
     {
         let bytes = net.bytes();
-        let network = Network::read(&bytes, net.name, &net.shape, &Device::flex())
+        let network = OnnxNetwork::read(&bytes, net.name, &net.shape, &Device::flex())
             .unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
@@ -615,17 +617,17 @@ fn every_operator_answers_and_derives_as_it_should() {
         let worst = worst_difference(&by_network(&network, &x), &theirs);
         assert!(worst < 1e-5, "{}: {worst}", net.name);
         // Σ slope · output along a direction, both random.
-        let answer = network.answer(x.clone(), true).unwrap();
+        let answer = network.forward(x.clone(), true).unwrap();
         let slopes: Vec<Vec<f32>> = answer.outputs.iter().map(|o| spread(o.raw.len(), 22)).collect();
         let sum = |x: &[f32]| -> f64 {
-            let outputs = network.answer(x.to_vec(), false).unwrap().outputs;
+            let outputs = network.forward(x.to_vec(), false).unwrap().outputs;
             let pairs = outputs.iter().zip(&slopes).flat_map(|(o, s)| o.raw.iter().zip(s));
             pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
         };
         let direction = spread(x.len(), 23);
         let moved = |by: f32| -> Vec<f32> { x.iter().zip(&direction).map(|(x, d)| x + by * d).collect() };
         let found = (sum(&moved(2e-3)) - sum(&moved(-2e-3))) / 4e-3;
-        let gradient = answer.pull_back(slopes.clone());
+        let gradient = answer.vjp(slopes.clone());
         let expected: f64 = gradient
             .iter()
             .zip(&direction)
@@ -778,9 +780,11 @@ fn networks_that_end_as_the_families_do_are_followed() {
             Manifest::parse(&text.replace("resize", &format!("layout = \"{layout}\"\nresize")), head).unwrap();
         let all: Vec<usize> = (0..80).collect();
         let detector = OnnxDetector::open(&manifest, &path, &all, &Device::flex()).unwrap();
-        let claims = detector.claims(&picture, size).unwrap();
+        let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
-        let solid = claims.iter().filter(|c| c.box_px.width().min(c.box_px.height()) > 0.02);
+        let solid = predictions
+            .iter()
+            .filter(|c| c.box_px.width().min(c.box_px.height()) > 0.02);
         let best = solid.map(|c| c.confidence).fold(0.0, f64::max);
         let found = Detector::open(Runtime::load().unwrap(), &manifest, &path)
             .unwrap()
@@ -805,22 +809,22 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
         std::fs::write(&path, one_box(bias)).unwrap();
         let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7], &Device::flex()).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
-        let look = detector.look(&picture, [64, 64]).unwrap();
-        let claim = look.claims()[0];
+        let look = detector.forward(&picture, [64, 64]).unwrap();
+        let prediction = look.predictions()[0];
         let z = f64::from(bias) + 0.25;
         // C = σ(z)²; 1 − C = (1 − σ)(1 + σ), with 1 − σ = σ(−z).
         let (sigma, rest) = (1.0 / (1.0 + (-z).exp()), 1.0 / (1.0 + z.exp()));
         let loss = -(rest * (1.0 + sigma)).ln();
         assert!(
-            (claim.loss - loss).abs() < 1e-6 * (1.0 + loss),
-            "{bias}: {claim:?}, not {loss}"
+            (prediction.loss - loss).abs() < 1e-6 * (1.0 + loss),
+            "{bias}: {prediction:?}, not {loss}"
         );
         assert!(
-            (claim.confidence - sigma * sigma).abs() < 1e-6 && claim.box_px.width() == 16.0,
-            "{claim:?}"
+            (prediction.confidence - sigma * sigma).abs() < 1e-6 && prediction.box_px.width() == 16.0,
+            "{prediction:?}"
         );
         // d loss / dz = 2 σ² / (1 + σ), spread over the mean of all values.
-        let gradient = look.pull_back(&[1.0]);
+        let gradient = look.vjp(&[1.0]);
         let slope: f64 = gradient.iter().flatten().sum();
         let expected = 2.0 * sigma * sigma / (1.0 + sigma);
         assert!(
@@ -850,7 +854,7 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
                 }
             }
             all += 1;
-            if let Err(e) = Network::read(&bytes, "damaged.onnx", &net.shape, &Device::flex()) {
+            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, &Device::flex()) {
                 refused += 1;
                 let sentence = e.to_string();
                 assert!(

@@ -1,18 +1,34 @@
-//! The networks that gradients pass, in 64 bits: what differs from ONNX Runtime then is not our rounding. A program of its own, since the
+//! The networks that gradients pass, in 64 bits: what differs from ONNX Runtime then is not our rounding. A process of its own, since the
 //! precision is one for the whole process.
 #![cfg(feature = "attack")]
 
-mod common;
-#[path = "attack_onnx/parity.rs"]
-mod parity;
+use crate::tests::attack_onnx::parity;
+use crate::tests::common;
 
 use burn::tensor::{Device, FloatDType};
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use scaleproof::detect::Manifest;
-use scaleproof::whitebox::onnx::Network;
+use scaleproof::whitebox::onnx::OnnxNetwork;
 
 #[test]
 fn outputs_in_64_bits_are_those_of_onnx_runtime() {
+    let this = std::env::current_exe().unwrap();
+    let mut command = std::process::Command::new(this);
+    command.args([
+        "--exact",
+        "tests::attack_onnx_exact::in_64_bits",
+        "--ignored",
+        "--nocapture",
+    ]);
+    let output = command.output().unwrap();
+    print!("{}", common::stdout(&output));
+    assert!(output.status.success(), "{}", common::stderr(&output));
+    assert!(common::stdout(&output).contains("1 passed"));
+}
+
+#[test]
+#[ignore = "run by the test above, in a process of its own"]
+fn in_64_bits() {
     let mut device = Device::flex();
     device.configure(FloatDType::F64).unwrap();
     for (name, file, side) in FOLLOWED {
@@ -21,7 +37,7 @@ fn outputs_in_64_bits_are_those_of_onnx_runtime() {
         };
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
-        let network = Network::read(&bytes, file, &shape, &device).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, &device).unwrap();
         let mut sessions = [session(&bytes), as_written(&bytes)];
         let photos = photos();
         assert_eq!(photos.len(), 20);

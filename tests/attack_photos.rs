@@ -1,7 +1,7 @@
 //! Frames from photos: a session that the test renders itself (two boxes on a ground with tags, lens distortion, another exposure for every
 //! photo) against direct renders from the reference's true pose; what the rasteriser sees against Blender; refusals.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -16,12 +16,12 @@ use scaleproof::frames::photos::raster::Raster;
 use scaleproof::frames::views;
 use scaleproof::frames::{Frame, FrameSet, Pinhole};
 use scaleproof::geometry::Rigid;
-use scaleproof::mesh::{Mesh, Placement};
+use scaleproof::mesh::{Mesh, MeshPlacement};
 use scaleproof::pattern::world_aligned::Side;
 use scaleproof::scene::{Scene, TagFamily, Viewpoint};
 use scaleproof::simulate::looking_at;
 use scaleproof::surrogate::projection::{Grid, Sampling, world};
-use scaleproof::surrogate::renderer::{Kind, PerPixel, Renderer, Shot};
+use scaleproof::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use scaleproof::tags::TagImage;
 
 const BLACK: [u8; 3] = [0x20, 0x20, 0x20];
@@ -306,7 +306,7 @@ fn picture(light: &[[f64; 3]], [width, height]: [u32; 2], exposure: [f64; 3]) ->
 }
 
 fn session(name: &str, model: &str, width_px: u32, photos: &[Taken]) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("attack_photos").join(name);
+    let folder = common::kept("attack_photos").join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     let write = |name: &str, text: String| std::fs::write(folder.join(name), text).unwrap();
@@ -520,7 +520,7 @@ fn masks_positions_and_the_background_are_the_reference_s() {
     let camera = set.list.camera();
     for view in views(&set.list.frames) {
         let frame = view[0];
-        set.check_pictures(frame).unwrap();
+        set.check_images(frame).unwrap();
         let inverse = reference(frame).pose().inverse();
         let eye = inverse * Point3::origin();
         let met = |x: f64, y: f64| {
@@ -600,15 +600,15 @@ fn renderer_models_foretell_the_colour_they_have_not_seen() {
     let world = World::new();
     for view in views(&set.list.frames) {
         let mask = set.paint_mask(view[0]).unwrap();
-        let shots: Vec<Shot> = view
+        let shots: Vec<FlatImage> = view
             .iter()
             .filter(|f| f.flat_rgb() != Some(GREY))
-            .map(|f| Shot {
+            .map(|f| FlatImage {
                 flat_rgb: f.flat_rgb().unwrap(),
-                picture: set.rgb(f).unwrap(),
+                image: set.rgb(f).unwrap(),
             })
             .collect();
-        let model = PerPixel::fit(Kind::AffineCurve, &shots).unwrap();
+        let model = PerPixel::fit(ClosedForm::AffineCurve, &shots).unwrap();
         let [width, height] = set.list.size_px;
         let predicted = model.predict(&vec![light::linear_of(GREY); set.list.pixels()]);
         let predicted = RgbImage::from_fn(width, height, |x, y| {
@@ -848,9 +848,9 @@ fn the_rasteriser_sees_what_blender_saw() {
     let Some(file) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
         return;
     };
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(455.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     let mesh = Mesh::load(&file, &placement).unwrap();
     let paint = mesh.materials_named(&["Material.001".to_owned()]).unwrap();
@@ -864,7 +864,7 @@ fn the_rasteriser_sees_what_blender_saw() {
     for view in views(&set.list.frames) {
         let frame = view[0];
         let size = [width, height].map(|px| (px * factor) as usize);
-        let raster = Raster::picture(&mesh, &frame.pose(), &fine(set.list.camera, factor), size).unwrap();
+        let raster = Raster::image(&mesh, &frame.pose(), &fine(set.list.camera, factor), size).unwrap();
         let is_paint = |t: usize| paint.contains(&mesh.triangles()[t].material);
         let mut shares = vec![[0.0; 2]; set.list.pixels()];
         let points = set.surface(frame).unwrap().unwrap();
@@ -930,7 +930,7 @@ fn a_box_hides_what_is_behind_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("boxes.obj");
     std::fs::write(&file, obj()).unwrap();
-    let mesh = Mesh::load(&file, &Placement::default()).unwrap();
+    let mesh = Mesh::load(&file, &MeshPlacement::default()).unwrap();
     let pinhole = Pinhole {
         focal_length_px: 600.0,
         centre_px: [239.5, 179.5],
@@ -945,7 +945,7 @@ fn a_box_hides_what_is_behind_it() {
     };
     let (here, there) = (pose(60.0), pose(100.0));
     let size = [480, 360];
-    let raster = Raster::picture(&mesh, &here, &pinhole, size).unwrap();
+    let raster = Raster::image(&mesh, &here, &pinhole, size).unwrap();
     let beside = Raster::whole(&mesh, &there, &pinhole, size).unwrap();
     let eye = here.inverse() * Point3::origin();
     let other_eye = there.inverse() * Point3::origin();

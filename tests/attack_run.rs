@@ -1,6 +1,6 @@
 //! The attack, its baselines and their files, against a detector made up in the test whose gradient is known.
 
-mod common;
+use crate::tests::common;
 
 use std::cell::Cell;
 use std::path::Path;
@@ -10,20 +10,20 @@ use std::time::Instant;
 use common::{assert_refused, home, program};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof::attack::baseline::patches::{Patch, is_seen, paint};
-use scaleproof::attack::baseline::{self, Oracle, genetic};
-use scaleproof::attack::run::eot::{Draw, Eot, rolled};
+use scaleproof::attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use scaleproof::attack::baseline::{self, BlackBox, genetic};
+use scaleproof::attack::run::augmentation::{Augmentation, Eot, rolled};
 use scaleproof::attack::run::judge::judge;
 use scaleproof::attack::run::loss::{MEETS_IOU, from_floor, strongest};
 use scaleproof::attack::run::penalty::{off_colours, smooth};
-use scaleproof::attack::run::stage::{Laying, Stage};
-use scaleproof::attack::run::{Attack, Config, Drawn, Rgb, RunError, batch, look};
+use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb, RunError, batch, loss_and_gradient};
 use scaleproof::frames::light;
 use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
 use scaleproof::geometry::BoxPx;
 use scaleproof::pattern::world_aligned::Side;
 use scaleproof::surrogate::projection::Grid;
-use scaleproof::whitebox::{Claim, Look, WhiteBox, WhiteBoxError};
+use scaleproof::whitebox::{ForwardPass, Prediction, WhiteBox, WhiteBoxError};
 
 /// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like
 /// a fixed weave. Unsure of a grey model.
@@ -37,13 +37,13 @@ struct Weave {
 }
 
 impl Weave {
-    fn new(gain: f64, stage: &Stage) -> Self {
+    fn new(gain: f64, view_set: &ViewSet) -> Self {
         let cells = vec![[0.5; 3]; (CELLS * CELLS) as usize];
-        let of_grey = |view| woven(&stage.lay(view, &cells, &Draw::NONE).taken.picture);
-        let grey: Vec<f64> = (0..stage.views.len()).map(of_grey).collect();
+        let of_grey = |view| woven(&view_set.textured(view, &cells, &Augmentation::NONE).augmented.image);
+        let grey: Vec<f64> = (0..view_set.views.len()).map(of_grey).collect();
         Self {
             gain,
-            boxes: stage.views.iter().map(|v| v.outline).collect(),
+            boxes: view_set.views.iter().map(|v| v.outline).collect(),
             bad_at: None,
             looks: Rc::default(),
             base: grey.iter().sum::<f64>() / grey.len() as f64,
@@ -52,7 +52,7 @@ impl Weave {
 }
 
 struct Woven {
-    claims: Vec<Claim>,
+    predictions: Vec<Prediction>,
     slope: Vec<Rgb>,
 }
 
@@ -70,11 +70,11 @@ impl WhiteBox for Weave {
         "weave"
     }
 
-    fn hides_from_iou(&self) -> f64 {
+    fn nms_iou(&self) -> f64 {
         0.65
     }
 
-    fn look(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
+    fn forward(&self, picture: &[Rgb], size_px: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError> {
         assert_eq!(picture.len() as u32, size_px[0] * size_px[1]);
         let look = self.looks.get();
         self.looks.set(look + 1);
@@ -84,14 +84,14 @@ impl WhiteBox for Weave {
         if self.bad_at == Some(look) {
             (confidence, loss) = (f64::NAN, f64::NAN);
         }
-        let claim = |box_px| Claim {
+        let prediction = |box_px| Prediction {
             box_px,
             confidence,
             loss,
         };
-        let mut claims: Vec<Claim> = self.boxes.iter().map(|b| claim(*b)).collect();
+        let mut predictions: Vec<Prediction> = self.boxes.iter().map(|b| prediction(*b)).collect();
         // Something in the background is always seen, and is nobody's business.
-        claims.push(Claim {
+        predictions.push(Prediction {
             box_px: BoxPx::new(0.0, 0.0, 4.0, 4.0),
             confidence: 0.999,
             loss: 6.9,
@@ -100,17 +100,17 @@ impl WhiteBox for Weave {
         let slope = (0..picture.len())
             .map(|i| std::array::from_fn(|c| slope * scale * weave(i, c)))
             .collect();
-        Ok(Box::new(Woven { claims, slope }))
+        Ok(Box::new(Woven { predictions, slope }))
     }
 }
 
-impl Look for Woven {
-    fn claims(&self) -> &[Claim] {
-        &self.claims
+impl ForwardPass for Woven {
+    fn predictions(&self) -> &[Prediction] {
+        &self.predictions
     }
 
-    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<Rgb> {
-        // The background's claim does not depend on the picture.
+    fn vjp(self: Box<Self>, weights: &[f64]) -> Vec<Rgb> {
+        // The background's prediction does not depend on the picture.
         let weight: f64 = weights[..weights.len() - 1].iter().sum();
         self.slope.iter().map(|p| p.map(|v| weight * v)).collect()
     }
@@ -122,33 +122,33 @@ fn stored() -> FrameSet {
     FrameSet::open(&home().join("captures/skyline_frames")).unwrap()
 }
 
-fn stage(laying: Laying) -> Stage {
+fn view_set(laying: TextureMapping) -> ViewSet {
     let grid = Grid {
         columns: CELLS,
         rows: CELLS,
         cell_mm: 40.0,
     };
-    Stage::open(&stored(), grid, laying, || {}).unwrap()
+    ViewSet::open(&stored(), grid, laying, || {}).unwrap()
 }
 
-fn detectors(gain: f64, stage: &Stage) -> Vec<Box<dyn WhiteBox>> {
-    vec![Box::new(Weave::new(gain, stage))]
+fn detectors(gain: f64, view_set: &ViewSet) -> Vec<Box<dyn WhiteBox>> {
+    vec![Box::new(Weave::new(gain, view_set))]
 }
 
-fn config(steps: u32) -> Config {
-    Config {
+fn config(steps: u32) -> AttackConfig {
+    AttackConfig {
         cells: CELLS,
         tile_mm: 240.0,
         steps,
         batch: 2,
-        rate: 0.05,
+        learning_rate: 0.05,
         floor: 0.5,
         seed: 7,
-        laying: Laying::World,
+        mapping: TextureMapping::World,
         eot: Eot::USUAL,
         smooth: 0.0,
-        printable: Drawn::default(),
-        palette: Drawn::default(),
+        printable: ColourPenalty::default(),
+        palette: ColourPenalty::default(),
         range: [0, 255],
         frames_sha256: String::new(),
         detectors: vec!["weave".to_owned()],
@@ -189,16 +189,16 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
         ..Eot::USUAL
     };
     for (laying, eot) in [
-        (Laying::World, Eot::NONE),
+        (TextureMapping::World, Eot::NONE),
         (
-            Laying::World,
+            TextureMapping::World,
             Eot {
                 shift_tiles: 0.5,
                 ..still
             },
         ),
         (
-            Laying::Repeated,
+            TextureMapping::Repeated,
             Eot {
                 shift_tiles: 0.5,
                 tile_scale: 0.25,
@@ -206,16 +206,19 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             },
         ),
     ] {
-        let stage = stage(laying);
+        let view_set = view_set(laying);
         // Two detectors: their losses add up.
-        let detectors: Vec<Box<dyn WhiteBox>> =
-            vec![Box::new(Weave::new(4.0, &stage)), Box::new(Weave::new(-9.0, &stage))];
+        let detectors: Vec<Box<dyn WhiteBox>> = vec![
+            Box::new(Weave::new(4.0, &view_set)),
+            Box::new(Weave::new(-9.0, &view_set)),
+        ];
         for seed in 0..2 {
             let cells = random_cells(seed);
-            let draw = Draw::random(&eot, &mut Pcg32::seed_from_u64(seed + 40));
-            let view = seed as usize % stage.views.len();
+            let draw = Augmentation::random(&eot, &mut Pcg32::seed_from_u64(seed + 40));
+            let view = seed as usize % view_set.views.len();
             let floor = [0.5, 0.001][seed as usize];
-            let at = |cells: &[Rgb]| look(&stage, &detectors, (view, cells, &draw), (0, floor)).unwrap();
+            let at =
+                |cells: &[Rgb]| loss_and_gradient(&view_set, &detectors, (view, cells, &draw), (0, floor)).unwrap();
             let off = worst(&cells, &at(&cells).gradient, |cells| at(cells).loss);
             println!("{laying:?}, draw {seed}: gradients off by {off:.1e} of the largest");
             assert!(off < 1e-4, "{laying:?} {seed} {off}");
@@ -255,18 +258,18 @@ fn cells_roll_round_and_back() {
 #[test]
 fn only_boxes_on_the_model_drive_the_loss() {
     let model = BoxPx::new(10.0, 10.0, 50.0, 40.0);
-    let claim = |box_px, confidence: f64| Claim {
+    let prediction = |box_px, confidence: f64| Prediction {
         box_px,
         confidence,
         loss: -(1.0 - confidence).ln(),
     };
-    let beside = claim(BoxPx::new(60.0, 10.0, 90.0, 40.0), 0.99);
-    let on = claim(BoxPx::new(12.0, 10.0, 50.0, 41.0), 0.2);
-    let weaker = claim(model, 0.1);
+    let beside = prediction(BoxPx::new(60.0, 10.0, 90.0, 40.0), 0.99);
+    let on = prediction(BoxPx::new(12.0, 10.0, 50.0, 41.0), 0.2);
+    let weaker = prediction(model, 0.1);
     assert_eq!(strongest(&[beside, weaker, on], &model, MEETS_IOU), Some(2));
     assert_eq!(strongest(&[beside], &model, MEETS_IOU), None);
     assert_eq!(strongest(&[], &model, MEETS_IOU), None);
-    let damaged = claim(BoxPx::new(0.0, 0.0, 1.0, 1.0), f64::NAN);
+    let damaged = prediction(BoxPx::new(0.0, 0.0, 1.0, 1.0), f64::NAN);
     assert_eq!(
         strongest(&[on, damaged], &model, MEETS_IOU),
         Some(1),
@@ -276,17 +279,17 @@ fn only_boxes_on_the_model_drive_the_loss() {
 
 #[test]
 fn the_attack_beats_the_genetic_search_and_that_beats_chance() {
-    let stage = stage(Laying::World);
-    let detectors = detectors(60.0, &stage);
+    let view_set = view_set(TextureMapping::World);
+    let detectors = detectors(60.0, &view_set);
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     let config = config(60);
-    let attack = Attack::begin(&stage, &detectors, &config, folders[0].path()).unwrap();
+    let attack = Attack::begin(&view_set, &detectors, &config, folders[0].path()).unwrap();
     let (cells, entries) = attack.run(folders[0].path(), |_, _| {}).unwrap();
     let searching = search_config(2000);
-    let mut oracle = Oracle::begin(&stage, &detectors, &searching, folders[1].path(), &|_| {}).unwrap();
+    let mut oracle = BlackBox::begin(&view_set, &detectors, &searching, folders[1].path(), &|_| {}).unwrap();
     let er = genetic::search(&mut oracle, &searching).unwrap();
     let noted = oracle.finish().unwrap();
-    let of = |cells: &[Rgb]| judge(&stage, &detectors, cells).unwrap().mean_confidence;
+    let of = |cells: &[Rgb]| judge(&view_set, &detectors, cells).unwrap().mean_confidence;
     let chance: f64 = (0..8).map(|seed| of(&random_cells(seed))).sum::<f64>() / 8.0;
     println!(
         "mean confidence: chance {chance:.3}, er {:.3}, attack {:.3}",
@@ -307,14 +310,14 @@ fn the_attack_beats_the_genetic_search_and_that_beats_chance() {
     );
 }
 
-fn search_config(queries: u64) -> baseline::Config {
-    baseline::Config {
+fn search_config(queries: u64) -> baseline::SearchConfig {
+    baseline::SearchConfig {
         method: "er",
         cells: CELLS,
         tile_mm: 240.0,
         queries,
         seed: 3,
-        laying: Laying::World,
+        mapping: TextureMapping::World,
         eot: Eot::USUAL,
         frames_sha256: String::new(),
         detectors: Vec::new(),
@@ -323,18 +326,18 @@ fn search_config(queries: u64) -> baseline::Config {
 
 #[test]
 fn a_run_that_goes_on_is_one_that_never_stopped() {
-    let stage = stage(Laying::World);
+    let view_set = view_set(TextureMapping::World);
     let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     let config = config(12);
     let run = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
-        Attack::begin(&stage, detectors, &config, folder)
+        Attack::begin(&view_set, detectors, &config, folder)
             .unwrap()
             .run(folder, |_, _| {})
     };
-    let good = detectors(20.0, &stage);
+    let good = detectors(20.0, &view_set);
     let (cells, entries) = run(&good, whole.path()).unwrap();
     // It breaks off in the middle: at a number that is none, which also must leave the checkpoint whole.
-    let mut bad = Weave::new(20.0, &stage);
+    let mut bad = Weave::new(20.0, &view_set);
     bad.bad_at = Some(17);
     let broken: Vec<Box<dyn WhiteBox>> = vec![Box::new(bad)];
     let error = run(&broken, halves.path()).unwrap_err();
@@ -342,7 +345,7 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     assert!(error.to_string().contains("not a number"), "{error}");
     assert!(halves.path().join("checkpoint").exists());
     let looks = Rc::new(Cell::new(0));
-    let mut counted = Weave::new(20.0, &stage);
+    let mut counted = Weave::new(20.0, &view_set);
     counted.looks = Rc::clone(&looks);
     let (again, later) = run(&[Box::new(counted) as Box<dyn WhiteBox>], halves.path()).unwrap();
     assert!(
@@ -360,22 +363,22 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     );
     // It breaks off while a pattern is judged: after a step in the middle, and after the last, whose pattern is then only judged anew.
     let all = Rc::new(Cell::new(0));
-    let mut counted = Weave::new(20.0, &stage);
+    let mut counted = Weave::new(20.0, &view_set);
     counted.looks = Rc::clone(&all);
     run(
         &[Box::new(counted) as Box<dyn WhiteBox>],
         tempfile::tempdir().unwrap().path(),
     )
     .unwrap();
-    let judged = stage.judged().len();
+    let judged = view_set.judged().len();
     for bad_at in [config.batch as usize + judged - 1, all.get() - 1] {
         let folder = tempfile::tempdir().unwrap();
-        let mut bad = Weave::new(20.0, &stage);
+        let mut bad = Weave::new(20.0, &view_set);
         bad.bad_at = Some(bad_at);
         let error = run(&[Box::new(bad) as Box<dyn WhiteBox>], folder.path()).unwrap_err();
         assert!(error.to_string().contains("not a number"), "{error}");
         let looks = Rc::new(Cell::new(0));
-        let mut counted = Weave::new(20.0, &stage);
+        let mut counted = Weave::new(20.0, &view_set);
         counted.looks = Rc::clone(&looks);
         let (again, later) = run(&[Box::new(counted) as Box<dyn WhiteBox>], folder.path()).unwrap();
         // What was looked at before is kept, but for the judging itself.
@@ -387,11 +390,11 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
         assert_eq!(figures(&later), figures(&entries));
     }
     // Other settings do not go on with it.
-    let other = Config {
-        rate: 0.01,
+    let other = AttackConfig {
+        learning_rate: 0.01,
         ..config.clone()
     };
-    let refused = Attack::begin(&stage, &good, &other, whole.path()).err().unwrap();
+    let refused = Attack::begin(&view_set, &good, &other, whole.path()).err().unwrap();
     assert!(matches!(refused, RunError::OtherRun { .. }));
     // Half a file, and one with a single bit turned, wherever that is.
     let written = std::fs::read(whole.path().join("checkpoint")).unwrap();
@@ -403,29 +406,29 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     }
     for bytes in damaged {
         std::fs::write(whole.path().join("checkpoint"), bytes).unwrap();
-        let refused = Attack::begin(&stage, &good, &config, whole.path()).err().unwrap();
+        let refused = Attack::begin(&view_set, &good, &config, whole.path()).err().unwrap();
         assert!(matches!(refused, RunError::Damaged { .. }));
     }
 }
 
 #[test]
 fn a_search_that_goes_on_is_one_that_never_stopped_and_asks_nothing_twice() {
-    let stage = stage(Laying::World);
+    let view_set = view_set(TextureMapping::World);
     let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     let config = search_config(400);
     let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
-        let mut oracle = Oracle::begin(&stage, detectors, &config, folder, &|_| {})?;
+        let mut oracle = BlackBox::begin(&view_set, detectors, &config, folder, &|_| {})?;
         let cells = genetic::search(&mut oracle, &config)?;
         Ok::<_, RunError>((cells, oracle.finish()?))
     };
-    let (cells, entries) = search(&detectors(20.0, &stage), whole.path()).unwrap();
-    let mut bad = Weave::new(20.0, &stage);
+    let (cells, entries) = search(&detectors(20.0, &view_set), whole.path()).unwrap();
+    let mut bad = Weave::new(20.0, &view_set);
     bad.bad_at = Some(250);
     let began = Instant::now();
     assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], halves.path()).is_err());
     let spent_s = began.elapsed().as_secs_f64();
     let looks = Rc::new(Cell::new(0));
-    let mut counted = Weave::new(20.0, &stage);
+    let mut counted = Weave::new(20.0, &view_set);
     counted.looks = Rc::clone(&looks);
     let (again, later) = search(&[Box::new(counted) as Box<dyn WhiteBox>], halves.path()).unwrap();
     assert!(looks.get() < 250, "{} looks", looks.get());
@@ -456,14 +459,15 @@ fn steps_see_every_view_before_any_again() {
 
 #[test]
 fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
-    for laying in [Laying::World, Laying::Repeated] {
-        let stage = stage(laying);
+    for laying in [TextureMapping::World, TextureMapping::Repeated] {
+        let view_set = view_set(laying);
         for gain in [1e4, -1e4, 0.0] {
-            let detectors = detectors(gain, &stage);
+            let detectors = detectors(gain, &view_set);
             for value in [0.0, 1.0] {
                 let cells = vec![[value; 3]; (CELLS * CELLS) as usize];
                 for floor in [0.5, 0.001] {
-                    let looked = look(&stage, &detectors, (0, &cells, &Draw::NONE), (0, floor)).unwrap();
+                    let looked =
+                        loss_and_gradient(&view_set, &detectors, (0, &cells, &Augmentation::NONE), (0, floor)).unwrap();
                     assert!(
                         looked.loss.is_finite() && looked.gradient.iter().flatten().all(|v| v.is_finite()),
                         "{gain} {value} {floor}"
@@ -472,13 +476,14 @@ fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
             }
         }
         // No box is on the model: nothing to do, and nothing is done.
-        let mut blind = Weave::new(1.0, &stage);
+        let mut blind = Weave::new(1.0, &view_set);
         blind.boxes.clear();
         let blind: Vec<Box<dyn WhiteBox>> = vec![Box::new(blind)];
-        let looked = look(&stage, &blind, (0, &random_cells(1), &Draw::NONE), (0, 0.5)).unwrap();
+        let looked =
+            loss_and_gradient(&view_set, &blind, (0, &random_cells(1), &Augmentation::NONE), (0, 0.5)).unwrap();
         assert_eq!((looked.loss, looked.confidence), (0.0, 0.0));
         assert!(looked.gradient.iter().flatten().all(|v| *v == 0.0));
-        let judged = judge(&stage, &blind, &random_cells(1)).unwrap();
+        let judged = judge(&view_set, &blind, &random_cells(1)).unwrap();
         assert_eq!((judged.ap50, judged.hit_rate), (0.0, 0.0));
     }
 }
@@ -590,19 +595,21 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         rows: CELLS,
         cell_mm: 28.0,
     };
-    for laying in [Laying::World, Laying::Repeated] {
+    for laying in [TextureMapping::World, TextureMapping::Repeated] {
         let folder = tempfile::tempdir().unwrap();
         let set = roof_seen_from(7.0, folder.path());
-        let stage = Stage::open(&set, grid, laying, || {}).unwrap();
-        let detectors = detectors(30.0, &stage);
+        let view_set = ViewSet::open(&set, grid, laying, || {}).unwrap();
+        let detectors = detectors(30.0, &view_set);
         let cells = random_cells(5);
-        let at = |cells: &[Rgb]| look(&stage, &detectors, (0, cells, &Draw::NONE), (0, 0.5)).unwrap();
+        let at = |cells: &[Rgb]| {
+            loss_and_gradient(&view_set, &detectors, (0, cells, &Augmentation::NONE), (0, 0.5)).unwrap()
+        };
         let seen = at(&cells);
         assert!(seen.loss.is_finite() && seen.gradient.iter().flatten().all(|v| v.is_finite()));
         let off = worst(&cells, &seen.gradient, |cells| at(cells).loss);
         println!("{laying:?}: gradients of a grazing view off by {off:.1e} of the largest");
         assert!(off < 1e-4, "{laying:?}: {off}");
-        if laying == Laying::World {
+        if laying == TextureMapping::World {
             let reached = seen.gradient.iter().filter(|g| g.iter().any(|v| *v != 0.0)).count();
             assert!(
                 reached > 30,
@@ -611,7 +618,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         }
         // From below, it is not seen.
         let below = tempfile::tempdir().unwrap();
-        let none = Stage::open(&roof_seen_from(4.0, below.path()), grid, laying, || {});
+        let none = ViewSet::open(&roof_seen_from(4.0, below.path()), grid, laying, || {});
         assert!(matches!(none.err().unwrap(), RunError::NothingSeen));
     }
 }
@@ -620,21 +627,21 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
 #[test]
 fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
     use scaleproof::attack::baseline::camou;
-    let stage = stage(Laying::World);
+    let view_set = view_set(TextureMapping::World);
     let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    let config = baseline::Config {
+    let config = baseline::SearchConfig {
         method: "camou",
         ..search_config(900)
     };
     let device = burn::tensor::Device::flex();
     let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
-        let mut oracle = Oracle::begin(&stage, detectors, &config, folder, &|_| {})?;
+        let mut oracle = BlackBox::begin(&view_set, detectors, &config, folder, &|_| {})?;
         let cells = camou::search(&mut oracle, &config, &device)?;
         Ok::<_, RunError>((cells, oracle.finish()?))
     };
-    let (cells, entries) = search(&detectors(60.0, &stage), whole.path()).unwrap();
-    let judging = detectors(60.0, &stage);
-    let of = |cells: &[Rgb]| judge(&stage, &judging, cells).unwrap().mean_confidence;
+    let (cells, entries) = search(&detectors(60.0, &view_set), whole.path()).unwrap();
+    let judging = detectors(60.0, &view_set);
+    let of = |cells: &[Rgb]| judge(&view_set, &judging, cells).unwrap().mean_confidence;
     // What 32 random patterns give, of which it takes the best to begin with.
     let chance: Vec<f64> = (0..32).map(|seed| of(&random_cells(seed))).collect();
     let best = chance.iter().copied().fold(1.0, f64::min);
@@ -645,23 +652,23 @@ fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
     );
     assert!(of(&cells) < best);
     assert!(entries.last().unwrap().queries <= 900 && entries.last().unwrap().held_out.is_some());
-    let mut bad = Weave::new(60.0, &stage);
+    let mut bad = Weave::new(60.0, &view_set);
     bad.bad_at = Some(400);
     assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], halves.path()).is_err());
-    let (again, _) = search(&detectors(60.0, &stage), halves.path()).unwrap();
+    let (again, _) = search(&detectors(60.0, &view_set), halves.path()).unwrap();
     assert_eq!(again, cells);
 }
 
-/// Two views, in both of which the detector claims the same.
+/// Two views, in both of which the detector predictions the same.
 #[test]
 fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
-    struct Fixed(Vec<Claim>);
-    struct Seen(Vec<Claim>);
-    impl Look for Seen {
-        fn claims(&self) -> &[Claim] {
+    struct Fixed(Vec<Prediction>);
+    struct Seen(Vec<Prediction>);
+    impl ForwardPass for Seen {
+        fn predictions(&self) -> &[Prediction] {
             &self.0
         }
-        fn pull_back(self: Box<Self>, _: &[f64]) -> Vec<Rgb> {
+        fn vjp(self: Box<Self>, _: &[f64]) -> Vec<Rgb> {
             Vec::new()
         }
     }
@@ -669,39 +676,39 @@ fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
         fn name(&self) -> &str {
             "fixed"
         }
-        fn hides_from_iou(&self) -> f64 {
+        fn nms_iou(&self) -> f64 {
             0.5
         }
-        fn look(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
+        fn forward(&self, _: &[Rgb], _: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError> {
             Ok(Box::new(Seen(self.0.clone())))
         }
     }
-    let stage = stage(Laying::World);
-    let claim = |box_px, confidence| Claim {
+    let view_set = view_set(TextureMapping::World);
+    let prediction = |box_px, confidence| Prediction {
         box_px,
         confidence,
         loss: 0.0,
     };
-    let judged = |claims: Vec<Claim>| {
-        let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(Fixed(claims))];
-        judge(&stage, &detectors, &random_cells(1)).unwrap()
+    let judged = |predictions: Vec<Prediction>| {
+        let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(Fixed(predictions))];
+        judge(&view_set, &detectors, &random_cells(1)).unwrap()
     };
-    assert_eq!(stage.judged().len(), 2);
-    let (first, far) = (stage.views[0].outline, BoxPx::new(0.0, 0.0, 4.0, 4.0));
-    let is_second = stage.views[1].outline.iou(&first) >= 0.5;
+    assert_eq!(view_set.judged().len(), 2);
+    let (first, far) = (view_set.views[0].outline, BoxPx::new(0.0, 0.0, 4.0, 4.0));
+    let is_second = view_set.views[1].outline.iou(&first) >= 0.5;
     // A box around the first view's model, in both views: it finds one of two models, or both where they overlap.
-    let alone = judged(vec![claim(first, 0.9)]);
+    let alone = judged(vec![prediction(first, 0.9)]);
     let half = if is_second { 1.0 } else { 51.0 / 101.0 };
     assert!((alone.ap50 - half).abs() < 1e-9, "{alone:?}");
     // A second box on it is hidden by the first and costs nothing; a surer one elsewhere does cost.
-    let twice = judged(vec![claim(first, 0.9), claim(first, 0.8)]);
+    let twice = judged(vec![prediction(first, 0.9), prediction(first, 0.8)]);
     assert_eq!(twice.ap50, alone.ap50);
-    let behind = judged(vec![claim(first, 0.6), claim(far, 0.9)]);
+    let behind = judged(vec![prediction(first, 0.6), prediction(far, 0.9)]);
     // Two misses come first: precision 1/3, or 2/4 where both are found.
     let expected = if is_second { 0.5 } else { 51.0 / 101.0 / 3.0 };
     assert!((behind.ap50 - expected).abs() < 1e-9, "{behind:?}");
     assert_eq!(
-        judged(vec![claim(first, 0.0005)]).ap50,
+        judged(vec![prediction(first, 0.0005)]).ap50,
         0.0,
         "below the floor of scoring"
     );
@@ -724,7 +731,14 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    let open = || Stage::open(&FrameSet::open(copy.path()).unwrap(), grid, Laying::World, || {});
+    let open = || {
+        ViewSet::open(
+            &FrameSet::open(copy.path()).unwrap(),
+            grid,
+            TextureMapping::World,
+            || {},
+        )
+    };
     let mut masks: Vec<String> = set.list.frames.iter().map(|f| f.paint_mask.clone()).collect();
     masks.dedup();
     let [width, height] = set.list.size_px;
@@ -734,8 +748,8 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
             .unwrap()
     };
     hide(&masks[0]);
-    let stage = open().unwrap();
-    assert_eq!((stage.views.len(), stage.unseen), (1, 1));
+    let view_set = open().unwrap();
+    assert_eq!((view_set.views.len(), view_set.unseen), (1, 1));
     masks.iter().for_each(hide);
     assert!(matches!(open().err().unwrap(), RunError::NothingSeen));
 }
@@ -744,14 +758,14 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
 fn patches_lie_where_they_are_put() {
     let set = stored();
     let frame = &set.list.frames[0];
-    let patch = Patch {
-        picture: image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })),
+    let patch = PlacedPatch {
+        image: image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })),
         side: Side::Roof,
         at_mm: [0.0, 0.0],
         size_mm: [400.0, 100.0],
     };
     assert_eq!(is_seen(&set, frame, &patch).unwrap(), Some(true));
-    let far = Patch {
+    let far = PlacedPatch {
         at_mm: [9999.0, 60.0],
         ..patch.clone()
     };
@@ -837,4 +851,37 @@ fn bad_arguments_are_one_sentence() {
         assert_refused(&run(&place), &[words]);
     }
     assert!(!out.path().join("x").exists(), "nothing half-written");
+}
+
+#[test]
+fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
+    use scaleproof::attack::result::{CONFIG, PATTERN, write};
+    use scaleproof::attack::setup::Setup;
+    let texture = (CELLS, 240.0, TextureMapping::World);
+    let setup = Setup::open(stored(), texture, Default::default(), || {}).unwrap();
+    let history = setup.history("dta", 1, Vec::new());
+    let (cells, config) = (random_cells(1), config(2));
+    let write = |folder: &Path, config| write(folder, (&cells, CELLS), &history, config);
+    let names = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    // Where one file finds no place, none is written.
+    let blocked = tempfile::tempdir().unwrap();
+    std::fs::create_dir(blocked.path().join(CONFIG)).unwrap();
+    assert!(write(blocked.path(), Some(&config)).is_err());
+    assert_eq!(names(blocked.path()), [CONFIG]);
+
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(
+        write(folder.path(), Some(&config)).unwrap(),
+        folder.path().join(PATTERN)
+    );
+    let all = [CONFIG, "history.json", "pattern.json", PATTERN];
+    assert_eq!(names(folder.path()), all);
+    // A pattern that the attack did not make has no settings of it.
+    write(folder.path(), None).unwrap();
+    assert_eq!(names(folder.path()), all[1..]);
 }

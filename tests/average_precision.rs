@@ -1,6 +1,6 @@
 //! AP and recall against pycocotools: this project's own cases (see `data/make_ap_cases.py`) and the shared oracle.
 
-mod common;
+use crate::tests::common;
 
 use std::path::Path;
 
@@ -184,6 +184,7 @@ fn the_yolov5_ramp_on_a_curve_with_a_false_positive() {
     assert!(
         ApDefinition::from_name("mAP")
             .unwrap_err()
+            .to_string()
             .contains("coco-101, all-point")
     );
 }

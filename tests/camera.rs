@@ -1,6 +1,6 @@
 //! Camera files: each format against other readers and round trips, `camera`, and cameras that must fit another photo.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use opencv::core::{FileStorage, FileStorage_Mode, Mat};
 use opencv::prelude::*;
 use proptest::prelude::*;
-use scaleproof::camera::{Camera, Format, Guess, SizeError};
+use scaleproof::camera::{Camera, CameraFormat, Guess, SizeError};
 
 fn parse(text: &str) -> Result<Camera, String> {
     Camera::parse(text, Path::new("camera.yaml")).map_err(|e| e.to_string())
@@ -71,14 +71,14 @@ proptest! {
     #[test]
     fn every_format_round_trips(camera in cameras()) {
         let beyond_radtan = camera.distortion()[4..].iter().any(|k| *k != 0.0);
-        for (first, name) in Format::ALL {
+        for (first, name) in CameraFormat::ALL {
             let Ok(text) = camera.write(first) else {
-                prop_assert!(first == Format::Kalibr && beyond_radtan, "{name} refused {camera:?}");
+                prop_assert!(first == CameraFormat::Kalibr && beyond_radtan, "{name} refused {camera:?}");
                 continue;
             };
             let once = parse(&text).unwrap();
             prop_assert_eq!(&once, &camera);
-            for (second, _) in Format::ALL {
+            for (second, _) in CameraFormat::ALL {
                 let Ok(text) = once.write(second) else { continue };
                 let twice = parse(&text).unwrap();
                 prop_assert!(furthest_apart(&twice, &camera) <= 1e-9);
@@ -145,7 +145,7 @@ fn opencv_reads_what_we_write_and_we_read_what_opencv_writes() {
     ] {
         let mut camera = ours.clone().with_distortion(coefficients);
         camera.guess = Some(Guess { focal_percent: 6.5 });
-        let path = write(folder.path(), "ours.yaml", &camera.write(Format::OpenCv).unwrap());
+        let path = write(folder.path(), "ours.yaml", &camera.write(CameraFormat::OpenCv).unwrap());
         let storage = FileStorage::new_def(path.to_str().unwrap(), FileStorage_Mode::READ as i32).unwrap();
         let matrix = |name: &str| storage.get(name).unwrap().mat().unwrap();
         let k = matrix("camera_matrix");
@@ -189,8 +189,8 @@ fn a_yaml_1_1_reader_finds_numbers() {
         .output();
     let has_pyyaml = has_pyyaml.is_ok_and(|o| o.status.success());
     for (format, keys) in [
-        (Format::Ros, "['distortion_coefficients']['data']"),
-        (Format::Kalibr, "['cam0']['distortion_coeffs']"),
+        (CameraFormat::Ros, "['distortion_coefficients']['data']"),
+        (CameraFormat::Kalibr, "['cam0']['distortion_coeffs']"),
     ] {
         let text = camera.write(format).unwrap();
         let numbers = text
@@ -229,7 +229,7 @@ fn mrcal_files_have_what_its_reader_wants() {
         (&[0.1, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0, 1e-12], "LENSMODEL_OPENCV8", 12),
     ] {
         let camera = Camera::pinhole(640, 480, 500.0, 501.0, 319.5, 239.5).with_distortion(coefficients);
-        let text = camera.write(Format::Mrcal).unwrap();
+        let text = camera.write(CameraFormat::Mrcal).unwrap();
         let at = |word: &str| text.find(word).unwrap_or_else(|| panic!("{word} is not in {text}"));
         assert!(
             at(&format!("'{model}'")) < at("'intrinsics'") && at("'extrinsics'") < at("'imagersize': [ 640, 480 ]")
@@ -293,10 +293,10 @@ fn cameras_that_cannot_be_read_are_refused_in_one_sentence() {
         (opencv.replace("-0.08", ".inf"), "distortion coefficient inf"),
         (opencv.replace("-0.08", "1e300"), "is no finite number below 1e9"),
         (opencv.replace("1180.0", "1e15"), "focal lengths fx 1000000000000000"),
-        (opencv.replace("648.5", "64850"), "lies far outside the picture"),
+        (opencv.replace("648.5", "64850"), "lies far outside the image"),
         (
             opencv.replace("image_width: 1280", "image_width: 0"),
-            "picture size 0×960",
+            "image size 0×960",
         ),
         (
             opencv.replace("image_width: 1280", "image_width: -3"),
@@ -652,7 +652,11 @@ fn photos_of_another_size_or_turned_by_exif_are_located_or_refused() {
         .for_photo(960, 1280, 90)
         .unwrap()
         .camera;
-    let upright = write(folder.path(), "upright.yaml", &sideways.write(Format::OpenCv).unwrap());
+    let upright = write(
+        folder.path(),
+        "upright.yaml",
+        &sideways.write(CameraFormat::OpenCv).unwrap(),
+    );
     save(&original, 6);
     let (line, _) = locate(&path, &upright);
     assert_eq!(

@@ -1,8 +1,7 @@
 //! Guided capture without a camera: replayed sessions and watched folders, spoiled frames among good ones, and a program that is killed.
 
-mod common;
-#[path = "capture/live.rs"]
-mod live;
+use crate::tests::common;
+pub(super) mod live;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,7 @@
 //! A running camera without one: known pictures in every pixel format, a slow reader, and a cable that is pulled.
 
-mod common;
-#[path = "capture/live.rs"]
-mod live;
+use crate::tests::capture::live;
+use crate::tests::common;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,13 +1,10 @@
 //! The page of a guided capture: over loopback as raw HTTP, among them ten thousand uploads that are none, and in headless Chromium.
 
-mod common;
+use crate::tests::common;
 
-#[path = "capture_page/browser.rs"]
 mod browser;
-#[path = "capture_page/http.rs"]
-mod http;
-#[path = "capture_page/running.rs"]
-mod running;
+pub(super) mod http;
+pub(super) mod running;
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -688,4 +685,23 @@ fn a_capture_is_followed_and_finished_in_a_browser() {
         !complaint.contains("422") && !complaint.contains("410") && !is_taken_back
     });
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}
+
+/// Whoever opens the page when the source has ended sees the newest picture, as those do who watched.
+#[test]
+fn a_page_opened_after_the_last_frame_shows_it() {
+    let running = Running::start(&replay(), &[]);
+    wait_for(&mut running.client(), |state| state["source_ended"] == true);
+    let mut browser = Browser::start();
+    browser.open(&running.address);
+    let is_told = "document.getElementById('advice').textContent === 'Taken; all views are there'";
+    let preview = "document.getElementById('preview').textContent";
+    let shown = loop {
+        let shown = browser.value(&format!("{is_told} ? {preview} : null"));
+        if let Some(shown) = shown.as_str() {
+            break shown.to_owned();
+        }
+    };
+    assert!(!shown.contains("no "), "there is a photo, and the page says: {shown}");
+    browser.wait_for("document.querySelectorAll('#preview polygon.whole').length >= 3");
 }

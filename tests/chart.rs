@@ -1,8 +1,8 @@
 //! The charts that choose the defaults, on the stored photos, and the sweeps that drive every method until it breaks.
 
-mod common;
+use crate::tests::common;
 
-use common::{assert_refused, program, skyline};
+use common::{assert_refused, copy_of_skyline, program, skyline, stderr, stdout, tinted_twice};
 use scaleproof::chart::locate::{CameraModel, Sample, detectors, measure};
 use scaleproof::chart::{stability, true_views};
 use scaleproof::locate::Solver;
@@ -106,6 +106,29 @@ fn spoiled_photos_are_right_or_refused() {
         let weakest = of.iter().map(|step| step.answered).fold(1.0, f64::min);
         assert!(weakest < 0.5, "{name} was not driven until it broke: {weakest}");
     }
+}
+
+/// Tags are measured on the luma that the JPEG stores, as `locate` measures them.
+#[test]
+fn the_colours_of_photos_change_no_chart() {
+    let figures = [0, 1].map(|i| {
+        let session = copy_of_skyline();
+        for entry in Session::open(&skyline()).unwrap().photos {
+            let tinted = tinted_twice(&skyline().join(&entry.file));
+            std::fs::write(session.path().join(&entry.file), &tinted[i]).unwrap();
+        }
+        let mut command = program();
+        command
+            .args(["chart", "envelope", "--json", "--session"])
+            .arg(session.path());
+        command.arg("--truth").arg(skyline().join("truth.json"));
+        let output = command.arg("-o").arg(session.path().join("out")).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let numbers: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        numbers["rows"][0]["iou_median"].clone()
+    });
+    assert!(figures[0].is_f64());
+    assert_eq!(figures[0], figures[1]);
 }
 
 #[test]

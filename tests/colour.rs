@@ -1,10 +1,8 @@
 //! The colour chart: rendered by poppler, printed and photographed by simulation, read back; and patterns checked with what was
 //! read.
 
-mod common;
-#[path = "print_template/render.rs"]
-mod render;
-#[path = "colour/simulate.rs"]
+use crate::tests::common;
+use crate::tests::print_template::render;
 mod simulate;
 
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! `compare` and `plan`: intervals that cover what they claim, exact tests against hand-computed cases, and pairing.
 
-mod common;
+use crate::tests::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
 use rand::{RngExt, SeedableRng};

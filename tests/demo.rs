@@ -1,6 +1,6 @@
 //! The demo, as a new user meets it: without weights and network, and with weights.
 
-mod common;
+use crate::tests::common;
 
 use std::path::Path;
 use std::process::Command;

@@ -1,9 +1,7 @@
 //! Every detector family: known boxes are written as its network would answer them, a network made here answers so through
 //! ONNX Runtime, and the boxes must come back in the photo. Encoding and placement are written down here a second time.
 
-mod common;
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common::onnx;
 
 use onnx::{Input, Output};
 use scaleproof::detect::{Detector, Manifest, Runtime};

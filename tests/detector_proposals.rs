@@ -1,9 +1,8 @@
 //! `detectors add`: every family from a network made here, the real ones, honest questions where the file does not tell, and
 //! bad input.
 
-mod common;
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common;
+use crate::tests::common::onnx;
 
 use std::path::{Path, PathBuf};
 

@@ -1,14 +1,13 @@
 //! The detectors: a tiny network made here, run by ONNX Runtime, and the five real ones against published scores.
 
-mod common;
+use crate::tests::common;
 
 use std::path::Path;
 
 use common::{assert_refused, program, shared, skyline, stdout};
 use scaleproof::detect::{Detector, Manifest, Recorded, RecordedPhoto, Recording, Runtime, Speeds};
 
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common::onnx;
 
 /// A YOLOX answer with one box: centre (208, 104), 104 × 52 input pixels, at stride 8, car .72, truck .18.
 fn yolox_answer() -> Vec<f32> {

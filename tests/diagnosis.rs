@@ -1,7 +1,7 @@
 //! One cause for many bad photos: named when it is the cause, by simulated photos of random scenes and by the stored ones; and never
 //! another one.
 
-mod common;
+use crate::tests::common;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use scaleproof::camera::Camera;
 use scaleproof::locate::diagnosis::{self, is_bad};
 use scaleproof::locate::{Diagnosis, LocatedPhoto, locate};
-use scaleproof::scene::{Bins, Envelope, Model, Ring, Scene, TagFamily};
+use scaleproof::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 use scaleproof::simulate::{Fault, Noise, Simulator};
 
 const NOISE: Noise = Noise {
@@ -52,8 +52,8 @@ enum Wrong {
 /// A random ring of cards round a model.
 fn any_scene(rng: &mut Pcg64Mcg) -> Scene {
     loop {
-        let ring = Ring {
-            model: Model {
+        let ring = TagRing {
+            model: ScaleModel {
                 name: "model".into(),
                 scale: 10.0,
                 class: "car".parse().unwrap(),
@@ -226,7 +226,7 @@ fn the_cause_is_named_and_no_other() {
     }
 }
 
-/// The whole sweep, for `docs/lessons.md`: `cargo test --release --test diagnosis -- --ignored --nocapture`.
+/// The whole sweep, for `docs/lessons.md`: `./run test --test diagnosis -- --ignored --nocapture sweep`.
 #[test]
 #[ignore = "minutes"]
 fn sweep() {

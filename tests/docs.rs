@@ -1,16 +1,11 @@
 //! The documentation, held against the project: links lead somewhere, commands run, options exist, examples are read, keys are those that
 //! are written.
 
-mod common;
-#[path = "docs/examples.rs"]
+use crate::tests::common;
 mod examples;
-#[path = "docs/help.rs"]
 mod help;
-#[path = "docs/markdown.rs"]
 mod markdown;
-#[path = "docs/scratch.rs"]
 mod scratch;
-#[path = "docs/shell.rs"]
 mod shell;
 
 use std::collections::BTreeSet;

@@ -1,8 +1,7 @@
 //! From folders of photos to figures: `score` and `compare` of VARIANT=DIR, `session new` and `session show`, and the detectors at hand.
 
-mod common;
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common;
+use crate::tests::common::onnx;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Sessions made of truth from elsewhere: COCO annotations and tables become a session that scores without tags and camera.
 
-mod common;
+use crate::tests::common;
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use scaleproof::session::Session;

@@ -1,6 +1,6 @@
 //! `locate` on the stored session, against the session's exact truth, and on bad input.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -1,7 +1,7 @@
 //! How the program speaks: which word was meant, quiet, JSON, progress in a log, colours, completions, manual pages, help, and doubts about
 //! units.
 
-mod common;
+use crate::tests::common;
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
@@ -253,7 +253,7 @@ fn long_work_says_in_a_log_how_far_it_is_and_nothing_with_quiet() {
 
 /// What the program shows in a terminal; `None` without `script`, which makes one.
 fn in_terminal(arguments: &str, variables: &[(&str, &str)]) -> Option<String> {
-    let command = format!("{} {arguments}", env!("CARGO_BIN_EXE_scaleproof"));
+    let command = format!("{} {arguments}", common::built().display());
     let mut script = Command::new("script");
     script
         .args(["-qec", &command, "/dev/null"])

@@ -1,7 +1,6 @@
 //! Every parser of user files on the fuzzing corpus and on damaged copies of it: an answer or an error, never a panic.
 
-#[path = "../fuzz/entry.rs"]
-mod entry;
+use crate::fuzz_entry as entry;
 
 use std::path::Path;
 
@@ -190,7 +189,7 @@ fn the_corpus_has_files_that_are_accepted() {
     let whole = corpus("frames").into_iter().filter(|list| {
         std::fs::write(folder.join("frames.json"), list).unwrap();
         let set = scaleproof::frames::FrameSet::open(&folder);
-        set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_pictures(frame).is_ok()))
+        set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_images(frame).is_ok()))
     });
     assert!(whole.count() >= 1);
 }

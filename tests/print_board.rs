@@ -1,9 +1,7 @@
 //! Prints calibration boards, renders the PDF with poppler, and finds them with OpenCV.
 
-mod common;
-#[path = "print_tags/paper.rs"]
-mod paper;
-#[path = "print_board/theirs.rs"]
+use crate::tests::common;
+use crate::tests::print_tags::paper;
 mod theirs;
 
 use std::path::Path;

@@ -1,12 +1,9 @@
 //! Paint mode: stencils rendered and measured as pictures; paints against formulas written for the test; what is refused.
 
-#[path = "print_paint/colour.rs"]
 mod colour;
-mod common;
-#[path = "print_paint/raster.rs"]
+use crate::tests::common;
 mod raster;
-#[path = "print_template/render.rs"]
-mod render;
+use crate::tests::print_template::render;
 
 use std::path::Path;
 

@@ -1,10 +1,8 @@
 //! The check page measured, printer files made and refused, and a stretching printer corrected.
 
-mod common;
-#[path = "print_template/measure.rs"]
-mod measure;
-#[path = "print_template/render.rs"]
-mod render;
+use crate::tests::common;
+use crate::tests::print_template::measure;
+use crate::tests::print_template::render;
 
 use std::path::Path;
 

@@ -1,10 +1,8 @@
 //! Prints templates as SVG, reads the files, renders them with Chromium, and measures the picture.
 
-mod common;
-#[path = "print_template/measure.rs"]
-mod measure;
-#[path = "print_template/render.rs"]
-mod render;
+use crate::tests::common;
+use crate::tests::print_template::measure;
+use crate::tests::print_template::render;
 
 use std::path::Path;
 

@@ -1,11 +1,9 @@
 //! Prints the tags of scenes, renders the PDF with poppler, finds the tags again with the detector, folds the cards, and lays
 //! the mat together.
 
-mod common;
-#[path = "print_tags/fold.rs"]
+use crate::tests::common;
 mod fold;
-#[path = "print_tags/paper.rs"]
-mod paper;
+pub(super) mod paper;
 
 use std::path::Path;
 

@@ -1,10 +1,8 @@
 //! Prints templates, renders the PDF with poppler at 600 dpi, and measures the picture.
 
-mod common;
-#[path = "print_template/measure.rs"]
-mod measure;
-#[path = "print_template/render.rs"]
-mod render;
+use crate::tests::common;
+pub(super) mod measure;
+pub(super) mod render;
 
 use std::path::Path;
 use std::process::Command;

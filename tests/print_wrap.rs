@@ -1,8 +1,7 @@
 //! Prints the panels of models, renders them with poppler, and reads the colours where the model's surface is.
 
-mod common;
-#[path = "print_template/render.rs"]
-mod render;
+use crate::tests::common;
+use crate::tests::print_template::render;
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +11,7 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use render::{done, pages, scaleproof, text_of};
-use scaleproof::mesh::{Mesh, Placement};
+use scaleproof::mesh::{Mesh, MeshPlacement};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::{Side, WorldAligned};
 use scaleproof::print::paper::Paper;
@@ -221,9 +220,9 @@ fn the_skyline_panels_show_what_a_renderer_shows() {
         png.display(),
         pdf.display()
     ));
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(455.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     let mesh = Mesh::load(&glb, &placement).unwrap();
     let paint = mesh.materials_named(&["Material.001".into()]).unwrap();
@@ -278,7 +277,7 @@ fn the_bar_is_printed_as_calculated() {
         png.display(),
         pdf.display()
     ));
-    let mesh = Mesh::load(&obj, &Placement::default()).unwrap();
+    let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let paint = mesh.materials_named(&["paint".into()]).unwrap();
     let made = wrap(&mesh, &paint, &pattern, &request(61.7, Paper::A4)).unwrap();
     let [length, width, height, down, inwards] = BAR;
@@ -494,7 +493,7 @@ fn slopes_of_the_bar_are_unrolled() {
         said.contains("unrolled: 2 strips") && said.contains("largest stretch 1.00"),
         "{said}"
     );
-    let mesh = Mesh::load(&obj, &Placement::default()).unwrap();
+    let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let materials = mesh.materials_named(&["paint".into()]).unwrap();
     let paint = Paint::of_materials(&mesh, &materials);
     let made = wrap(&mesh, &materials, &pattern, &flattened(61.7, Paper::A4, 1.1)).unwrap();
@@ -557,7 +556,7 @@ fn a_dome_is_unrolled_without_overlap() {
         png.display(),
         pdf.display()
     ));
-    let mesh = Mesh::load(&obj, &Placement::default()).unwrap();
+    let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let made = wrap(&mesh, &[], &pattern, &flattened(40.0, Paper::A4, 1.2)).unwrap();
     made.facts().iter().for_each(|fact| println!("{fact}"));
     strips_are_the_surface(&made, &Paint::of_materials(&mesh, &[]), 1.2);
@@ -617,9 +616,9 @@ fn the_skyline_is_unrolled() {
         png.display(),
         pdf.display()
     ));
-    let placement = Placement {
+    let placement = MeshPlacement {
         length_mm: Some(455.0),
-        ..Placement::default()
+        ..MeshPlacement::default()
     };
     let mesh = Mesh::load(&glb, &placement).unwrap();
     let materials = mesh.materials_named(&["Material.001".into()]).unwrap();

@@ -1,6 +1,6 @@
 //! The HTML report as a person meets it: rendered by Chromium, offline, at desktop and phone size; and its LaTeX tables.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

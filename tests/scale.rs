@@ -1,6 +1,6 @@
 //! Large runs: results kept and taken up again, shards merged, photos decoded reduced. The detector is a network made here.
 
-mod common;
+use crate::tests::common;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,8 +14,7 @@ use scaleproof::photo::Photo;
 use scaleproof::score::{self, Cache, EvaluatedDetector, Options, Scores};
 use scaleproof::session::Session;
 
-#[path = "common/onnx.rs"]
-mod onnx;
+use crate::tests::common::onnx;
 
 /// Six photos of the stored session, one of them cut short, and one without tags; and a detector that answers with one car.
 struct Set {

@@ -1,6 +1,6 @@
 //! `score` on the stored session: figures against pycocotools and by hand, recorded against live, and bad input.
 
-mod common;
+use crate::tests::common;
 
 use std::path::Path;
 use std::process::Output;

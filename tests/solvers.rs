@@ -1,4 +1,4 @@
-//! The direct pose solvers against OpenCV's on random views.
+//! Projection and the direct pose solvers against OpenCV's on random views.
 
 use std::cell::Cell;
 
@@ -9,6 +9,7 @@ use opencv::prelude::*;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use scaleproof::camera::Camera;
+use scaleproof::camera::projection::{PARAMETERS, by_step, project_unchecked};
 use scaleproof::geometry::{Rigid, homography, rigid};
 use scaleproof::locate::{planar_branches, sqpnp};
 
@@ -74,6 +75,66 @@ fn rms(points: &[Point3<f64>], pixels: &[[f64; 2]], pose: &Rigid) -> f64 {
         .zip(pixels)
         .map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2));
     (off.sum::<f64>() / pixels.len() as f64).sqrt()
+}
+
+/// Pixels, and their derivatives by a turn, a shift and every number of the camera: those of OpenCV's `projectPoints`.
+#[test]
+fn projection_and_its_derivatives_are_opencvs() {
+    let mut runner = TestRunner::new(Config {
+        cases: 300,
+        failure_persistence: None,
+        ..Config::default()
+    });
+    let coefficients = prop::array::uniform8(-0.05..0.05_f64);
+    let place = (-0.5..0.5_f64, -0.4..0.4_f64, 200.0..1500.0_f64);
+    runner
+        .run(&(coefficients, place), |(k, (x, y, z))| {
+            let camera = Camera::pinhole(1280, 960, 1180.0, 1175.0, 645.0, 472.0).with_distortion(&k);
+            let point = Point3::new(x * z, y * z, z);
+            let ours = project_unchecked(&camera.parameters(), &point);
+            let points = Vector::<Point3d>::from_iter([Point3d::new(point.x, point.y, point.z)]);
+            let zero = Mat::from_slice_2d(&[[0.0], [0.0], [0.0]]).unwrap();
+            let intrinsics =
+                Mat::from_slice_2d(&[[1180.0, 0.0, 645.0], [0.0, 1175.0, 472.0], [0.0, 0.0, 1.0]]).unwrap();
+            let (mut pixels, mut jacobian) = (Vector::<Point2d>::new(), Mat::default());
+            let distortion: Vector<f64> = k.iter().copied().collect();
+            calib3d::project_points(
+                &points,
+                &zero,
+                &zero,
+                &intrinsics,
+                &distortion,
+                &mut pixels,
+                &mut jacobian,
+                0.0,
+            )
+            .unwrap();
+            let their = pixels.get(0).unwrap();
+            prop_assert!((ours.pixel[0] - their.x).abs() < 1e-9 && (ours.pixel[1] - their.y).abs() < 1e-9);
+            if let Some(pixel) = camera.project(&point) {
+                prop_assert_eq!(pixel, ours.pixel);
+                prop_assert_eq!(camera.project_by_point(&point).unwrap().1, ours.by_point);
+            }
+            let theirs = jacobian.data_typed::<f64>().unwrap();
+            let (by_pose, columns) = (by_step(&ours.by_point, &point), 6 + PARAMETERS);
+            prop_assert_eq!(theirs.len(), 2 * columns);
+            for row in 0..2 {
+                for column in 0..columns {
+                    let our = if column < 6 {
+                        by_pose[(row, column)]
+                    } else {
+                        ours.by_camera[(row, column - 6)]
+                    };
+                    let their = theirs[row * columns + column];
+                    prop_assert!(
+                        (our - their).abs() < 1e-9 * (1.0 + their.abs()),
+                        "{row} {column}: {our} {their}"
+                    );
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
 }
 
 /// Many points, on a plane or not: the pose of OpenCV's SQPnP, or one that leaves less; with exact pixels the true one.

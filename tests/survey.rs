@@ -1,11 +1,12 @@
 //! `survey`: the stored session against its exact truth, synthetic views with noise, and everything that must be noticed.
 
-mod common;
+use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use common::{assert_refused, oriented, program, read_json, skyline, stderr, stdout, tinted_twice};
+use image::imageops::FilterType;
 use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -152,6 +153,61 @@ fn the_skyline_photos_of_one_variant_give_the_tags_and_locate_the_other_variant(
     }
 }
 
+/// Photos that EXIF turned, or that were made smaller, are surveyed as they are located: by the camera as it fits each of them.
+#[test]
+fn photos_turned_by_exif_or_made_smaller_are_surveyed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("surveyed.toml");
+    let photos: Vec<PathBuf> = photos("normal")
+        .iter()
+        .zip([1, 3, 6, 8, 1, 3, 6, 0])
+        .map(|(photo, orientation)| {
+            let copy = folder.path().join(photo.file_name().unwrap());
+            match orientation {
+                0 => {
+                    let smaller = image::open(photo)
+                        .unwrap()
+                        .resize_exact(1024, 768, FilterType::Lanczos3);
+                    smaller.into_luma8().save(&copy).unwrap();
+                }
+                _ => std::fs::write(&copy, oriented(&std::fs::read(photo).unwrap(), orientation)).unwrap(),
+            }
+            copy
+        })
+        .collect();
+    let more = ["--fixed", "mat", "--sizes", "50"];
+    let output = run(&photos, &mat_only(folder.path()), &out, &more);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("scaled by 0.800"), "{}", stderr(&output));
+    let found = Scene::open(&out).unwrap();
+    let surveyed = found.tags.iter().filter(|t| t.sigma.is_some()).count();
+    let (mm, deg, ratio) = worst(&found, &truth().0);
+    println!("{surveyed} tags, worst {mm:.2} mm, {deg:.2}°, {ratio:.1} σ");
+    assert!(surveyed >= 13 && mm < 2.0 && deg < 0.5 && ratio < 4.0);
+}
+
+/// Tags are measured on the luma that the JPEG stores, as `locate` measures them.
+#[test]
+fn the_colours_of_photos_change_no_survey() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("surveyed.toml");
+    let scenes = [0, 1].map(|i| {
+        let copies: Vec<PathBuf> = photos("normal")
+            .iter()
+            .map(|photo| {
+                let copy = folder.path().join(photo.file_name().unwrap());
+                std::fs::write(&copy, &tinted_twice(photo)[i]).unwrap();
+                copy
+            })
+            .collect();
+        let more = ["--fixed", "mat", "--sizes", "50"];
+        let output = run(&copies, &mat_only(folder.path()), &out, &more);
+        assert!(output.status.success(), "{}", stderr(&output));
+        std::fs::read_to_string(&out).unwrap()
+    });
+    assert_eq!(scenes[0], scenes[1]);
+}
+
 #[test]
 fn one_origin_tag_ties_less_well_and_sigma_says_so() {
     let folder = tempfile::tempdir().unwrap();
@@ -187,7 +243,7 @@ fn bad_input_is_one_sentence_and_nothing_is_written() {
         .save(&blank)
         .unwrap();
     let small = folder.path().join("small.png");
-    image::GrayImage::new(64, 48).save(&small).unwrap();
+    image::GrayImage::new(64, 40).save(&small).unwrap();
     for (photos, more, words) in [
         (
             &all[..1],
@@ -207,7 +263,7 @@ fn bad_input_is_one_sentence_and_nothing_is_written() {
         (
             &[small, all[0].clone()][..],
             vec!["--fixed", "mat"],
-            vec!["64×48", "1280×960"],
+            vec!["64×40", "1280×960"],
         ),
         (
             &[blank][..],

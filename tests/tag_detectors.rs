@@ -1,6 +1,6 @@
 //! The tag detectors against exact corners: the stored session's truth, rendered tags, real photos.
 
-mod common;
+use crate::tests::common;
 
 use std::time::Instant;
 

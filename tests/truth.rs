@@ -1,6 +1,6 @@
 //! Truth boxes: box, hull and mesh against pictures drawn here, against the exact truth of the stored session, and bad input.
 
-mod common;
+use crate::tests::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -8,10 +8,10 @@ use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point3d, Vector, no_array};
 use proptest::prelude::*;
 use scaleproof::camera::Camera;
-use scaleproof::envelope::{NoTruth, Outline};
+use scaleproof::envelope::{EnvelopeShape, NoTruth};
 use scaleproof::geometry::{BoxPx, Rigid};
-use scaleproof::mesh::{Mesh, Placement};
-use scaleproof::scene::{Envelope, Model};
+use scaleproof::mesh::{Mesh, MeshPlacement};
+use scaleproof::scene::{Envelope, ScaleModel};
 use std::path::Path;
 
 /// Length, width and height of the car below, mm: those of the stored session's model.
@@ -54,8 +54,8 @@ fn obj(triangles: &[[[f64; 3]; 3]]) -> String {
     vertices + &faces.collect::<String>()
 }
 
-fn model() -> Model {
-    Model {
+fn model() -> ScaleModel {
+    ScaleModel {
         name: "car".into(),
         scale: 10.0,
         class: "car".parse().unwrap(),
@@ -64,16 +64,16 @@ fn model() -> Model {
     }
 }
 
-fn outlines() -> [Outline; 3] {
+fn outlines() -> [EnvelopeShape; 3] {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("car.obj");
     std::fs::write(&path, obj(&car())).unwrap();
-    let mesh = Mesh::load(&path, &Placement::default()).unwrap();
+    let mesh = Mesh::load(&path, &MeshPlacement::default()).unwrap();
     let model = model();
     [
-        Outline::of_box(&model),
-        Outline::hull(&mesh, &model),
-        Outline::surface(&mesh, &model),
+        EnvelopeShape::of_box(&model),
+        EnvelopeShape::hull(&mesh, &model),
+        EnvelopeShape::surface(&mesh, &model),
     ]
 }
 
@@ -383,5 +383,5 @@ fn a_surveyed_scene_keeps_its_mesh() {
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let scene = scaleproof::scene::Scene::open(&out.path().join("scene.toml")).unwrap();
-    assert!(Outline::open(&scene.model, out.path()).is_ok());
+    assert!(EnvelopeShape::open(&scene.model, out.path()).is_ok());
 }

@@ -1,6 +1,5 @@
 #![no_main]
 
-#[path = "../entry.rs"]
-mod entry;
+use scaleproof::fuzz_entry as entry;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| entry::printer(bytes));

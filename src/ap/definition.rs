@@ -15,6 +15,11 @@ pub enum ApDefinition {
     Yolov5Ramp,
 }
 
+/// A name that no definition has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no AP definition `{0}`: choose one of {names}", names = ApDefinition::ALL.map(ApDefinition::name).join(", "))]
+pub struct UnknownDefinition(String);
+
 impl ApDefinition {
     pub const ALL: [ApDefinition; 4] = [
         ApDefinition::Coco101,
@@ -46,12 +51,9 @@ impl ApDefinition {
     }
 
     /// The definition of that name; the error lists the names.
-    pub fn from_name(name: &str) -> Result<ApDefinition, String> {
+    pub fn from_name(name: &str) -> Result<ApDefinition, UnknownDefinition> {
         let named = ApDefinition::ALL.into_iter().find(|d| d.name() == name);
-        named.ok_or_else(|| {
-            let names = ApDefinition::ALL.map(ApDefinition::name).join(", ");
-            format!("there is no AP definition `{name}`: choose one of {names}")
-        })
+        named.ok_or_else(|| UnknownDefinition(name.to_owned()))
     }
 
     /// The average precision of a curve: (precision, recall) after each detection, the most confident first.

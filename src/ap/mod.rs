@@ -4,7 +4,7 @@
 
 mod definition;
 
-pub use definition::ApDefinition;
+pub use definition::{ApDefinition, UnknownDefinition};
 
 use crate::geometry::BoxPx;
 

@@ -2,8 +2,12 @@
 //!
 //! - [`run`]: the attack itself;
 //! - [`baseline`]: its rivals;
+//! - [`setup`]: what both are made on and against;
+//! - [`result`]: the files of their results;
 //! - [`evaluate`]: patterns rendered anew on the model, as photos with exact truth.
 
 pub mod baseline;
 pub mod evaluate;
+pub mod result;
 pub mod run;
+pub mod setup;

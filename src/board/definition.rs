@@ -5,17 +5,40 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::files;
-use crate::geometry::length;
+use crate::geometry::length::{self, BadLength};
 
 /// Why a board file was refused, or could not be put together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DefinitionError {
     #[error("{0}")]
     File(String),
-    #[error("{path} is no board file ({reason}): use the .toml that `print board` wrote, or one of calibration/", path = path.display())]
-    Content { path: PathBuf, reason: String },
+    #[error("{path} is no board file ({fault}): use the .toml that `print board` wrote, or one of calibration/", path = path.display())]
+    Content { path: PathBuf, fault: BoardFault },
     #[error("the definition could not be put together: {0}")]
     Write(String),
+}
+
+/// What is wrong in a board file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BoardFault {
+    #[error("{0}")]
+    Syntax(String),
+    #[error(transparent)]
+    Length(#[from] BadLength),
+    #[error("legacy_layout = true, the layout before OpenCV 4.6, is not supported")]
+    LegacyLayout,
+    #[error("marker_mm must be below square_mm")]
+    LargeMarker,
+    #[error("inner_corners must be one below squares each way")]
+    InnerCorners,
+    #[error("family {0} is not supported, only tag36h11")]
+    Family(String),
+    #[error("border_modules must be 1 to {}", Definition::MOST_BORDER_MODULES)]
+    Border,
+    #[error("it must have {0} to {most} columns and rows", most = Definition::MOST_SQUARES)]
+    Count(u32),
 }
 
 /// A board by the numbers a detector needs. Lengths in mm; (columns, rows).
@@ -72,15 +95,16 @@ impl Definition {
     /// A file that cannot be read, is no board file, or whose numbers make no board.
     pub fn open(path: &Path) -> Result<Self, DefinitionError> {
         let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
-        let refuse = |reason: String| DefinitionError::Content {
+        let refuse = |fault| DefinitionError::Content {
             path: path.to_owned(),
-            reason,
+            fault,
         };
-        let definition: Self = toml::from_str(&text).map_err(|e| refuse(e.message().trim().replace('\n', " ")))?;
+        let syntax = |e: toml::de::Error| BoardFault::Syntax(e.message().trim().replace('\n', " "));
+        let definition: Self = toml::from_str(&text).map_err(|e| refuse(syntax(e)))?;
         definition.checked().map_err(refuse)
     }
 
-    fn checked(self) -> Result<Self, String> {
+    fn checked(self) -> Result<Self, BoardFault> {
         let (lengths, counts, least) = match &self {
             Self::Charuco {
                 squares,
@@ -90,10 +114,10 @@ impl Definition {
                 ..
             } => {
                 if *legacy_layout {
-                    return Err("legacy_layout = true, the layout before OpenCV 4.6, is not supported".into());
+                    return Err(BoardFault::LegacyLayout);
                 }
                 if marker_mm >= square_mm {
-                    return Err("marker_mm must be below square_mm".into());
+                    return Err(BoardFault::LargeMarker);
                 }
                 (vec![("square_mm", *square_mm), ("marker_mm", *marker_mm)], squares, 3)
             }
@@ -103,7 +127,7 @@ impl Definition {
                 square_mm,
             } => {
                 if *inner_corners != squares.map(|n| n.saturating_sub(1)) {
-                    return Err("inner_corners must be one below squares each way".into());
+                    return Err(BoardFault::InnerCorners);
                 }
                 (vec![("square_mm", *square_mm)], squares, 3)
             }
@@ -115,24 +139,20 @@ impl Definition {
                 border_modules,
             } => {
                 if family != "tag36h11" {
-                    return Err(format!("family {family} is not supported, only tag36h11"));
+                    return Err(BoardFault::Family(family.clone()));
                 }
                 if !(1..=Self::MOST_BORDER_MODULES).contains(border_modules) {
-                    let most = Self::MOST_BORDER_MODULES;
-                    return Err(format!("border_modules must be 1 to {most}"));
+                    return Err(BoardFault::Border);
                 }
                 let gap = ("tag_mm times tag_spacing", tag_mm * tag_spacing);
                 (vec![("tag_mm", *tag_mm), gap], tags, 1)
             }
         };
         for (what, value) in lengths {
-            length::size_mm(what, value).map_err(|e| e.to_string())?;
+            length::size_mm(what, value)?;
         }
         if counts.iter().any(|n| !(least..=Self::MOST_SQUARES).contains(n)) {
-            return Err(format!(
-                "it must have {least} to {} columns and rows",
-                Self::MOST_SQUARES
-            ));
+            return Err(BoardFault::Count(least));
         }
         Ok(self)
     }

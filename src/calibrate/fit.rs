@@ -42,12 +42,12 @@ pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) 
         poses,
         cost: f64::INFINITY,
     };
-    Some(minimise(Normal::at(start, views)?, &LIMITS).fit)
+    Some(minimise(CameraEquations::at(start, views)?, &LIMITS).fit)
 }
 
 /// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
 pub fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
-    let found = minimise(PoseNormal::at(start, view, camera)?, &LIMITS);
+    let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
     Some((found.pose, found.block.cost))
 }
 
@@ -87,7 +87,7 @@ impl Fit {
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
     pub fn covariance(&self, model: Model, views: &[View]) -> Option<DMatrix<f64>> {
         let seen_as = Fit { model, ..self.clone() };
-        let (reduced, _) = Normal::at(seen_as, views)?.reduced(0.0)?;
+        let (reduced, _) = CameraEquations::at(seen_as, views)?.reduced(0.0)?;
         let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
         let free = numbers
             .checked_sub(model.parameters() + 6 * views.len())
@@ -151,16 +151,16 @@ impl Block {
 }
 
 /// One pose under a camera that is held.
-struct PoseNormal<'a> {
+struct PoseEquations<'a> {
     pose: Rigid,
     block: Block,
     view: &'a View,
     camera: &'a [f64; ALL],
 }
 
-impl<'a> PoseNormal<'a> {
-    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseNormal<'a>> {
-        Some(PoseNormal {
+impl<'a> PoseEquations<'a> {
+    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
+        Some(PoseEquations {
             pose,
             block: Block::at(view, camera, &pose)?,
             view,
@@ -169,19 +169,19 @@ impl<'a> PoseNormal<'a> {
     }
 }
 
-impl LeastSquares for PoseNormal<'_> {
+impl LeastSquares for PoseEquations<'_> {
     fn cost(&self) -> f64 {
         self.block.cost
     }
 
     fn stepped(&self, damping: f64) -> Option<Self> {
         let step = self.block.damped_pose(damping).cholesky()?.solve(&self.block.by_pose);
-        PoseNormal::at(stepped(&self.pose, &step), self.view, self.camera)
+        PoseEquations::at(stepped(&self.pose, &step), self.view, self.camera)
     }
 }
 
 /// Camera and poses: the camera's part summed over the views, by the parameters of the model.
-struct Normal<'a> {
+struct CameraEquations<'a> {
     fit: Fit,
     camera: DMatrix<f64>,
     by_camera: DVector<f64>,
@@ -191,14 +191,14 @@ struct Normal<'a> {
     views: &'a [View],
 }
 
-impl<'a> Normal<'a> {
-    fn at(fit: Fit, views: &'a [View]) -> Option<Normal<'a>> {
+impl<'a> CameraEquations<'a> {
+    fn at(fit: Fit, views: &'a [View]) -> Option<CameraEquations<'a>> {
         let parameters = fit.model.parameters_to_numbers();
         let of = |(view, pose)| Block::at(view, &fit.camera, pose);
         let blocks: Vec<Block> = views.iter().zip(&fit.poses).map(of).collect::<Option<_>>()?;
         let camera: SMatrix<f64, ALL, ALL> = blocks.iter().map(|b| b.camera).sum();
         let by_camera: SVector<f64, ALL> = blocks.iter().map(|b| b.by_camera).sum();
-        Some(Normal {
+        Some(CameraEquations {
             camera: parameters.transpose() * camera * &parameters,
             by_camera: parameters.transpose() * by_camera,
             fit: Fit {
@@ -225,7 +225,7 @@ impl<'a> Normal<'a> {
     }
 }
 
-impl LeastSquares for Normal<'_> {
+impl LeastSquares for CameraEquations<'_> {
     fn cost(&self) -> f64 {
         self.fit.cost
     }
@@ -251,7 +251,7 @@ impl LeastSquares for Normal<'_> {
             poses: poses.collect::<Option<_>>()?,
             ..self.fit.clone()
         };
-        Normal::at(fit, self.views)
+        CameraEquations::at(fit, self.views)
     }
 }
 

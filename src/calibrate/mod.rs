@@ -221,13 +221,9 @@ fn rms_px(fit: &fit::Fit, views: &[View]) -> f64 {
 }
 
 fn sigmas(fit: &fit::Fit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
-    let mut sigmas = [0.0; model::ALL];
-    for (i, slots) in fit.model.slots().iter().enumerate() {
-        slots
-            .iter()
-            .for_each(|slot| sigmas[*slot] = covariance[(i, i)].max(0.0).sqrt());
-    }
-    sigmas
+    let numbers = fit.model.parameters_to_numbers();
+    let variances = (&numbers * covariance * numbers.transpose()).diagonal();
+    std::array::from_fn(|i| variances[i].max(0.0).sqrt())
 }
 
 fn photo_results(shots: &[BoardPhoto], fit: &fit::Fit, views: &[View], middle_mm: [f64; 2]) -> Vec<PhotoResult> {

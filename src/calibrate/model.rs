@@ -47,33 +47,24 @@ impl Model {
         }
     }
 
-    /// For each parameter of the fit, the numbers of [`ALL`] that it sets.
-    pub(super) fn slots(self) -> &'static [&'static [usize]] {
-        const ONE_FOCAL: [&[usize]; 5] = [&[0, 1], &[2], &[3], &[4], &[5]];
-        const TWO_FOCALS: [&[usize]; ALL] = [&[0], &[1], &[2], &[3], &[4], &[5], &[6], &[7], &[8], &[9], &[10], &[11]];
-        static ONE: [&[usize]; 5] = ONE_FOCAL;
-        static TWO: [&[usize]; ALL] = TWO_FOCALS;
-        match self {
-            Model::F => &ONE[..1],
-            Model::FC => &ONE[..3],
-            Model::K1 => &ONE[..4],
-            Model::K1K2 => &ONE[..5],
-            Model::PlumbBob => &TWO[..9],
-            Model::Rational => &TWO[..],
-        }
-    }
-
-    /// The matrix that takes the fit's parameters to the numbers of [`ALL`].
+    /// The matrix that takes the fit's parameters to the numbers of [`ALL`]; one focal length is two of them.
     pub(super) fn parameters_to_numbers(self) -> DMatrix<f64> {
-        let slots = self.slots();
-        DMatrix::from_fn(ALL, slots.len(), |slot, p| {
-            f64::from(u8::from(slots[p].contains(&slot)))
+        let shared = usize::from(self < Model::PlumbBob);
+        DMatrix::from_fn(ALL, self.parameters(), |number, p| {
+            f64::from(u8::from(number.saturating_sub(shared) == p))
         })
     }
 
     /// How many numbers are fitted.
     pub fn parameters(self) -> usize {
-        self.slots().len()
+        match self {
+            Model::F => 1,
+            Model::FC => 3,
+            Model::K1 => 4,
+            Model::K1K2 => 5,
+            Model::PlumbBob => 9,
+            Model::Rational => ALL,
+        }
     }
 }
 

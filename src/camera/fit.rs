@@ -4,9 +4,9 @@ use super::{Camera, Distortion};
 
 /// A camera that fits one photo, and what was done to the camera file's for that.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fitted {
+pub struct FittedCamera {
     pub camera: Camera,
-    /// Width of the photo by width of the camera file's picture, before turning; 1 when nothing was scaled.
+    /// Width of the photo by width of the camera file's image, before turning; 1 when nothing was scaled.
     pub scale: f64,
     /// Clockwise, as EXIF says the photo was turned; 0 when the camera file is for the upright photo.
     pub turned_deg: u32,
@@ -14,6 +14,7 @@ pub struct Fitted {
 
 /// Why a camera file does not fit a photo.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SizeError {
     #[error(
         "the photo is {photo} but the camera file is for {camera}, another aspect ratio, so the photo was cropped by an unknown amount: use the original photo, or calibrate at this size"
@@ -28,19 +29,19 @@ pub enum SizeError {
 impl Camera {
     /// The camera for an upright photo of a size in pixels that EXIF turned clockwise by `turned_deg` (0, 90, 180 or 270).
     ///
-    /// The camera file may be for the picture as it lies on the sensor, which is then turned with the photo, or for upright
+    /// The camera file may be for the image as it lies on the sensor, which is then turned with the photo, or for upright
     /// photos held the same way. Refuses what was cropped or turned in an unknown way.
-    pub fn for_photo(&self, width: u32, height: u32, turned_deg: u32) -> Result<Fitted, SizeError> {
+    pub fn for_photo(&self, width: u32, height: u32, turned_deg: u32) -> Result<FittedCamera, SizeError> {
         let lies_across = turned_deg % 180 == 90;
         let (sensor_width, sensor_height) = if lies_across { (height, width) } else { (width, height) };
         if let Some(scaled) = self.scaled(sensor_width, sensor_height) {
-            Ok(Fitted {
+            Ok(FittedCamera {
                 camera: (0..turned_deg / 90).fold(scaled, |camera, _| camera.turned_clockwise()),
                 scale: f64::from(sensor_width) / f64::from(self.width),
                 turned_deg,
             })
         } else {
-            Ok(Fitted {
+            Ok(FittedCamera {
                 camera: self
                     .scaled(width, height)
                     .filter(|_| lies_across)
@@ -51,8 +52,8 @@ impl Camera {
         }
     }
 
-    /// Where a photo's pixel lies in the picture that this camera file is for; `fitted` is this camera as it fits the photo.
-    pub fn unfitted_px(&self, fitted: &Fitted, [mut x, mut y]: [f64; 2]) -> [f64; 2] {
+    /// Where a photo's pixel lies in the image that this camera file is for; `fitted` is this camera as it fits the photo.
+    pub fn unfitted_px(&self, fitted: &FittedCamera, [mut x, mut y]: [f64; 2]) -> [f64; 2] {
         let (mut width, mut height) = (f64::from(fitted.camera.width), f64::from(fitted.camera.height));
         for _ in 0..fitted.turned_deg / 90 {
             (x, y) = (y, width - 1.0 - x);
@@ -62,7 +63,7 @@ impl Camera {
         [unscaled(x, width, self.width), unscaled(y, height, self.height)]
     }
 
-    /// The camera for the same picture at another size in pixels. Refuses another aspect ratio than rounding explains.
+    /// The camera for the same image at another size in pixels. Refuses another aspect ratio than rounding explains.
     ///
     /// Pixel (0, 0) is the centre of the top-left pixel, so a principal point moves as (c + ½)·s − ½.
     pub fn scaled_to(&self, width: u32, height: u32) -> Result<Camera, SizeError> {
@@ -101,7 +102,7 @@ impl Camera {
         }
     }
 
-    /// The camera of the picture turned clockwise by 90°: x' = −y, y' = x on the sensor.
+    /// The camera of the image turned clockwise by 90°: x' = −y, y' = x on the sensor.
     fn turned_clockwise(self) -> Camera {
         let [k1, k2, p1, p2, k3, k4, k5, k6] = *self.distortion();
         Camera {
@@ -119,7 +120,7 @@ impl Camera {
     }
 }
 
-impl Fitted {
+impl FittedCamera {
     /// What to know before believing a pose made with this camera, as sentences.
     pub fn cautions(&self) -> Vec<String> {
         let scaled = (self.scale != 1.0).then(|| scaled_caution(self.scale));
@@ -134,6 +135,6 @@ impl Fitted {
 fn scaled_caution(scale: f64) -> String {
     format!(
         "the camera file is for another size and was scaled by {scale:.3}: right for a photo made smaller or larger as a whole, wrong for one cut \
-         out of a larger picture"
+         out of a larger image"
     )
 }

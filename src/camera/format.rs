@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::{Camera, CameraError, kalibr, marks, mrcal, opencv_yaml, ros_yaml};
+use super::{Camera, CameraError, CameraFault, kalibr, marks, mrcal, opencv_yaml, ros_yaml};
 use crate::files;
 
 /// A camera file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub enum CameraFormat {
     /// OpenCV FileStorage YAML: 5 coefficients, or 8.
     OpenCv,
     /// ROS `camera_info` YAML: `plumb_bob` (5 coefficients) or `rational_polynomial` (8).
@@ -18,34 +18,38 @@ pub enum Format {
     Mrcal,
 }
 
-impl Format {
+impl CameraFormat {
     /// Every format with the name a user gives it.
-    pub const ALL: [(Format, &str); 4] = [
-        (Format::OpenCv, "opencv"),
-        (Format::Ros, "ros"),
-        (Format::Kalibr, "kalibr"),
-        (Format::Mrcal, "mrcal"),
+    pub const ALL: [(CameraFormat, &str); 4] = [
+        (CameraFormat::OpenCv, "opencv"),
+        (CameraFormat::Ros, "ros"),
+        (CameraFormat::Kalibr, "kalibr"),
+        (CameraFormat::Mrcal, "mrcal"),
     ];
 
     /// The name a user gives the format.
     pub fn name(self) -> &'static str {
-        Format::ALL
+        CameraFormat::ALL
             .iter()
             .find(|(f, _)| *f == self)
             .map_or("", |(_, name)| name)
     }
 
     /// The format of a camera file's text, by what it says; a file's name may say anything.
-    fn of_text(text: &str) -> Option<Format> {
+    fn of_text(text: &str) -> Option<CameraFormat> {
         let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
         let says = |word: &str| lines.clone().any(|line| line.contains(word));
         if says("lensmodel") && text_starts_with_brace(text) {
-            Some(Format::Mrcal)
+            Some(CameraFormat::Mrcal)
         } else if says("camera_matrix") {
             let is_ros = says("distortion_model") || says("projection_matrix");
-            Some(if is_ros { Format::Ros } else { Format::OpenCv })
+            Some(if is_ros {
+                CameraFormat::Ros
+            } else {
+                CameraFormat::OpenCv
+            })
         } else if says("camera_model") || says("distortion_coeffs") {
-            Some(Format::Kalibr)
+            Some(CameraFormat::Kalibr)
         } else {
             None
         }
@@ -60,50 +64,46 @@ fn text_starts_with_brace(text: &str) -> bool {
 }
 
 impl Camera {
-    /// Reads a camera file of any [`Format`].
+    /// Reads a camera file of any [`CameraFormat`].
     pub fn open(path: &Path) -> Result<Camera, CameraError> {
         Camera::parse(&files::read_text(path)?, path)
     }
 
     /// Parses the text of a camera file; `path` is only named in errors.
     pub fn parse(text: &str, path: &Path) -> Result<Camera, CameraError> {
-        parse(text).map_err(|message| CameraError::Content {
+        parse(text).map_err(|fault| CameraError::Content {
             path: path.to_owned(),
-            message,
+            fault,
         })
     }
 
     /// The camera as the text of a file; every number reads back as it is. Refuses what the format's models cannot say.
-    pub fn write(&self, format: Format) -> Result<String, CameraError> {
+    pub fn write(&self, format: CameraFormat) -> Result<String, CameraError> {
         self.check()
             .and_then(|()| match format {
-                Format::OpenCv => Ok(opencv_yaml::write(self)),
-                Format::Ros => Ok(ros_yaml::write(self)),
-                Format::Kalibr => kalibr::write(self),
-                Format::Mrcal => Ok(mrcal::write(self)),
+                CameraFormat::OpenCv => Ok(opencv_yaml::write(self)),
+                CameraFormat::Ros => Ok(ros_yaml::write(self)),
+                CameraFormat::Kalibr => kalibr::write(self),
+                CameraFormat::Mrcal => Ok(mrcal::write(self)),
             })
-            .map_err(|reason| CameraError::NotInFormat {
+            .map_err(|fault| CameraError::NotInFormat {
                 format: format.name(),
-                reason,
+                fault,
             })
     }
 }
 
-fn parse(text: &str) -> Result<Camera, String> {
+fn parse(text: &str) -> Result<Camera, CameraFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
-        return Err("the file is empty".into());
+        return Err(CameraFault::Empty);
     }
-    let camera = match Format::of_text(text) {
-        Some(Format::OpenCv) => opencv_yaml::read(text)?,
-        Some(Format::Ros) => ros_yaml::read(text)?,
-        Some(Format::Kalibr) => kalibr::read(text)?,
-        Some(Format::Mrcal) => mrcal::read(text)?,
-        None => {
-            return Err(
-                "not a camera file: give YAML of OpenCV, ROS camera_info or Kalibr, or a .cameramodel of mrcal".into(),
-            );
-        }
+    let camera = match CameraFormat::of_text(text) {
+        Some(CameraFormat::OpenCv) => opencv_yaml::read(text)?,
+        Some(CameraFormat::Ros) => ros_yaml::read(text)?,
+        Some(CameraFormat::Kalibr) => kalibr::read(text)?,
+        Some(CameraFormat::Mrcal) => mrcal::read(text)?,
+        None => return Err(CameraFault::UnknownFormat),
     };
     let camera = marks::read(text, camera)?;
     camera.check()?;

@@ -1,6 +1,6 @@
 //! What no format has a place for, in comments that every format allows: that a camera is a guess, and standard deviations.
 
-use super::{Camera, Guess, yaml};
+use super::{Camera, CameraFault, Guess, yaml};
 
 const GUESS: &str = "# scaleproof: focal length guessed from EXIF, within percent: ";
 const SIGMA: &str = "# scaleproof: standard deviations of fx, fy, cx, cy in px: ";
@@ -15,7 +15,7 @@ pub(super) fn write(camera: &Camera) -> String {
 
 /// The camera with what the comments of its file say. A mark whose number was spoilt is refused: without it a guess would
 /// pass for a calibration.
-pub(super) fn read(text: &str, camera: Camera) -> Result<Camera, String> {
+pub(super) fn read(text: &str, camera: Camera) -> Result<Camera, CameraFault> {
     let guess = numbers::<1>(text, GUESS)?.map(|[focal_percent]| Guess { focal_percent });
     Ok(Camera {
         guess,
@@ -24,7 +24,7 @@ pub(super) fn read(text: &str, camera: Camera) -> Result<Camera, String> {
     })
 }
 
-fn numbers<const N: usize>(text: &str, mark: &str) -> Result<Option<[f64; N]>, String> {
+fn numbers<const N: usize>(text: &str, mark: &'static str) -> Result<Option<[f64; N]>, CameraFault> {
     let Some(list) = text.lines().find_map(|line| line.trim().strip_prefix(mark.trim_end())) else {
         return Ok(None);
     };
@@ -33,5 +33,5 @@ fn numbers<const N: usize>(text: &str, mark: &str) -> Result<Option<[f64; N]>, S
         .filter(|numbers| numbers.iter().all(|v| v.is_finite() && *v >= 0.0))
         .and_then(|numbers| numbers.try_into().ok())
         .map(Some)
-        .ok_or_else(|| format!("the comment “{mark}…” must be followed by {N} number(s) not below 0"))
+        .ok_or(CameraFault::Comment { mark, count: N })
 }

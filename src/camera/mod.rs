@@ -1,5 +1,6 @@
 //! The camera: pinhole and Brown–Conrady distortion, in OpenCV's conventions.
 
+mod fault;
 mod fit;
 mod format;
 mod guess;
@@ -16,25 +17,27 @@ use std::path::PathBuf;
 
 use crate::files;
 
-pub use fit::{Fitted, SizeError};
-pub use format::Format;
+pub use fault::CameraFault;
+pub use fit::{FittedCamera, SizeError};
+pub use format::CameraFormat;
 pub use guess::{Guess, GuessError};
 
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CameraError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
-    #[error("the camera cannot be written as {format}: {reason}")]
-    NotInFormat { format: &'static str, reason: String },
+    #[error("{path}: {fault}", path = path.display())]
+    Content { path: PathBuf, fault: CameraFault },
+    #[error("the camera cannot be written as {format}: {fault}")]
+    NotInFormat { format: &'static str, fault: CameraFault },
 }
 
-/// Intrinsics of one camera at one picture size. Pixel (0, 0) is the *centre* of the top-left pixel.
+/// Intrinsics of one camera at one image size. Pixel (0, 0) is the *centre* of the top-left pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// Picture size in pixels.
+    /// Image size in pixels.
     pub width: u32,
     pub height: u32,
     /// Focal lengths and principal point in pixels.
@@ -98,37 +101,31 @@ impl Camera {
     }
 
     /// Refuses numbers that no camera has: a file of something else, or one whose decimal commas became list commas.
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), CameraFault> {
         let Camera { fx, fy, cx, cy, .. } = *self;
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let larger = width.max(height);
         if !(1.0..=100_000.0).contains(&width.min(height)) || larger > 100_000.0 {
-            let (width, height) = (self.width, self.height);
-            return Err(format!(
-                "the picture size {width}×{height} must lie between 1 and 100000 pixels a side"
-            ));
+            let Camera { width, height, .. } = *self;
+            return Err(CameraFault::Size { width, height });
         }
         // 169 to 0.6 degrees across.
-        let is_focal = |f: f64| (0.05 * larger..=100.0 * larger).contains(&f);
-        if !is_focal(fx) || !is_focal(fy) {
-            return Err(format!(
-                "the focal lengths fx {fx} and fy {fy} must lie between {} and {} px for this picture size",
-                0.05 * larger,
-                100.0 * larger
-            ));
+        let (least, most) = (0.05 * larger, 100.0 * larger);
+        if [fx, fy].iter().any(|f| !(least..=most).contains(f)) {
+            return Err(CameraFault::Focal { fx, fy, least, most });
         }
         let is_inside = |c: f64, side: f64| (-side..=2.0 * side).contains(&c);
         if !is_inside(cx, width) || !is_inside(cy, height) {
-            return Err(format!("the principal point ({cx}, {cy}) lies far outside the picture"));
+            return Err(CameraFault::PrincipalPoint { cx, cy });
         }
         // Long lenses have small radii and large coefficients; this only keeps numbers that overflow away.
         match self.distortion().iter().find(|k| !k.is_finite() || k.abs() > 1e9) {
-            Some(k) => Err(format!("the distortion coefficient {k} is no finite number below 1e9")),
+            Some(k) => Err(CameraFault::Coefficient(*k)),
             None => Ok(()),
         }
     }
 
-    /// The angle in degrees that one pixel covers at the centre of the picture.
+    /// The angle in degrees that one pixel covers at the centre of the image.
     pub fn deg_per_px(&self) -> f64 {
         (2.0 / (self.fx + self.fy)).atan().to_degrees()
     }

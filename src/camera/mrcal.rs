@@ -6,11 +6,11 @@
 use serde::Deserialize;
 
 use super::yaml;
-use super::{Camera, marks};
+use super::{Camera, CameraFault, marks};
 
 /// The keys we need; where the camera stood and what it was calibrated from are passed over.
 #[derive(Deserialize)]
-struct CameraModel {
+struct MrcalFile {
     lensmodel: String,
     /// fx, fy, cx, cy, then the coefficients.
     intrinsics: Vec<f64>,
@@ -26,18 +26,18 @@ const MODELS: [(&str, usize); 4] = [
     ("LENSMODEL_OPENCV8", 8),
 ];
 
-pub(super) fn read(text: &str) -> Result<Camera, String> {
-    let file: CameraModel = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
-    let Some((name, count)) = MODELS.iter().find(|(name, _)| *name == file.lensmodel) else {
-        return Err(format!(
-            "{} is not supported: convert it to LENSMODEL_OPENCV8 with mrcal-convert-lensmodel",
-            file.lensmodel
-        ));
+pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
+    let file: MrcalFile = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
+    let Some((model, count)) = MODELS.iter().find(|(name, _)| *name == file.lensmodel) else {
+        return Err(CameraFault::MrcalModel(file.lensmodel));
     };
     let (&[fx, fy, cx, cy, ref coefficients @ ..], true) = (&file.intrinsics[..], file.intrinsics.len() == 4 + count)
     else {
-        let found = file.intrinsics.len();
-        return Err(format!("{name} has {} intrinsics, the file has {found}", 4 + count));
+        return Err(CameraFault::MrcalNumbers {
+            model,
+            count: 4 + count,
+            found: file.intrinsics.len(),
+        });
     };
     let [width, height] = file.imagersize;
     Ok(Camera::pinhole(width, height, fx, fy, cx, cy).with_distortion(coefficients))

@@ -5,11 +5,11 @@
 use serde::Deserialize;
 
 use super::yaml::{self, Matrix};
-use super::{Camera, marks};
+use super::{Camera, CameraFault, marks};
 
 /// The keys we need; the others (date, flags, errors) belong to the writers and are passed over.
 #[derive(Deserialize)]
-struct CameraFile {
+struct OpenCvFile {
     image_width: u32,
     image_height: u32,
     camera_matrix: Matrix,
@@ -18,10 +18,10 @@ struct CameraFile {
     fisheye_model: f64,
 }
 
-pub(super) fn read(text: &str) -> Result<Camera, String> {
-    let file: CameraFile = yaml::parse(text, "an OpenCV camera file")?;
+pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
+    let file: OpenCvFile = yaml::parse(text, "an OpenCV camera file")?;
     if file.fisheye_model != 0.0 {
-        return Err("a fisheye model is not supported: calibrate with the pinhole model".into());
+        return Err(CameraFault::Fisheye);
     }
     let [fx, fy, cx, cy] = file.camera_matrix.intrinsics("camera_matrix")?;
     let distortion = file.distortion_coefficients.numbers("distortion_coefficients")?;
@@ -30,16 +30,13 @@ pub(super) fn read(text: &str) -> Result<Camera, String> {
 }
 
 /// At most eight of the coefficients OpenCV knows: k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))).
-pub(super) fn known_coefficients(all: &[f64]) -> Result<&[f64], String> {
+pub(super) fn known_coefficients(all: &[f64]) -> Result<&[f64], CameraFault> {
     if ![4, 5, 8, 12, 14].contains(&all.len()) {
-        let count = all.len();
-        return Err(format!(
-            "distortion_coefficients has {count} numbers: OpenCV knows 4, 5 or 8"
-        ));
+        return Err(CameraFault::CoefficientCount(all.len()));
     }
     let (known, further) = all.split_at(all.len().min(8));
     if further.iter().any(|v| *v != 0.0) {
-        return Err("thin-prism and tilt coefficients are not supported: calibrate with at most 8".into());
+        return Err(CameraFault::ThinPrismOrTilt);
     }
     Ok(known)
 }

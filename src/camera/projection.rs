@@ -1,4 +1,4 @@
-//! Where a point lands in the picture, and how that changes with the point, the pose and the camera.
+//! Where a point lands in the image, and how that changes with the point, the pose and the camera.
 //!
 //! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
 
@@ -11,7 +11,7 @@ use crate::geometry::Rigid;
 pub const PARAMETERS: usize = 12;
 
 /// The pixel of a point, and its Jacobians.
-pub struct Projection {
+pub struct ProjectedPoint {
     pub pixel: [f64; 2],
     /// By the point in the camera frame, px per mm.
     pub by_point: Matrix2x3<f64>,
@@ -21,7 +21,7 @@ pub struct Projection {
 
 /// Projects a point of the camera frame by the formula alone: behind the camera, and where the distortion folds back on itself, it
 /// answers too. A fit passes through such cameras; everything else uses [`Camera::project`].
-pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> Projection {
+pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> ProjectedPoint {
     let [fx, fy, cx, cy, k @ ..] = *parameters;
     let (x, y) = (p.x / p.z, p.y / p.z);
     let (distorted, by_xy) = distort(&k, x, y);
@@ -32,7 +32,7 @@ pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> Pro
     for (i, [u, v]) in by_k.into_iter().enumerate() {
         (by_camera[(0, 4 + i)], by_camera[(1, 4 + i)]) = (fx * u, fy * v);
     }
-    Projection {
+    ProjectedPoint {
         pixel: [fx * distorted[0] + cx, fy * distorted[1] + cy],
         by_point: by_point([fx, fy], [x, y], p.z, &by_xy),
         by_camera,

@@ -6,11 +6,11 @@ use serde::Deserialize;
 
 use super::opencv_yaml::known_coefficients;
 use super::yaml::{self, Matrix};
-use super::{Camera, marks};
+use super::{Camera, CameraFault, marks};
 
 /// The keys we need; a single camera's rectification and projection follow from them.
 #[derive(Deserialize)]
-struct CameraFile {
+struct RosFile {
     image_width: u32,
     image_height: u32,
     camera_matrix: Matrix,
@@ -19,26 +19,23 @@ struct CameraFile {
     distortion_coefficients: Matrix,
 }
 
-pub(super) fn read(text: &str) -> Result<Camera, String> {
-    let file: CameraFile = yaml::parse(text, "a ROS camera_info file")?;
+pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
+    let file: RosFile = yaml::parse(text, "a ROS camera_info file")?;
     let model = file.distortion_model.as_deref().unwrap_or("plumb_bob");
     let limit = match model {
         "plumb_bob" => 5,
         "rational_polynomial" => 8,
-        other => {
-            return Err(format!(
-                "distortion_model {other} is not supported: use plumb_bob or rational_polynomial"
-            ));
-        }
+        other => return Err(CameraFault::RosModel(other.to_owned())),
     };
     let [fx, fy, cx, cy] = file.camera_matrix.intrinsics("camera_matrix")?;
     let coefficients = file.distortion_coefficients.numbers("distortion_coefficients")?;
     let coefficients = known_coefficients(&coefficients)?;
     if coefficients.iter().skip(limit).any(|v| *v != 0.0) {
-        let count = coefficients.len();
-        return Err(format!(
-            "distortion_model {model} has {limit} coefficients but distortion_coefficients has {count}: is it rational_polynomial?"
-        ));
+        return Err(CameraFault::RosCoefficients {
+            model: model.to_owned(),
+            limit,
+            found: coefficients.len(),
+        });
     }
     Ok(Camera::pinhole(file.image_width, file.image_height, fx, fy, cx, cy).with_distortion(coefficients))
 }

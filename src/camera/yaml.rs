@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::CameraFault;
+
 /// A matrix as OpenCV and ROS write it, row by row.
 #[derive(Deserialize)]
 pub(super) struct Matrix {
@@ -13,14 +15,14 @@ pub(super) struct Matrix {
 
 /// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is no YAML directive, and its tag
 /// for matrices, which only OpenCV knows, are passed over.
-pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &str) -> Result<T, String> {
+pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, CameraFault> {
     let body = match text.split_once('\n') {
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
     };
-    serde_saphyr::from_str(&body.replace("!!opencv-matrix", "")).map_err(|e| {
-        let reason = e.to_string();
-        format!("not {what}: {}", plain_reason(&reason))
+    serde_saphyr::from_str(&body.replace("!!opencv-matrix", "")).map_err(|e| CameraFault::Syntax {
+        what,
+        reason: plain_reason(&e.to_string()).to_owned(),
     })
 }
 
@@ -33,19 +35,23 @@ fn plain_reason(reason: &str) -> &str {
 
 impl Matrix {
     /// The numbers, as many as rows and columns say.
-    pub(super) fn numbers(self, name: &str) -> Result<Vec<f64>, String> {
-        if self.rows.checked_mul(self.cols) != Some(self.data.len()) {
-            let (rows, cols, found) = (self.rows, self.cols, self.data.len());
-            return Err(format!("{name} says {rows} × {cols} but has {found} numbers"));
-        }
-        Ok(self.data)
+    pub(super) fn numbers(self, name: &'static str) -> Result<Vec<f64>, CameraFault> {
+        let Matrix { rows, cols, data } = self;
+        let found = data.len();
+        let is_whole = rows.checked_mul(cols) == Some(found);
+        is_whole.then_some(data).ok_or(CameraFault::Matrix {
+            name,
+            rows,
+            cols,
+            found,
+        })
     }
 
     /// fx, fy, cx, cy of a camera matrix [fx 0 cx; 0 fy cy; 0 0 1].
-    pub(super) fn intrinsics(self, name: &str) -> Result<[f64; 4], String> {
+    pub(super) fn intrinsics(self, name: &'static str) -> Result<[f64; 4], CameraFault> {
         match self.numbers(name)?[..] {
             [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] => Ok([fx, fy, cx, cy]),
-            _ => Err(format!("{name} must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3")),
+            _ => Err(CameraFault::NoCameraMatrix(name)),
         }
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::timing::fastest;
 use crate::camera::Camera;
-use crate::envelope::Outline;
+use crate::envelope::EnvelopeShape;
 use crate::geometry::{BoxPx, Rigid};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::statistics::median;
@@ -50,14 +50,14 @@ pub struct Fit {
 }
 
 /// Measures envelopes, named; the one of the session's scene is the default.
-pub fn measure(samples: &[Sample], outlines: &[(&'static str, Outline)], default: &str) -> Vec<Row> {
+pub fn measure(samples: &[Sample], outlines: &[(&'static str, EnvelopeShape)], default: &str) -> Vec<Row> {
     outlines
         .iter()
         .map(|(name, outline)| row(samples, name, outline, *name == default))
         .collect()
 }
 
-fn row(samples: &[Sample], envelope: &'static str, outline: &Outline, is_default: bool) -> Row {
+fn row(samples: &[Sample], envelope: &'static str, outline: &EnvelopeShape, is_default: bool) -> Row {
     let mut ms = 0.0;
     let fit = |sample: &Sample| {
         let (found, took) = fastest(|| outline.box_in_photo(&sample.pose, &sample.camera));

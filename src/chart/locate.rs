@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::MeasureError;
 use super::timing::fastest;
-use crate::camera::{Camera, Fitted, SizeError};
+use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
@@ -56,7 +56,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    fn fitted(&self, camera: &Camera) -> Result<Fitted, SizeError> {
+    fn fitted(&self, camera: &Camera) -> Result<FittedCamera, SizeError> {
         camera.for_photo(self.luma.width(), self.luma.height(), self.turned_deg)
     }
 }

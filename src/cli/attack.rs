@@ -1,5 +1,6 @@
 //! `scaleproof attack`: frames, the models that predict them, and patterns against detectors.
 
+mod advice;
 mod baseline;
 mod chart;
 mod colours;
@@ -14,6 +15,8 @@ mod render;
 mod run;
 #[cfg(feature = "attack")]
 mod train_dtn;
+
+pub use advice::advice;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -89,7 +92,7 @@ fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> Co
 fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     for frame in &set.list.frames {
-        set.check_pictures(frame)?;
+        set.check_images(frame)?;
     }
     let ([width, height], frames) = (set.list.size_px, set.list.frames.len());
     match args.json {

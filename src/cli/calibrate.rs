@@ -7,7 +7,7 @@ use super::print::write_files;
 use super::{CommandResult, Outcome, progress};
 use crate::board::Definition;
 use crate::calibrate::{self, Calibration};
-use crate::camera::Format;
+use crate::camera::CameraFormat;
 
 /// Find the camera's focal length, centre and distortion from photos of a calibration board.
 ///
@@ -44,7 +44,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     busy.finish_and_clear();
     let mut files = Vec::new();
     if let Some(path) = &args.output {
-        let text = found.camera.write(Format::OpenCv)?;
+        let text = found.camera.write(CameraFormat::OpenCv)?;
         files.push((path.clone(), text.into_bytes()));
     }
     files.extend(

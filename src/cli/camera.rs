@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Subcommand, ValueEnum};
 
 use super::{CommandResult, Outcome};
-use crate::camera::{Camera, Format};
+use crate::camera::{Camera, CameraFormat};
 use crate::files;
 use crate::photo::Photo;
 
@@ -66,12 +66,12 @@ enum FormatName {
 }
 
 impl FormatName {
-    fn format(self) -> Format {
+    fn format(self) -> CameraFormat {
         match self {
-            FormatName::Opencv => Format::OpenCv,
-            FormatName::Ros => Format::Ros,
-            FormatName::Kalibr => Format::Kalibr,
-            FormatName::Mrcal => Format::Mrcal,
+            FormatName::Opencv => CameraFormat::OpenCv,
+            FormatName::Ros => CameraFormat::Ros,
+            FormatName::Kalibr => CameraFormat::Kalibr,
+            FormatName::Mrcal => CameraFormat::Mrcal,
         }
     }
 }
@@ -91,7 +91,7 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::e
     let ends_in_cameramodel = args.output.extension().is_some_and(|e| e == "cameramodel");
     let format = match args.format {
         Some(name) => name.format(),
-        None if ends_in_cameramodel => Format::Mrcal,
+        None if ends_in_cameramodel => CameraFormat::Mrcal,
         None => {
             let name = args.output.display();
             return Err(format!("{name} can be of several formats: say --format opencv, ros, kalibr or mrcal").into());
@@ -181,7 +181,7 @@ fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;
     if let Some(path) = &args.output {
-        save(path, &camera.write(Format::OpenCv)?, &args.photo)?;
+        save(path, &camera.write(CameraFormat::OpenCv)?, &args.photo)?;
     }
     show(&camera, out)?;
     Ok(())

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::{CommandResult, Outcome, print, progress};
 use crate::chart::locate::Sample;
 use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
-use crate::envelope::{self, Outline};
+use crate::envelope::{self, EnvelopeShape};
 use crate::files;
 use crate::locate::locate_photo;
 use crate::photo::Photo;
@@ -138,11 +138,11 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
     let session = Session::open(&args.on.session)?;
     let model = &session.scene.model;
     let mesh_path = args.mesh.as_ref().or(session.mesh_path.as_ref());
-    let mut outlines = vec![("box", Outline::of_box(model))];
+    let mut outlines = vec![("box", EnvelopeShape::of_box(model))];
     if let Some(path) = mesh_path {
         let mesh = envelope::load(path, model)?;
-        outlines.push(("hull", Outline::hull(&mesh, model)));
-        outlines.push(("mesh", Outline::surface(&mesh, model)));
+        outlines.push(("hull", EnvelopeShape::hull(&mesh, model)));
+        outlines.push(("mesh", EnvelopeShape::surface(&mesh, model)));
     }
     let (samples, not_located) = placed(&session, &args.on)?;
     let busy = progress::busy("measuring");

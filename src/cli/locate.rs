@@ -3,6 +3,7 @@
 mod overlay;
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -10,12 +11,13 @@ use serde::Serialize;
 
 use super::failing_alike::{Files, MOST_LISTED};
 use super::{CommandResult, Outcome, progress};
-use crate::camera::{Camera, Fitted};
-use crate::envelope::Outline;
+use crate::camera::{Camera, FittedCamera};
+use crate::envelope::EnvelopeShape;
 use crate::geometry::rigid;
 use crate::locate::{Abstention, IgnoredTag, Located, LocatedPhoto, Sigma, Warning, locate_photo};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::{Bin, Scene};
+use crate::score::ScoreError;
 use crate::session::Session;
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
 use crate::workers;
@@ -80,6 +82,18 @@ struct Line {
 type Answer = Result<LocatedPhoto, PhotoError>;
 
 const UNREADABLE: &str = "unreadable";
+
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    let of_score = || match error.downcast_ref()? {
+        ScoreError::Tags(start) => Some(start),
+        _ => None,
+    };
+    match error.downcast_ref().or_else(of_score)? {
+        StartError::NotBuilt { .. } => Some("leave --tag-detector out".into()),
+        _ => None,
+    }
+}
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let files = Files {
@@ -244,7 +258,7 @@ fn explain(photos: &[PathBuf], answers: &[Answer], alike: bool) {
         .flatten()
         .filter(|examined| examined.result.is_ok())
         .flat_map(|examined| &examined.fitted)
-        .flat_map(Fitted::cautions)
+        .flat_map(FittedCamera::cautions)
         .collect();
     cautions.iter().for_each(|caution| say!("note: {caution}"));
 }
@@ -271,7 +285,7 @@ fn draw(
     files: &Files,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let folder = files.scene_file.parent().unwrap_or(Path::new(""));
-    let outline = Outline::open(&files.scene.model, folder)?;
+    let outline = EnvelopeShape::open(&files.scene.model, folder)?;
     let read = photos.iter().zip(answers).zip(places);
     let read: Vec<_> = read
         .filter_map(|((photo, answer), place)| Some((photo, answer.as_ref().ok()?, place)))
@@ -313,7 +327,7 @@ fn line(path: &Path, answer: &Answer) -> Line {
         T_camera_model: found.map(|l| rigid::rows(&l.pose)),
         camera_scale: fitted.map(|f| f.scale),
         camera_turned_deg: fitted.map(|f| f.turned_deg),
-        cautions: fitted.map(Fitted::cautions).unwrap_or_default(),
+        cautions: fitted.map(FittedCamera::cautions).unwrap_or_default(),
     }
 }
 

@@ -99,9 +99,13 @@ type CommandResult = Result<Outcome, Box<dyn Error>>;
 
 /// The advice of each command that has some.
 const ADVICE: &[advice::Advise] = &[
+    #[cfg(feature = "full")]
+    attack::advice,
     compare::advice,
     detectors::advice,
+    locate::advice,
     merge::advice,
+    print::wrap::advice,
     score::advice,
     session::advice,
 ];

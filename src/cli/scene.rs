@@ -9,7 +9,7 @@ use serde_json::json;
 use super::print::write_json;
 use super::{CommandResult, Outcome, units};
 use crate::files;
-use crate::scene::{Bins, Classes, Envelope, Model, Ring, Scene, TagFamily};
+use crate::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
 use crate::spelling;
 
 /// Make scene files
@@ -123,8 +123,8 @@ fn run_new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
         return Err(sentence.into());
     }
     let Preset::Ring = args.preset;
-    let ring = Ring {
-        model: Model {
+    let ring = TagRing {
+        model: ScaleModel {
             name: args.name,
             scale: args.scale,
             class: args.class,

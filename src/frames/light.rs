@@ -1,26 +1,19 @@
 //! Between 8-bit sRGB and linear light (IEC 61966-2-1): values 0 to 1, 1 is white.
 
+use palette::encoding::{FromLinear, IntoLinear, Srgb};
+
 /// Linear light of an sRGB value.
 pub fn decode(srgb: f64) -> f64 {
-    if srgb <= 0.04045 {
-        srgb / 12.92
-    } else {
-        ((srgb + 0.055) / 1.055).powf(2.4)
-    }
+    Srgb::into_linear(srgb)
 }
 
-/// The sRGB value of linear light; what is outside 0 to 1 is clipped, as every 8-bit picture is.
+/// The sRGB value of linear light; what is outside 0 to 1 is clipped, as every 8-bit image is.
 pub fn encode(linear: f64) -> f64 {
-    let linear = linear.clamp(0.0, 1.0);
-    if linear <= 0.0031308 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
+    Srgb::from_linear(linear.clamp(0.0, 1.0))
 }
 
-/// The derivative of [`decode`].
-pub fn decode_slope(srgb: f64) -> f64 {
+/// The derivative of [`decode`], which `palette` does not have.
+pub fn decode_derivative(srgb: f64) -> f64 {
     if srgb <= 0.04045 {
         1.0 / 12.92
     } else {
@@ -63,8 +56,8 @@ mod tests {
             assert_eq!(rgb_of(linear_of([v; 3])), [v; 3]);
             let x = f64::from(v) / 255.0;
             let step = 1e-6;
-            let slope = (decode(x + step) - decode(x - step)) / (2.0 * step);
-            assert!((slope - decode_slope(x)).abs() < 1e-4, "{v}");
+            let derivative = (decode(x + step) - decode(x - step)) / (2.0 * step);
+            assert!((derivative - decode_derivative(x)).abs() < 1e-4, "{v}");
         }
         assert_eq!(rgb_of([-1.0, 2.0, 0.0]), [0, 255, 0]);
     }

@@ -1,6 +1,6 @@
-//! Frames: pictures of a model whose truth is known, in one format on disk.
+//! Frames: images of a model whose truth is known, in one format on disk.
 //!
-//! A folder with `frames.json` and the PNG files it names (paths below the folder). All pictures are of `size_px`.
+//! A folder with `frames.json` and the PNG files it names (paths below the folder). All images are of `size_px`.
 //!
 //! | key of the folder | meaning |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | `size_px` | width, height |
 //! | `camera` | pinhole: `focal_length_px`, `centre_px` [cx, cy]; pixel (0, 0) is the centre of the top-left pixel |
 //! | `target_mm` | the point viewpoints look at, model frame |
-//! | `linear_max` | the linear light that 65535 stands for in the `linear` pictures |
-//! | `positions` | `low_mm`, `high_mm`: what 0 and 65535 stand for in the `positions` pictures; `factor`: how many of their pixels a pixel is wide |
+//! | `linear_max` | the linear light that 65535 stands for in the `linear` images |
+//! | `positions` | `low_mm`, `high_mm`: what 0 and 65535 stand for in the `positions` images; `factor`: how many of their pixels a pixel is wide |
 //! | `frames` | the list of frames |
 //!
 //! | key of a frame | meaning |
@@ -19,30 +19,30 @@
 //! | `rgb` | 8-bit sRGB, as a detector gets it: linear light through the sRGB curve, clipped at white, no other tone mapping |
 //! | `object_mask` | 8-bit grey: the share of each pixel that the model covers (255 is all) |
 //! | `paint_mask` | the same of its paint |
-//! | `linear` | optional, 16-bit RGB: the same picture in linear light before clipping |
+//! | `linear` | optional, 16-bit RGB: the same image in linear light before clipping |
 //! | `positions` | optional, 16-bit RGB: x, y, z of the paint, model frame, at the centre of each of `factor`² parts of a pixel |
 //! | `sides` | with `positions`, 8-bit grey: 0 no paint, else 1 + the index of the [`Side`] that the paint belongs to |
 //! | `T_camera_model` | 4×4, row by row, mm, OpenCV's camera frame |
 //! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}` or `"original"` |
 //! | `light`, `place` | what lights the scene, and where it is; frames of one place are not independent |
-//! | `box_xyxy_px` | optional: the box of the whole outline, corner to corner, clipped to the picture |
+//! | `box_xyxy_px` | optional: the box of the whole outline, corner to corner, clipped to the image |
 //!
 //! **A flat colour** is the paint's diffuse reflectance as 8-bit sRGB: `flat_rgb` [188, 188, 188] reflects half of the light (0.5 in linear
-//! light). It is not the colour the paint has in the picture. The same holds for a pattern's cells, which lie on the model as
+//! light). It is not the colour the paint has in the image. The same holds for a pattern's cells, which lie on the model as
 //! [`world_aligned`](crate::pattern::world_aligned) says.
 //!
 //! Frames with the same `T_camera_model` may share masks, positions and sides. Those made of photos ([`photos`]) have the camera's
 //! tone curve instead of sRGB's, and only paint in the mask that every photo sees.
 
+mod images;
 pub mod import;
 pub mod light;
 pub mod photos;
-mod pictures;
 mod read;
 pub mod render;
 mod write;
 
-pub use pictures::{Coverage, Linear16, encode_grey, encode_linear, encode_positions, encode_rgb};
+pub use images::{Coverage, Linear16, encode_grey, encode_linear, encode_positions, encode_rgb};
 pub(crate) use read::{outline, syntax};
 
 use std::path::PathBuf;
@@ -115,7 +115,7 @@ pub struct Pinhole {
     pub centre_px: [f64; 2],
 }
 
-/// What the values of the `positions` pictures mean.
+/// What the values of the `positions` images mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Positions {
@@ -125,7 +125,7 @@ pub struct Positions {
     pub factor: u32,
 }
 
-/// One picture and the truth about it.
+/// One image and the truth about it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frame {
@@ -141,7 +141,7 @@ pub struct Frame {
     pub sides: Option<String>,
     #[serde(rename = "T_camera_model")]
     pub t_camera_model: [[f64; 4]; 4],
-    pub paint: Paint,
+    pub paint: FramePaint,
     pub light: String,
     pub place: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -151,7 +151,7 @@ pub struct Frame {
 /// What the model is painted with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Paint {
+pub enum FramePaint {
     /// The same 8-bit sRGB everywhere.
     FlatRgb([u8; 3]),
     /// A world-aligned pattern.
@@ -170,7 +170,7 @@ pub struct PatternPaint {
     pub tile_mm: f64,
 }
 
-/// The paint at one point of a picture.
+/// The paint at one point of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     /// Model frame; without meaning where there is no paint.
@@ -197,7 +197,7 @@ impl FrameList {
 }
 
 impl Pinhole {
-    /// The same for pictures of a size: width, height.
+    /// The same for images of a size: width, height.
     pub fn camera(&self, [width, height]: [u32; 2]) -> Camera {
         let (f, [cx, cy]) = (self.focal_length_px, self.centre_px);
         Camera::pinhole(width, height, f, f, cx, cy)
@@ -231,7 +231,7 @@ impl Frame {
                 .into_iter()
                 .filter_map(|(key, file)| Some((key, file.as_deref()?))),
         );
-        if let Paint::Pattern(pattern) = &self.paint {
+        if let FramePaint::Pattern(pattern) = &self.paint {
             all.push(("pattern", &pattern.file));
         }
         all
@@ -240,7 +240,7 @@ impl Frame {
     /// The colour, when it is flat.
     pub fn flat_rgb(&self) -> Option<[u8; 3]> {
         match self.paint {
-            Paint::FlatRgb(rgb) => Some(rgb),
+            FramePaint::FlatRgb(rgb) => Some(rgb),
             _ => None,
         }
     }

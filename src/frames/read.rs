@@ -1,24 +1,24 @@
-//! Reading frames: the list is checked at once, pictures when they are read.
+//! Reading frames: the list is checked at once, images when they are read.
 
 use std::collections::HashSet;
 use std::path::{Component, Path};
 
 use image::{ColorType, RgbImage};
 
-use super::pictures::{Coverage, Linear16, read_png};
-use super::{FORMAT, Frame, FrameList, FrameSet, FramesError, LIST, Paint, SurfacePoint};
+use super::images::{Coverage, Linear16, read_png};
+use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint};
 use crate::files;
 use crate::geometry::BoxPx;
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 
-/// Pictures of more pixels a side are no frames.
+/// Images of more pixels a side are no frames.
 const MAX_SIDE_PX: u32 = 8192;
 /// Rotations may be off by rounding.
 const RIGID_TOLERANCE: f64 = 1e-4;
 
 impl FrameSet {
-    /// Opens the frames in a folder and checks all but the pictures.
+    /// Opens the frames in a folder and checks all but the images.
     ///
     /// # Errors
     /// No or a damaged `frames.json`, unknown keys, a file named that is not there, impossible poses.
@@ -34,18 +34,26 @@ impl FrameSet {
         Ok(set)
     }
 
+    /// SHA-256 of `frames.json`.
+    ///
+    /// # Errors
+    /// A list that cannot be read any more.
+    pub fn sha256(&self) -> Result<String, FramesError> {
+        Ok(files::sha256_hex(&files::read(&self.folder.join(LIST))?))
+    }
+
     pub fn rgb(&self, frame: &Frame) -> Result<RgbImage, FramesError> {
-        self.picture(&frame.rgb, "rgb picture", ColorType::Rgb8)
+        self.image(&frame.rgb, "rgb image", ColorType::Rgb8)
             .map(image::DynamicImage::into_rgb8)
     }
 
     pub fn object_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
-        self.picture(&frame.object_mask, "object mask", ColorType::L8)
+        self.image(&frame.object_mask, "object mask", ColorType::L8)
             .map(image::DynamicImage::into_luma8)
     }
 
     pub fn paint_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
-        self.picture(&frame.paint_mask, "paint mask", ColorType::L8)
+        self.image(&frame.paint_mask, "paint mask", ColorType::L8)
             .map(image::DynamicImage::into_luma8)
     }
 
@@ -54,21 +62,21 @@ impl FrameSet {
         let (Some(file), Some(max)) = (&frame.linear, self.list.linear_max) else {
             return Ok(None);
         };
-        let picture: Linear16 = self.picture(file, "linear picture", ColorType::Rgb16)?.into_rgb16();
+        let image: Linear16 = self.image(file, "linear image", ColorType::Rgb16)?.into_rgb16();
         let value = |level: u16| (f64::from(level) / 65535.0 * max) as f32;
-        Ok(Some(picture.pixels().map(|p| p.0.map(value)).collect()))
+        Ok(Some(image.pixels().map(|p| p.0.map(value)).collect()))
     }
 
-    /// What is at the centre of each part of each pixel, row by row of the finer picture. `None` where the frame does not tell.
+    /// What is at the centre of each part of each pixel, row by row of the finer image. `None` where the frame does not tell.
     pub fn surface(&self, frame: &Frame) -> Result<Option<Vec<SurfacePoint>>, FramesError> {
         let (Some(positions), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &self.list.positions) else {
             return Ok(None);
         };
         let size = self.list.size_px.map(|px| px * about.factor);
         let at = |file: &String| self.folder.join(file);
-        let positions = read_png(&at(positions), "positions picture", size, ColorType::Rgb16)?.into_rgb16();
-        let picture = read_png(&at(sides), "sides picture", size, ColorType::L8)?.into_luma8();
-        if picture.pixels().any(|p| usize::from(p.0[0]) > Side::ALL.len()) {
+        let positions = read_png(&at(positions), "positions image", size, ColorType::Rgb16)?.into_rgb16();
+        let image = read_png(&at(sides), "sides image", size, ColorType::L8)?.into_luma8();
+        if image.pixels().any(|p| usize::from(p.0[0]) > Side::ALL.len()) {
             return Err(FramesError::Content {
                 path: at(sides),
                 message: "a side is above 6; sides are 0 for no paint and 1 to 6: make the frame again".to_owned(),
@@ -85,22 +93,22 @@ impl FrameSet {
             place_mm: place(p.0),
             side: side(number.0[0]),
         };
-        Ok(Some(positions.pixels().zip(picture.pixels()).map(point).collect()))
+        Ok(Some(positions.pixels().zip(image.pixels()).map(point).collect()))
     }
 
     /// The pattern on the model, and the width of one repeat in mm.
     pub fn pattern(&self, frame: &Frame) -> Result<Option<(Pattern, f64)>, FramesError> {
         match &frame.paint {
-            Paint::Pattern(paint) => Ok(Some((Pattern::load(&self.folder.join(&paint.file))?, paint.tile_mm))),
+            FramePaint::Pattern(paint) => Ok(Some((Pattern::load(&self.folder.join(&paint.file))?, paint.tile_mm))),
             _ => Ok(None),
         }
     }
 
-    /// Reads every picture of a frame, and holds its masks and its box against each other.
+    /// Reads every image of a frame, and holds its masks and its box against each other.
     ///
     /// # Errors
-    /// A picture that is damaged, of another size or kind; paint outside the object; a box that does not meet the object.
-    pub fn check_pictures(&self, frame: &Frame) -> Result<(), FramesError> {
+    /// An image that is damaged, of another size or kind; paint outside the object; a box that does not meet the object.
+    pub fn check_images(&self, frame: &Frame) -> Result<(), FramesError> {
         self.rgb(frame)?;
         self.linear(frame)?;
         self.surface(frame)?;
@@ -121,7 +129,7 @@ impl FrameSet {
         }
         let seen = outline(&object);
         match (frame.box_xyxy_px, seen) {
-            (Some(told), Some(seen)) if told.iou(&seen) == 0.0 => Err(content(
+            (Some(stated), Some(seen)) if stated.iou(&seen) == 0.0 => Err(content(
                 &frame.object_mask,
                 "the object does not meet the frame's box_xyxy_px: one of them is of another frame".to_owned(),
             )),
@@ -129,7 +137,7 @@ impl FrameSet {
         }
     }
 
-    fn picture(&self, file: &str, key: &str, kind: ColorType) -> Result<image::DynamicImage, FramesError> {
+    fn image(&self, file: &str, key: &str, kind: ColorType) -> Result<image::DynamicImage, FramesError> {
         read_png(&self.folder.join(file), key, self.list.size_px, kind)
     }
 }
@@ -214,7 +222,7 @@ fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
         }
     }
     if frame.linear.is_some() && set.list.linear_max.is_none() {
-        return Err("it has a linear picture, but the list has no linear_max".to_owned());
+        return Err("it has a linear image, but the list has no linear_max".to_owned());
     }
     if frame.positions.is_some() != frame.sides.is_some() {
         return Err("positions and sides belong together: give both or neither".to_owned());
@@ -222,7 +230,7 @@ fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
     if frame.positions.is_some() && set.list.positions.is_none() {
         return Err("it has positions, but the list does not say what their values mean".to_owned());
     }
-    if let Paint::Pattern(paint) = &frame.paint
+    if let FramePaint::Pattern(paint) = &frame.paint
         && !(paint.tile_mm > 0.0 && paint.tile_mm.is_finite())
     {
         return Err("the tile_mm of its pattern must be above 0".to_owned());

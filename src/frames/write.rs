@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::{FrameList, FramesError, LIST};
 
 impl FrameList {
-    /// The list as a file of the folder, to be written after the pictures it names.
+    /// The list as a file of the folder, to be written after the images it names.
     ///
     /// # Errors
     /// Only if the encoder fails.

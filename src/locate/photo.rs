@@ -3,7 +3,7 @@
 use image::GrayImage;
 
 use super::{Abstention, Located, locate};
-use crate::camera::{Camera, Fitted, SizeError};
+use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::Scene;
 use crate::tags::{SeenTag, TagDetector};
@@ -14,7 +14,7 @@ pub struct LocatedPhoto {
     /// Every tag that was found, whether the scene has it or not.
     pub seen: Vec<SeenTag>,
     /// The camera as it fits this photo, or why it does not.
-    pub fitted: Result<Fitted, SizeError>,
+    pub fitted: Result<FittedCamera, SizeError>,
     pub result: Result<Located, Abstention>,
 }
 
@@ -60,7 +60,7 @@ pub fn locate_tags(
 
 impl LocatedPhoto {
     /// The pose and the camera that projects into this photo.
-    pub fn pose_and_camera(self) -> Result<(Located, Fitted), Abstention> {
+    pub fn pose_and_camera(self) -> Result<(Located, FittedCamera), Abstention> {
         let fitted = self.fitted?;
         Ok((self.result?, fitted))
     }

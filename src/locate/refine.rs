@@ -19,7 +19,7 @@ const LIMITS: Limits = Limits {
 };
 
 /// The normal equations of all corners at one pose.
-pub(super) struct Normal<'a> {
+pub(super) struct CornerEquations<'a> {
     pose: Rigid,
     /// JᵀWJ by (ω, υ) of [`stepped`].
     pub information: Matrix6<f64>,
@@ -35,13 +35,18 @@ pub(super) struct Normal<'a> {
 /// The pose at the minimum near `start`. Residuals longer than `huber_px` count linearly instead of squared (Huber 1964).
 /// `None` when a corner has no pixel at the start.
 pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Rigid> {
-    let start = Normal::at(*start, corners, camera, huber_px)?;
+    let start = CornerEquations::at(*start, corners, camera, huber_px)?;
     Some(minimise(start, &LIMITS).pose)
 }
 
-impl<'a> Normal<'a> {
+impl<'a> CornerEquations<'a> {
     /// `None` when a corner has no pixel or a number is not finite.
-    pub(super) fn at(pose: Rigid, corners: &'a Corners, camera: &'a Camera, huber_px: f64) -> Option<Normal<'a>> {
+    pub(super) fn at(
+        pose: Rigid,
+        corners: &'a Corners,
+        camera: &'a Camera,
+        huber_px: f64,
+    ) -> Option<CornerEquations<'a>> {
         let (mut information, mut gradient, mut cost) = (Matrix6::zeros(), Vector6::zeros(), 0.0);
         for (point, [u, v]) in corners.model_mm.iter().zip(&corners.image_px) {
             let ([x, y], jacobian) = camera.project_by_pose(&pose, point)?;
@@ -57,7 +62,7 @@ impl<'a> Normal<'a> {
                 length * length
             };
         }
-        cost.is_finite().then_some(Normal {
+        cost.is_finite().then_some(CornerEquations {
             pose,
             information,
             gradient,
@@ -69,7 +74,7 @@ impl<'a> Normal<'a> {
     }
 }
 
-impl LeastSquares for Normal<'_> {
+impl LeastSquares for CornerEquations<'_> {
     fn cost(&self) -> f64 {
         self.cost
     }
@@ -79,7 +84,7 @@ impl LeastSquares for Normal<'_> {
         let step = -(self.information + diagonal * damping)
             .cholesky()?
             .solve(&self.gradient);
-        Normal::at(stepped(&self.pose, &step), self.corners, self.camera, self.huber_px)
+        CornerEquations::at(stepped(&self.pose, &step), self.corners, self.camera, self.huber_px)
     }
 }
 

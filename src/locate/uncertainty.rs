@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Matrix6, Point3};
 use serde::{Deserialize, Serialize};
 
 use super::matches::Corners;
-use super::refine::{self, NO_HUBER, Normal};
+use super::refine::{self, CornerEquations, NO_HUBER};
 use super::solver::Candidate;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, angle::turn, rigid::step_between};
@@ -113,7 +113,7 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
 pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
     let clipped = Clipped::of(pose, corners, camera, huber_px)?;
     let variance = pooled(clipped.squares, clipped.freedom) / (clipped.derivative * clipped.derivative);
-    let information = Normal::at(*pose, corners, camera, NO_HUBER)?.information;
+    let information = CornerEquations::at(*pose, corners, camera, NO_HUBER)?.information;
     Some(Uncertainty {
         covariance: information.cholesky()?.inverse() * variance,
         noise_px: variance.sqrt(),

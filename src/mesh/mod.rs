@@ -1,6 +1,6 @@
 //! The model's surface: triangles with a material each, read from `.glb`, `.obj`, `.stl` or `.ply` and put into the model frame.
 //!
-//! One file per format; [`place`](Placement) brings what they give into the model frame: origin on the ground under the
+//! One file per format; [`place`](MeshPlacement) brings what they give into the model frame: origin on the ground under the
 //! model's centre, x to its front, y to its left, z up; mm.
 
 mod glb;
@@ -9,7 +9,7 @@ mod placement;
 mod ply;
 mod stl;
 
-pub use placement::{Axis, Placement};
+pub use placement::{MeshPlacement, SignedAxis};
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -32,6 +32,7 @@ const MAX_COORDINATE: f64 = 1e9;
 
 /// Why there is no mesh. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -55,13 +56,13 @@ pub enum MeshError {
     )]
     BadLength { value: f64 },
     #[error(
-        "the model would be {length} × {width} × {height} mm (length × width × height), and its longest side must be 10 to 5000 mm; give \
-         the model's --length-mm, or correct size_mm of the scene"
+        "the model would be {length} × {width} × {height} mm (length × width × height), and its longest side must be 10 to 5000 mm; correct \
+         size_mm of the scene, or give the model's length"
     )]
     NoModel { length: f64, width: f64, height: f64 },
     #[error(
         "the mesh is {length} × {width} × {height} mm by its file, rather a thing itself than its scale model; give the model's \
-         --length-mm, as in {at_scale} (1:{scale}) or, if the file is right, {length}"
+         length, as in {at_scale} (1:{scale}) or, if the file is right, {length}"
     )]
     LifeSize {
         length: f64,
@@ -101,8 +102,8 @@ impl Mesh {
     /// Reads a file and puts it into the model frame. Corners at the same place become one.
     ///
     /// # Errors
-    /// An unreadable, damaged or too large file, another format, no faces, and whatever [`Placement`] cannot do.
-    pub fn load(path: &Path, placement: &Placement) -> Result<Self, MeshError> {
+    /// An unreadable, damaged or too large file, another format, no faces, and whatever [`MeshPlacement`] cannot do.
+    pub fn load(path: &Path, placement: &MeshPlacement) -> Result<Self, MeshError> {
         let extension = path.extension().map(|e| e.to_ascii_lowercase());
         let read = match extension.as_ref().and_then(|e| e.to_str()) {
             Some("glb") => glb::read,

@@ -18,9 +18,9 @@ pub(super) fn is_gltf(file: &Path) -> bool {
 
 /// A direction of the mesh file.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis(Vector3<f64>);
+pub struct SignedAxis(Vector3<f64>);
 
-impl FromStr for Axis {
+impl FromStr for SignedAxis {
     type Err = MeshError;
 
     /// A sign and a letter, as in `+x`; the plus may be left out.
@@ -45,14 +45,14 @@ impl FromStr for Axis {
 /// A file that is neither glTF nor turned nor scaled is taken as lying in the model frame already. Any other mesh is moved: the
 /// middle of its box over the origin, its lowest point on the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Placement {
-    pub front: Option<Axis>,
-    pub up: Option<Axis>,
+pub struct MeshPlacement {
+    pub front: Option<SignedAxis>,
+    pub up: Option<SignedAxis>,
     /// The mesh is scaled so that it is this long from its front to its rear.
     pub length_mm: Option<f64>,
 }
 
-impl Placement {
+impl MeshPlacement {
     /// The rotation from the frame of this file into the model frame.
     ///
     /// # Errors

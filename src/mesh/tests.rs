@@ -100,7 +100,7 @@ fn glb_of(mesh: &Mesh) -> Vec<u8> {
     bytes
 }
 
-fn load(extension: &str, bytes: &[u8], placement: &Placement) -> Result<Mesh, MeshError> {
+fn load(extension: &str, bytes: &[u8], placement: &MeshPlacement) -> Result<Mesh, MeshError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(format!("m.{extension}"));
     std::fs::write(&path, bytes).unwrap();
@@ -132,7 +132,7 @@ fn volume(mesh: &Mesh) -> f64 {
 fn every_format_gives_the_same_box() {
     assert!((volume(&Mesh::cuboid(BOX_MM)) - 8000.0).abs() < 1e-9, "outward normals");
     for (extension, bytes, material) in files() {
-        let mesh = load(extension, &bytes, &Placement::default()).unwrap();
+        let mesh = load(extension, &bytes, &MeshPlacement::default()).unwrap();
         assert_eq!((mesh.points.len(), mesh.triangles.len()), (8, 12), "{extension}");
         assert_eq!(mesh.materials, [material], "{extension}");
         let (low, high) = mesh.bounds_mm();
@@ -150,9 +150,9 @@ fn every_format_gives_the_same_box() {
 
 #[test]
 fn a_mesh_is_turned_scaled_and_put_on_the_ground() {
-    let axis = |text: &str| text.parse::<Axis>().unwrap();
+    let axis = |text: &str| text.parse::<SignedAxis>().unwrap();
     // The box's y becomes the length; the top becomes what was the front.
-    let placement = Placement {
+    let placement = MeshPlacement {
         front: Some(axis("-y")),
         up: Some(axis("+x")),
         length_mm: Some(100.0),
@@ -163,18 +163,18 @@ fn a_mesh_is_turned_scaled_and_put_on_the_ground() {
     }
     assert_eq!(mesh.bounds_mm().0.z, 0.0);
     assert!(volume(&mesh) > 0.0, "still outward");
-    let both = Placement {
+    let both = MeshPlacement {
         front: Some(axis("x")),
         up: Some(axis("-x")),
         ..placement
     };
     assert!(matches!(load("ply", &files()[3].1, &both), Err(MeshError::FrontIsUp)));
-    assert!("w".parse::<Axis>().is_err());
+    assert!("w".parse::<SignedAxis>().is_err());
 }
 
 #[test]
 fn what_is_no_mesh_is_refused() {
-    let usual = Placement::default();
+    let usual = MeshPlacement::default();
     let said = |extension: &str, bytes: &[u8]| load(extension, bytes, &usual).unwrap_err().to_string();
     assert!(said("fbx", b"").contains(".glb, .obj, .stl or .ply"));
     assert!(said("obj", b"v 0 0 0\n").contains("has no faces"));
@@ -214,7 +214,7 @@ proptest! {
         if let Some(cut) = cut {
             bytes.truncate(cut.index(bytes.len()));
         }
-        if let Err(error) = load(extension, &bytes, &Placement { length_mm: Some(100.0), ..Placement::default() }) {
+        if let Err(error) = load(extension, &bytes, &MeshPlacement { length_mm: Some(100.0), ..MeshPlacement::default() }) {
             let sentence = error.to_string();
             prop_assert!(sentence.lines().count() == 1, "{sentence}");
         }

@@ -76,9 +76,11 @@ function draw_dial(state, next) {
 
 let loading = false;
 let wanted = null;
+let has_image = false;
 
 function show_frame(frame) {
   wanted = frame;
+  if (!has_image) note("loading the newest photo");
   if (!loading) load_wanted();
 }
 
@@ -92,14 +94,22 @@ function load_wanted() {
   const done = () => { loading = false; load_wanted(); };
   picture.onload = () => { draw_frame(frame, picture.src, width || picture.width, height || picture.height); done(); };
   // Another frame has come, or this one cannot be read.
-  picture.onerror = done;
+  picture.onerror = () => { if (!has_image) note(`${frame.name} cannot be shown`); done(); };
   picture.src = `/preview/${frame.number}`;
 }
 
+// Words in place of an image.
+function note(sentence) {
+  const svg = $("preview").querySelector("svg");
+  svg.setAttribute("aria-label", sentence);
+  svg.querySelector("text").textContent = sentence;
+}
+
 function draw_frame(frame, href, width, height) {
+  has_image = true;
   const svg = $("preview").querySelector("svg");
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  svg.setAttribute("aria-label", `The newest picture, with ${frame.tags.length} tags outlined`);
+  svg.setAttribute("aria-label", `The newest photo, with ${frame.tags.length} tags outlined`);
   const outline = (kind) => (tag) => make("polygon", { points: tag.corners_px.join(" "), class: kind(tag) });
   svg.replaceChildren(
     make("image", { href, width, height }),
@@ -231,17 +241,19 @@ function show(state) {
   // By hand, whatever its light, focus and steadiness.
   $("shoot").disabled = Boolean(state.ended) || !frame || !frame.viewpoint || Boolean(frame.photo);
   draw_dial(state, next);
+  const is_new = frame && frame.number !== last_frame;
+  // The newest photo is asked for before the small ones of the list.
+  if (is_new) show_frame(frame);
   draw_views(state, next);
-  if (frame && frame.number !== last_frame) {
+  if (is_new) {
     last_frame = frame.number;
-    show_frame(frame);
     draw_meters(frame.meters);
     say(frame.advice, frame.photo ? "taken" : "todo");
     speak(frame.advice);
     if (frame.photo) shutter();
     else if (frame.viewpoint) tone(frame.closeness);
   } else if (!frame) {
-    say(about.source === "upload" ? "Take the first photo" : "Waiting for the first picture", "waiting");
+    say(about.source === "upload" ? "Take the first photo" : "Waiting for the first photo", "waiting");
   }
   if (state.ended) { say(state.ended, "ended"); speak(state.ended); }
 }

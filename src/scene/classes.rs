@@ -24,25 +24,36 @@ enum Written {
     Several(Vec<String>),
 }
 
+/// Why labels are no class.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClassError {
+    #[error("the class is an empty list: name the labels that count as the model, as in [\"car\"]")]
+    Empty,
+    #[error("the class lists {0} labels: name at most {MOST}")]
+    TooMany(usize),
+    #[error("the class {0:?} is no label: give 1 to {LONGEST} characters without line breaks")]
+    NoLabel(String),
+    #[error("the class lists `{0}` twice: name each label once")]
+    Twice(String),
+}
+
 impl Classes {
     /// # Errors
-    /// A sentence about an empty list, a label that is listed twice, empty, too long or of characters that nobody reads.
-    pub fn new(mut labels: Vec<String>) -> Result<Classes, String> {
+    /// An empty list, a label that is listed twice, empty, too long or of characters that nobody reads.
+    pub fn new(mut labels: Vec<String>) -> Result<Classes, ClassError> {
         if labels.is_empty() {
-            return Err("the class is an empty list: name the labels that count as the model, as in [\"car\"]".into());
+            return Err(ClassError::Empty);
         }
         if labels.len() > MOST {
-            return Err(format!("the class lists {} labels: name at most {MOST}", labels.len()));
+            return Err(ClassError::TooMany(labels.len()));
         }
         if let Some(odd) = labels.iter().find(|label| !is_readable(label)) {
-            let odd: String = odd.chars().take(LONGEST).collect();
-            return Err(format!(
-                "the class {odd:?} is no label: give 1 to {LONGEST} characters without line breaks"
-            ));
+            return Err(ClassError::NoLabel(odd.chars().take(LONGEST).collect()));
         }
         labels.sort();
         match labels.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(format!("the class lists `{}` twice: name each label once", pair[0])),
+            Some(pair) => Err(ClassError::Twice(pair[0].clone())),
             None => Ok(Classes(labels)),
         }
     }
@@ -97,17 +108,17 @@ impl fmt::Display for Classes {
 
 /// A list with commas, as an option of a command has it.
 impl FromStr for Classes {
-    type Err = String;
+    type Err = ClassError;
 
-    fn from_str(text: &str) -> Result<Classes, String> {
+    fn from_str(text: &str) -> Result<Classes, ClassError> {
         Classes::new(text.split(',').map(|label| label.trim().to_owned()).collect())
     }
 }
 
 impl TryFrom<Written> for Classes {
-    type Error = String;
+    type Error = ClassError;
 
-    fn try_from(written: Written) -> Result<Classes, String> {
+    fn try_from(written: Written) -> Result<Classes, ClassError> {
         match written {
             Written::One(label) => Classes::new(vec![label]),
             Written::Several(labels) => Classes::new(labels),
@@ -161,13 +172,14 @@ mod tests {
             ("car,car", "lists `car` twice"),
             ("a\nb", "no label"),
         ] {
-            let refused = text.parse::<Classes>().unwrap_err();
+            let refused = text.parse::<Classes>().unwrap_err().to_string();
             assert!(refused.contains(word), "{refused}");
         }
-        assert!(Classes::new(Vec::new()).unwrap_err().contains("empty list"));
+        assert!(Classes::new(Vec::new()).unwrap_err().to_string().contains("empty list"));
         assert!(
             Classes::new(vec!["x".repeat(101)])
                 .unwrap_err()
+                .to_string()
                 .contains("1 to 100 characters")
         );
     }

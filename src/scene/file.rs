@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
-use super::{Bins, Classes, Envelope, Model, Scene, Tag, TagFamily, TagSigma};
+use super::{Bins, Classes, Envelope, ScaleModel, Scene, SceneFault, Tag, TagFamily, TagSigma};
 use crate::files;
-use crate::geometry::length::{self, BadLength, FARTHEST_MM, LONGEST_MM, SCALES, shown};
+use crate::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 
 /// More tags than this were written by a program, and take minutes to pair up on cards.
-const MOST_TAGS: u64 = 2000;
+pub(super) const MOST_TAGS: u64 = 2000;
 /// Nobody photographs more bins than this.
-const MOST_BINS: usize = 100_000;
+pub(super) const MOST_BINS: usize = 100_000;
 
 /// Why a scene was refused. Every variant names the file and what to change.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -26,8 +27,8 @@ pub enum SceneError {
         line: usize,
         message: String,
     },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
+    #[error("{path}: {fault}", path = path.display())]
+    Content { path: PathBuf, fault: SceneFault },
 }
 
 #[derive(Deserialize)]
@@ -95,17 +96,17 @@ impl Scene {
             line: e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count()),
             message: e.message().replace('\n', " "),
         })?;
-        checked(file).map_err(|message| SceneError::Content {
+        checked(file).map_err(|fault| SceneError::Content {
             path: path.to_owned(),
-            message,
+            fault,
         })
     }
 }
 
 /// Checks what the grammar cannot: sizes, directions, duplicates.
-fn checked(file: SceneFile) -> Result<Scene, String> {
+fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
     let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
-    let model = Model {
+    let model = ScaleModel {
         name: file.model.name,
         scale: checked_scale(file.model.scale)?,
         class: file.model.class,
@@ -113,16 +114,13 @@ fn checked(file: SceneFile) -> Result<Scene, String> {
         envelope,
     };
     for size in model.size_mm {
-        length::size_mm("a side of model.size_mm", size).map_err(sentence)?;
+        length::size_mm("a side of model.size_mm", size)?;
     }
     check_tag_count(file.tags.len() as u64)?;
     let tags = file.tags.into_iter().map(checked_tag).collect::<Result<Vec<_>, _>>()?;
     for (i, tag) in tags.iter().enumerate() {
         if tags[..i].iter().any(|t| (t.family, t.id) == (tag.family, tag.id)) {
-            return Err(format!(
-                "tag id {} appears twice: give every [[tag]] its own id",
-                tag.id
-            ));
+            return Err(SceneFault::TagTwice(tag.id));
         }
     }
     Ok(Scene {
@@ -137,53 +135,35 @@ fn checked(file: SceneFile) -> Result<Scene, String> {
 }
 
 /// The scale of a file's or a preset's model.
-pub(super) fn checked_scale(scale: f64) -> Result<f64, String> {
+pub(super) fn checked_scale(scale: f64) -> Result<f64, SceneFault> {
     // False for NaN too.
-    if SCALES.contains(&scale) {
-        return Ok(scale);
-    }
-    let (least, most) = (*SCALES.start(), *SCALES.end());
-    let scale = shown(scale);
-    Err(format!(
-        "model.scale is {scale}: give 10 for a 1:10 model, from {least} to {most}"
-    ))
+    SCALES.contains(&scale).then_some(scale).ok_or(SceneFault::Scale(scale))
 }
 
 /// Refuses more tags than anyone places.
-pub(super) fn check_tag_count(count: u64) -> Result<(), String> {
-    if count <= MOST_TAGS {
-        return Ok(());
-    }
-    Err(format!("{count} tags are too many: a scene has at most {MOST_TAGS}"))
+pub(super) fn check_tag_count(count: u64) -> Result<(), SceneFault> {
+    (count <= MOST_TAGS).then_some(()).ok_or(SceneFault::TooManyTags(count))
 }
 
-fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelope, String> {
-    let needs = |word: &str| format!("model.envelope is {word}: name the model's mesh, e.g. mesh = \"model.stl\"");
+fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelope, SceneFault> {
     match (word, mesh) {
-        (_, Some(mesh)) if mesh.as_os_str().is_empty() => {
-            Err("model.mesh is empty: name a file, or leave it out".into())
-        }
+        (_, Some(mesh)) if mesh.as_os_str().is_empty() => Err(SceneFault::EmptyMesh),
         (EnvelopeWord::Box, None) => Ok(Envelope::Box),
         (EnvelopeWord::Hull, Some(mesh)) => Ok(Envelope::Hull(mesh)),
         (EnvelopeWord::Mesh, Some(mesh)) => Ok(Envelope::Mesh(mesh)),
-        (EnvelopeWord::Hull, None) => Err(needs("hull")),
-        (EnvelopeWord::Mesh, None) => Err(needs("mesh")),
-        (EnvelopeWord::Box, Some(_)) => {
-            Err("model.mesh is named but the envelope is the box: write envelope = \"mesh\" or \"hull\"".into())
-        }
+        (EnvelopeWord::Hull, None) => Err(SceneFault::NoMesh("hull")),
+        (EnvelopeWord::Mesh, None) => Err(SceneFault::NoMesh("mesh")),
+        (EnvelopeWord::Box, Some(_)) => Err(SceneFault::MeshOfBox),
     }
 }
 
 /// The bins of a file or a preset, with their centres in order.
-pub(super) fn checked_bins(bins: Bins) -> Result<Bins, String> {
+pub(super) fn checked_bins(bins: Bins) -> Result<Bins, SceneFault> {
     let step = bins.azimuth_deg;
     let count = 360.0 / step;
     // False for NaN, and for a step of 0.
     if !(1.0..=360.0).contains(&count) || (count - count.round()).abs() > 1e-9 {
-        let step = shown(step);
-        return Err(format!(
-            "bins.azimuth_deg = {step} does not divide 360° into 1 to 360 bins: use 45, 30, …"
-        ));
+        return Err(SceneFault::AzimuthStep(step));
     }
     let bins = Bins {
         azimuth_deg: step,
@@ -192,56 +172,52 @@ pub(super) fn checked_bins(bins: Bins) -> Result<Bins, String> {
     };
     let all = count.round() as usize * bins.pitch_deg.len() * bins.distance_mm.len();
     if all > MOST_BINS {
-        return Err(format!(
-            "bins make {all} bins, more than {MOST_BINS}: give fewer centres or a larger azimuth_deg"
-        ));
+        return Err(SceneFault::TooManyBins(all));
     }
     Ok(bins)
 }
 
-fn checked_centres(mut centres: Vec<f64>, range: RangeInclusive<f64>, what: &str) -> Result<Vec<f64>, String> {
+fn checked_centres(
+    mut centres: Vec<f64>,
+    range: RangeInclusive<f64>,
+    what: &'static str,
+) -> Result<Vec<f64>, SceneFault> {
     if centres.is_empty() {
-        return Err(format!(
-            "{what} is empty: give at least one centre, e.g. [{}]",
-            range.start().max(15.0)
-        ));
+        let example = range.start().max(15.0);
+        return Err(SceneFault::NoCentre { what, example });
     }
     if let Some(odd) = centres.iter().find(|c| !range.contains(c)) {
-        return Err(format!(
-            "{what} has {}: give numbers from {} to {}",
-            shown(*odd),
-            range.start(),
-            range.end()
-        ));
+        return Err(SceneFault::Centre {
+            what,
+            value: *odd,
+            least: *range.start(),
+            most: *range.end(),
+        });
     }
     centres.sort_by(f64::total_cmp);
     centres.dedup();
     Ok(centres)
 }
 
-fn checked_tag(t: TagTable) -> Result<Tag, String> {
+fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
     let id = t.id;
     if id >= t.family.count() {
-        return Err(format!(
-            "tag id {id} does not exist in its family: ids end at {}",
-            t.family.count() - 1
-        ));
+        let last = t.family.count() - 1;
+        return Err(SceneFault::NoSuchTag { id, last });
     }
     for v in t.centre_mm {
-        length::place_mm(&format!("centre_mm of tag {id}"), v).map_err(sentence)?;
+        length::place_mm(&format!("centre_mm of tag {id}"), v)?;
     }
     let (right, up) = (unit(t.right, "right", id)?, unit(t.up, "up", id)?);
     if right.dot(&up).abs() > 1e-3 {
-        return Err(format!(
-            "right and up of tag {id} are not at a right angle: check the two vectors"
-        ));
+        return Err(SceneFault::NoRightAngle(id));
     }
     // The file rounds; make the pair exactly orthogonal so that the tag's pose is a true rotation.
     let up = (up - right * right.dot(&up)).normalize();
     Ok(Tag {
         id,
         family: t.family,
-        size_mm: length::size_mm(&format!("size_mm of tag {id}"), t.size_mm).map_err(sentence)?,
+        size_mm: length::size_mm(&format!("size_mm of tag {id}"), t.size_mm)?,
         centre_mm: Point3::from(t.centre_mm),
         right,
         up,
@@ -249,32 +225,23 @@ fn checked_tag(t: TagTable) -> Result<Tag, String> {
     })
 }
 
-fn checked_sigma(mm: Option<f64>, deg: Option<f64>, id: u32) -> Result<Option<TagSigma>, String> {
+fn checked_sigma(mm: Option<f64>, deg: Option<f64>, id: u32) -> Result<Option<TagSigma>, SceneFault> {
     match (mm, deg) {
         (None, None) => Ok(None),
         (Some(mm), Some(deg)) if (0.0..=LONGEST_MM).contains(&mm) && (0.0..=360.0).contains(&deg) => {
             Ok(Some(TagSigma { mm, deg }))
         }
-        _ => Err(format!(
-            "sigma_mm and sigma_deg of tag {id} go together and are 0 or more, up to {LONGEST_MM} mm and 360°: give both or neither"
-        )),
+        _ => Err(SceneFault::Sigma(id)),
     }
 }
 
-fn unit(v: [f64; 3], what: &str, id: u32) -> Result<Vector3<f64>, String> {
+fn unit(v: [f64; 3], what: &'static str, id: u32) -> Result<Vector3<f64>, SceneFault> {
     let v = Vector3::from(v);
-    if (v.norm() - 1.0).abs() < 1e-3 {
-        Ok(v.normalize())
-    } else {
-        Err(format!(
-            "{what} of tag {id} has length {:.4}: give a unit vector",
-            v.norm()
-        ))
-    }
-}
-
-fn sentence(refused: BadLength) -> String {
-    refused.to_string()
+    let length = v.norm();
+    let is_unit = (length - 1.0).abs() < 1e-3;
+    is_unit
+        .then(|| v.normalize())
+        .ok_or(SceneFault::NotUnit { what, id, length })
 }
 
 #[cfg(test)]

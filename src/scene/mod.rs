@@ -1,9 +1,10 @@
 //! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or laid
-//! out by a preset ([`Ring`]).
+//! out by a preset ([`TagRing`]).
 
 mod bins;
 mod classes;
 mod envelope;
+mod fault;
 mod file;
 mod ring;
 mod tag;
@@ -11,10 +12,11 @@ mod viewpoint;
 mod write;
 
 pub use bins::{Bin, Bins};
-pub use classes::Classes;
+pub use classes::{ClassError, Classes};
 pub use envelope::Envelope;
+pub use fault::SceneFault;
 pub use file::SceneError;
-pub use ring::{Ring, RingError};
+pub use ring::{RingError, TagRing};
 pub use tag::{Tag, TagFamily, TagSigma};
 pub use viewpoint::Viewpoint;
 
@@ -23,7 +25,7 @@ use nalgebra::Point3;
 /// A scene in the model frame: origin on the ground under the model's centre, x to its front, y to its left, z up; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    pub model: Model,
+    pub model: ScaleModel,
     pub bins: Bins,
     pub tags: Vec<Tag>,
 }
@@ -45,7 +47,7 @@ impl Scene {
 
 /// The printed scale model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Model {
+pub struct ScaleModel {
     pub name: String,
     /// 10 for a 1:10 model.
     pub scale: f64,
@@ -57,7 +59,7 @@ pub struct Model {
     pub envelope: Envelope,
 }
 
-impl Model {
+impl ScaleModel {
     /// The point that viewpoints look at: the centre of the model's box, model frame, mm.
     pub fn target_mm(&self) -> Point3<f64> {
         Point3::new(0.0, 0.0, self.size_mm[2] / 2.0)
@@ -109,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_model_hides_what_is_behind_it_and_nothing_beside_or_on_it() {
-        let model = Model {
+        let model = ScaleModel {
             name: "m".to_owned(),
             scale: 10.0,
             class: "car".parse().unwrap(),

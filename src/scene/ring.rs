@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::file::{check_tag_count, checked_bins, checked_scale};
-use super::{Bins, Model, Scene, Tag, TagFamily};
+use super::{Bins, ScaleModel, Scene, SceneFault, Tag, TagFamily};
 use crate::geometry::length::{BadLength, shown, size_mm};
 
 /// Between a tag's white ring and the ground or the ridge of its card.
@@ -19,8 +19,8 @@ const FEWEST: u32 = 3;
 /// `count` tent cards at equal angles, the first before the model's front, and as many flat tags: in a row along each side of the
 /// model, so that few sheets carry them all; or, where the ring leaves no room for rows, half way between each two cards.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ring {
-    pub model: Model,
+pub struct TagRing {
+    pub model: ScaleModel,
     pub bins: Bins,
     /// Of the circle on which all stand.
     pub radius_mm: f64,
@@ -35,12 +35,13 @@ pub struct Ring {
 
 /// Why there is no such ring.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RingError {
     #[error(transparent)]
     Length(#[from] BadLength),
     /// What no scene file may say either.
-    #[error("{0}")]
-    Scene(String),
+    #[error(transparent)]
+    Scene(#[from] SceneFault),
     #[error("faces at {tilt_deg}° do not make a card that stands; give 30 to 75", tilt_deg = shown(*tilt_deg))]
     Tilt { tilt_deg: f64 },
     #[error(
@@ -60,7 +61,7 @@ pub enum RingError {
     },
 }
 
-impl Ring {
+impl TagRing {
     /// Lays the ring out. Ids: the flat tags from 0, counter-clockwise from the first after the front; then two for each tent
     /// card, the outer face first.
     ///
@@ -68,7 +69,7 @@ impl Ring {
     /// Numbers out of bounds, too few or too many tags, and a ring in which things would overlap.
     pub fn scene(&self) -> Result<Scene, RingError> {
         self.check()?;
-        let bins = checked_bins(self.bins.clone()).map_err(RingError::Scene)?;
+        let bins = checked_bins(self.bins.clone())?;
         let step_deg = 360.0 / f64::from(self.count);
         let around = |i: u32| {
             let out = outwards((f64::from(i) + 0.5) * step_deg);
@@ -97,7 +98,7 @@ impl Ring {
         ] {
             size_mm(what, value)?;
         }
-        checked_scale(self.model.scale).map_err(RingError::Scene)?;
+        checked_scale(self.model.scale)?;
         if !TILT_DEG.contains(&self.tilt_deg) {
             return Err(RingError::Tilt {
                 tilt_deg: self.tilt_deg,
@@ -112,7 +113,7 @@ impl Ring {
                 most: ids / 3,
             });
         }
-        check_tag_count(needed).map_err(RingError::Scene)?;
+        check_tag_count(needed)?;
         self.check_room(length.hypot(width) / 2.0)
     }
 

@@ -58,7 +58,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::super::{Bins, Envelope, Model, Ring};
+    use super::super::{Bins, Envelope, ScaleModel, TagRing};
     use super::*;
 
     proptest! {
@@ -74,9 +74,9 @@ mod tests {
             class in prop::sample::select(vec!["car", "car,truck", "a \"b\",c"]),
             envelope in prop::sample::select(vec![Envelope::Box, Envelope::Hull("a \"b\".stl".into()), Envelope::Mesh("m/c.glb".into())]),
         ) {
-            let model = Model { name, scale: 10.0, class: class.parse().unwrap(), size_mm: [455.0, 186.5, 128.0], envelope };
+            let model = ScaleModel { name, scale: 10.0, class: class.parse().unwrap(), size_mm: [455.0, 186.5, 128.0], envelope };
             let bins = Bins { azimuth_deg: 45.0, pitch_deg: vec![0.0, 15.0], distance_mm: vec![850.0] };
-            let mut scene = Ring { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
+            let mut scene = TagRing { model, bins, radius_mm, count, tag_mm, family: family.0, tilt_deg }.scene().unwrap();
             scene.tags[0].sigma = Some(super::super::TagSigma { mm: tilt_deg / 64.0, deg: radius_mm / 8192.0 });
             let back = Scene::parse(&scene.to_toml(), Path::new("scene.toml")).unwrap();
             prop_assert_eq!((&scene.model, &scene.bins), (&back.model, &back.bins));

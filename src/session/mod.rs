@@ -11,7 +11,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::{Camera, CameraError};
-use crate::envelope::{EnvelopeError, Outline};
+use crate::envelope::{EnvelopeError, EnvelopeShape};
 use crate::files;
 use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
@@ -55,7 +55,7 @@ pub struct Session {
     pub camera_path: Option<PathBuf>,
     pub scene: Scene,
     /// What truth boxes are drawn around, as the scene says.
-    pub outline: Outline,
+    pub outline: EnvelopeShape,
     /// Absent only when every photo carries its truth box and viewpoint.
     pub camera: Option<Camera>,
     pub photos: Vec<PhotoEntry>,
@@ -135,7 +135,7 @@ impl Session {
         let scene = Scene::open(scene_path)?;
         let camera = camera_path.map(Camera::open).transpose()?;
         let scene_folder = scene_path.parent().unwrap_or(Path::new("")).to_owned();
-        let outline = Outline::open(&scene.model, &scene_folder)?;
+        let outline = EnvelopeShape::open(&scene.model, &scene_folder)?;
         let mesh_path = scene.model.envelope.mesh().map(|mesh| scene_folder.join(mesh));
         for read in [Some(scene_path), mesh_path.as_deref(), camera_path]
             .into_iter()

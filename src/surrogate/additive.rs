@@ -2,18 +2,26 @@
 //!
 //! In linear light a pixel is `L(ρ) = Σ aₙ ρⁿ` of the paint's reflectance ρ, channel by channel: a₀ is what never touched the paint, a₁ what
 //! touched it once, higher terms what went to and fro between its parts. The polynomial through n colours is a sum of
-//! their pictures with the weights of Lagrange's interpolation, the same for all pixels. This is exact for a diffuse paint under a
+//! their images with the weights of Lagrange's interpolation, the same for all pixels. This is exact for a diffuse paint under a
 //! coat up to the degree n − 1, and holds before clipping only, which is why frames keep linear light.
 
-use crate::frames::light;
-use crate::frames::{Frame, FrameSet, FramesError};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
-/// Pictures of one view in several flat colours, in linear light.
+use image::RgbImage;
+
+use crate::files;
+use crate::frames::{Frame, FramePaint, FrameSet, FramesError, encode_rgb, light, views};
+
+/// Files with their contents, not yet written.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+/// Images of one view in several flat colours, in linear light.
 #[derive(Debug, Clone)]
 pub struct Additive {
-    /// Reflectance of each picture's colour.
+    /// Reflectance of each image's colour.
     colours: Vec<[f64; 3]>,
-    pictures: Vec<Vec<[f32; 3]>>,
+    images: Vec<Vec<[f32; 3]>>,
 }
 
 /// Why colours could not be made.
@@ -22,8 +30,7 @@ pub enum AdditiveError {
     #[error(transparent)]
     Frames(#[from] FramesError),
     #[error(
-        "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more, as in --flat 000000 \
-         808080 ffffff"
+        "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more"
     )]
     TooFew { view: String, found: usize },
 }
@@ -33,11 +40,11 @@ impl Additive {
     /// that channel would have no answer.
     ///
     /// # Errors
-    /// Fewer than three colours, or pictures that cannot be read.
+    /// Fewer than three colours, or images that cannot be read.
     pub fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, AdditiveError> {
         let mut additive = Self {
             colours: Vec::new(),
-            pictures: Vec::new(),
+            images: Vec::new(),
         };
         for frame in view {
             let Some(rgb) = frame.flat_rgb() else { continue };
@@ -46,10 +53,10 @@ impl Additive {
             // More than four interpolate noise.
             if additive.colours.len() < 4
                 && additive.colours.iter().all(is_new)
-                && let Some(picture) = set.linear(frame)?
+                && let Some(image) = set.linear(frame)?
             {
                 additive.colours.push(colour);
-                additive.pictures.push(picture);
+                additive.images.push(image);
             }
         }
         let found = additive.colours.len();
@@ -60,11 +67,11 @@ impl Additive {
         Ok(additive)
     }
 
-    /// The same of other pictures, each made of one of these by a linear map, as parts and means of pixels are.
+    /// The same of other images, each made of one of these by a linear map, as parts and means of pixels are.
     #[must_use]
     pub fn mapped(self, map: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Self {
         Self {
-            pictures: self.pictures.iter().map(|picture| map(picture)).collect(),
+            images: self.images.iter().map(|image| map(image)).collect(),
             colours: self.colours,
         }
     }
@@ -85,10 +92,10 @@ impl Additive {
             let levels: Vec<f64> = self.colours.iter().map(|c| c[channel]).collect();
             lagrange(&levels, at[channel])
         });
-        let pixels = self.pictures.first().map_or(0, Vec::len);
+        let pixels = self.images.first().map_or(0, Vec::len);
         let sum = |pixel: usize, channel: usize| -> f64 {
-            let of_each = self.pictures.iter().zip(&weights[channel]);
-            of_each.map(|(picture, w)| w * f64::from(picture[pixel][channel])).sum()
+            let of_each = self.images.iter().zip(&weights[channel]);
+            of_each.map(|(image, w)| w * f64::from(image[pixel][channel])).sum()
         };
         (0..pixels)
             .map(|pixel| std::array::from_fn(|channel| sum(pixel, channel).max(0.0) as f32))
@@ -99,6 +106,48 @@ impl Additive {
     pub fn rgb(&self, rgb: [u8; 3]) -> Vec<[u8; 3]> {
         let linear = self.light(rgb);
         linear.iter().map(|p| light::rgb_of(p.map(f64::from))).collect()
+    }
+}
+
+/// Frames of every view in other flat colours, as files of `output`, and how many frames they are.
+///
+/// # Errors
+/// A view with fewer than three colours, images that cannot be read.
+pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<(Files, usize), AdditiveError> {
+    let mut list = set.list.clone();
+    list.frames.clear();
+    list.made_by = format!("attack colours (of: {})", set.list.made_by);
+    let (mut new, mut copied) = (Files::new(), BTreeSet::new());
+    for view in views(&set.list.frames) {
+        let additive = Additive::of_view(set, &view)?;
+        for (key, file) in view[0].files() {
+            if !matches!(key, "rgb" | "linear" | "pattern") && copied.insert(file) {
+                let copy = files::read(&set.folder.join(file)).map_err(FramesError::from)?;
+                new.push((output.join(file), copy));
+            }
+        }
+        for rgb in colours {
+            let frame = in_colour(view[0], *rgb, list.frames.len());
+            let pixels = additive.rgb(*rgb).into_iter().flatten().collect();
+            let [width, height] = set.list.size_px;
+            let image = RgbImage::from_raw(width, height, pixels).unwrap_or_default();
+            new.push((output.join(&frame.rgb), encode_rgb(&image)?));
+            list.frames.push(frame);
+        }
+    }
+    new.push(list.to_file(output)?);
+    Ok((new, list.frames.len()))
+}
+
+/// The same view in another colour.
+fn in_colour(of: &Frame, rgb: [u8; 3], number: usize) -> Frame {
+    let name = format!("{number:05}_{}", light::to_hex(rgb));
+    Frame {
+        rgb: format!("rgb/{name}.png"),
+        name,
+        linear: None,
+        paint: FramePaint::FlatRgb(rgb),
+        ..of.clone()
     }
 }
 

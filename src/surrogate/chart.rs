@@ -10,46 +10,43 @@ use crate::frames::views;
 use crate::frames::{Coverage, Frame, FrameSet, FramesError};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
-use crate::surrogate::renderer::{FitError, Kind, Learned, PerPixel, Renderer, Shot};
+use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
-pub enum ChartError {
+pub enum SurrogateChartError {
     #[error(transparent)]
     Frames(#[from] FramesError),
     #[error(transparent)]
     Fit(#[from] FitError),
-    #[error(
-        "the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours with --reference"
-    )]
+    #[error("the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours")]
     NoReference { frame: String, colour: String },
-    #[error("the network {network} starts from {wanted}, which is not among the references; add it with --reference")]
+    #[error("the network {network} starts from {wanted}, which is not among the references; add it")]
     OtherReference { network: String, wanted: String },
     #[error("the network {network}: {reason}")]
     Network { network: String, reason: String },
-    #[error(
-        "no view has a flat colour besides the references, so there is nothing to predict: render one more, as in --flat 000000 808080 ffffff c83214"
-    )]
+    #[error("no view has a flat colour besides the references, so there is nothing to predict: render one more")]
     NothingToPredict,
 }
 
 /// One model with so many reference colours, over all views.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct SurrogateFigures {
     /// The name of a closed form or of a network.
     pub model: String,
     /// `None` for closed forms.
     pub training_seconds: Option<f64>,
-    /// Pictures of the view it is given.
+    /// Images of the view it is given.
     pub references: usize,
     /// Colours a network was trained to start from, any one of which it is given.
     pub trained_references: Option<usize>,
     pub views: usize,
     /// Frames predicted: flat colours the model has not seen.
     pub frames: usize,
-    /// Mean squared error in sRGB, 0 to 1, over the pixels that the paint covers by half or more, and over the whole picture.
+    /// Mean squared error in sRGB, 0 to 1, over the pixels that the paint covers by half or more, and over the whole image.
     pub mse_paint: f64,
-    pub mse_picture: f64,
+    #[serde(rename = "mse_picture")]
+    pub mse_image: f64,
     /// The largest mean squared error over the paint of one frame.
     pub mse_paint_worst: f64,
     /// Mean exponent of the fitted tone curve.
@@ -66,7 +63,7 @@ pub struct Row {
 #[derive(Default)]
 struct Sums {
     paint: Mean,
-    picture: Mean,
+    image: Mean,
     worst: f64,
     world: Mean,
     repeated: Mean,
@@ -96,14 +93,14 @@ impl Mean {
 /// What of a view every model is measured on.
 struct View {
     mask: Coverage,
-    shots: Vec<Shot>,
+    flats: Vec<FlatImage>,
     /// Unseen flat colours.
-    tests: Vec<Shot>,
+    tests: Vec<FlatImage>,
     patterns: Vec<PatternTest>,
 }
 
 struct PatternTest {
-    picture: RgbImage,
+    image: RgbImage,
     world: Option<Vec<[f64; 3]>>,
     repeated: Vec<[f64; 3]>,
 }
@@ -111,18 +108,18 @@ struct PatternTest {
 /// A model and what it is given.
 enum Method<'a> {
     /// The first so many references.
-    ClosedForm(Kind, usize),
+    ClosedForm(ClosedForm, usize),
     /// One reference, by its index.
-    Trained(&'a dyn Learned, usize),
+    Trained(&'a dyn NeuralRenderer, usize),
 }
 
 /// A model, its tone curve's exponent, milliseconds.
 type Fit = (Box<dyn Renderer>, Option<f64>, f64);
 
 impl<'a> Method<'a> {
-    fn all(references: &[[u8; 3]], networks: &'a [&'a dyn Learned]) -> Result<Vec<Self>, ChartError> {
-        let closed = Kind::ALL.into_iter().flat_map(|kind| {
-            (kind.least_shots()..=references.len()).map(move |count| Ok(Self::ClosedForm(kind, count)))
+    fn all(references: &[[u8; 3]], networks: &'a [&'a dyn NeuralRenderer]) -> Result<Vec<Self>, SurrogateChartError> {
+        let closed = ClosedForm::ALL.into_iter().flat_map(|kind| {
+            (kind.least_colours()..=references.len()).map(move |count| Ok(Self::ClosedForm(kind, count)))
         });
         let trained = networks.iter().map(|network| {
             let wanted = network.references();
@@ -134,7 +131,7 @@ impl<'a> Method<'a> {
                     .collect::<Vec<_>>()
                     .join(" or ")
             };
-            let missing = || ChartError::OtherReference {
+            let missing = || SurrogateChartError::OtherReference {
                 network: network.name(),
                 wanted: names(),
             };
@@ -158,17 +155,17 @@ impl<'a> Method<'a> {
     }
 
     /// The model of a view, its tone curve's exponent, and the milliseconds it took.
-    fn fit(&self, view: &View) -> Result<Fit, ChartError> {
+    fn fit(&self, view: &View) -> Result<Fit, SurrogateChartError> {
         match self {
             Self::ClosedForm(kind, count) => {
-                let (model, ms) = fastest(|| PerPixel::fit(*kind, &view.shots[..*count]));
+                let (model, ms) = fastest(|| PerPixel::fit(*kind, &view.flats[..*count]));
                 let model = model?;
                 let power = model.tone().map(|tone| tone.power);
                 Ok((Box::new(model), power, ms))
             }
             Self::Trained(network, reference) => {
-                let (model, ms) = fastest(|| network.of_view(&view.shots[*reference].picture, &view.mask));
-                let failed = |reason| ChartError::Network {
+                let (model, ms) = fastest(|| network.of_view(&view.flats[*reference].image, &view.mask));
+                let failed = |reason| SurrogateChartError::Network {
                     network: network.name(),
                     reason,
                 };
@@ -182,13 +179,13 @@ impl<'a> Method<'a> {
 /// after each view.
 ///
 /// # Errors
-/// A view without a reference colour, a network whose reference is none, nothing to predict, pictures that cannot be read.
+/// A view without a reference colour, a network whose reference is none, nothing to predict, images that cannot be read.
 pub fn measure(
     set: &FrameSet,
     references: &[[u8; 3]],
-    networks: &[&dyn Learned],
+    networks: &[&dyn NeuralRenderer],
     on_view: impl Fn(),
-) -> Result<Vec<Row>, ChartError> {
+) -> Result<Vec<SurrogateFigures>, SurrogateChartError> {
     let methods = Method::all(references, networks)?;
     let mut sums: Vec<Sums> = methods.iter().map(|_| Sums::default()).collect();
     for frames in views(&set.list.frames) {
@@ -203,7 +200,7 @@ pub fn measure(
             Method::ClosedForm(..) => None,
             Method::Trained(network, _) => Some(network),
         };
-        Some(Row {
+        Some(SurrogateFigures {
             model: method.name(),
             training_seconds: network.map(|n| n.training_seconds()),
             references: method.references(),
@@ -211,7 +208,7 @@ pub fn measure(
             views: s.views,
             frames: s.paint.count,
             mse_paint: s.paint.get()?,
-            mse_picture: s.picture.get()?,
+            mse_image: s.image.get()?,
             mse_paint_worst: s.worst,
             tone_power: s.power.get(),
             mse_pattern_world: s.world.get(),
@@ -220,41 +217,42 @@ pub fn measure(
             predict_ms: s.predict_ms.get()?,
         })
     });
-    rows.collect::<Option<Vec<_>>>().ok_or(ChartError::NothingToPredict)
+    rows.collect::<Option<Vec<_>>>()
+        .ok_or(SurrogateChartError::NothingToPredict)
 }
 
-fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, ChartError> {
+fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, SurrogateChartError> {
     let first = frames[0];
     let mask = set.paint_mask(first)?;
-    let shot = |frame: &Frame, flat_rgb: [u8; 3]| -> Result<Shot, FramesError> {
-        Ok(Shot {
+    let flat = |frame: &Frame, flat_rgb: [u8; 3]| -> Result<FlatImage, FramesError> {
+        Ok(FlatImage {
             flat_rgb,
-            picture: set.rgb(frame)?,
+            image: set.rgb(frame)?,
         })
     };
-    let mut shots = Vec::new();
+    let mut flats = Vec::new();
     for colour in references {
         let found = frames.iter().find(|f| f.flat_rgb() == Some(*colour));
-        let frame = found.ok_or_else(|| ChartError::NoReference {
+        let frame = found.ok_or_else(|| SurrogateChartError::NoReference {
             frame: first.name.clone(),
             colour: light::to_hex(*colour),
         })?;
-        shots.push(shot(frame, *colour)?);
+        flats.push(flat(frame, *colour)?);
     }
     let (mut tests, mut patterns) = (Vec::new(), Vec::new());
     for frame in frames {
         if let Some(rgb) = frame.flat_rgb().filter(|rgb| !references.contains(rgb)) {
-            tests.push(shot(frame, rgb)?);
+            tests.push(flat(frame, rgb)?);
         }
         if let Some((pattern, tile_mm)) = set.pattern(frame)? {
             let grid = Grid::of(&pattern, tile_mm);
             let cells: Vec<[f64; 3]> = pattern.cells().pixels().map(|p| light::linear_of(p.0)).collect();
-            let laid = |projection: Projection| projection.forward(&cells);
+            let textured = |projection: Projection| projection.forward(&cells);
             let calibrated = &repeated::Jitter::NONE;
             patterns.push(PatternTest {
-                picture: set.rgb(frame)?,
-                world: world::project(set, frame, &grid, Sampling::Nearest)?.map(laid),
-                repeated: laid(repeated::project(
+                image: set.rgb(frame)?,
+                world: world::project(set, frame, &grid, Sampling::Nearest)?.map(textured),
+                repeated: textured(repeated::project(
                     &set.list,
                     frame,
                     &mask,
@@ -267,13 +265,13 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
     }
     Ok(View {
         mask,
-        shots,
+        flats,
         tests,
         patterns,
     })
 }
 
-fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), ChartError> {
+fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), SurrogateChartError> {
     let (model, power, ms) = method.fit(view)?;
     sums.fit_ms.add(ms);
     sums.views += 1;
@@ -284,15 +282,15 @@ fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), ChartError> 
         let paint = vec![light::linear_of(test.flat_rgb); view.mask.len()];
         let (predicted, ms) = fastest(|| model.predict(&paint));
         sums.predict_ms.add(ms);
-        let (on_paint, all) = mse(&predicted, &test.picture, &view.mask);
-        sums.picture.add(all);
+        let (on_paint, all) = mse(&predicted, &test.image, &view.mask);
+        sums.image.add(all);
         if let Some(on_paint) = on_paint {
             sums.paint.add(on_paint);
             sums.worst = sums.worst.max(on_paint);
         }
     }
     for test in &view.patterns {
-        let on_paint = |paint: &Vec<[f64; 3]>| mse(&model.predict(paint), &test.picture, &view.mask).0;
+        let on_paint = |paint: &Vec<[f64; 3]>| mse(&model.predict(paint), &test.image, &view.mask).0;
         if let Some(error) = test.world.as_ref().and_then(on_paint) {
             sums.world.add(error);
         }
@@ -315,10 +313,10 @@ fn fastest<R>(work: impl Fn() -> R) -> (R, f64) {
 }
 
 /// Mean squared error over the pixels the paint covers by half or more (`None` without such pixels), and over all.
-pub fn mse(predicted: &[[f64; 3]], picture: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
+pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
     let (mut paint, mut all) = (Mean::default(), Mean::default());
-    for ((p, truth), covered) in predicted.iter().zip(picture.pixels()).zip(mask.pixels()) {
-        // A prediction becomes a picture of 8 bits, too, but what is measured is the model.
+    for ((p, truth), covered) in predicted.iter().zip(image.pixels()).zip(mask.pixels()) {
+        // A prediction becomes an image of 8 bits, too, but what is measured is the model.
         for (value, level) in p.iter().zip(truth.0) {
             let error = (value - f64::from(level) / 255.0).powi(2);
             all.add(error);
@@ -330,9 +328,32 @@ pub fn mse(predicted: &[[f64; 3]], picture: &RgbImage, mask: &Coverage) -> (Opti
     (paint.get(), all.get().unwrap_or(0.0))
 }
 
+/// The figures as JSON, with what they were measured on.
+///
+/// # Errors
+/// A list of frames that cannot be read any more.
+pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
+    #[derive(Serialize)]
+    struct Numbers<'a> {
+        scaleproof: &'static str,
+        frames_sha256: String,
+        made_by: &'a str,
+        references: &'a [String],
+        rows: &'a [SurrogateFigures],
+    }
+    let numbers = Numbers {
+        scaleproof: env!("CARGO_PKG_VERSION"),
+        frames_sha256: set.sha256()?,
+        made_by: &set.list.made_by,
+        references,
+        rows,
+    };
+    serde_json::to_string_pretty(&numbers).map_err(|e| FramesError::Encode { reason: e.to_string() })
+}
+
 /// Lines of text, the most accurate first.
-pub fn table(rows: &[Row]) -> String {
-    let mut sorted: Vec<&Row> = rows.iter().collect();
+pub fn table(rows: &[SurrogateFigures]) -> String {
+    let mut sorted: Vec<&SurrogateFigures> = rows.iter().collect();
     sorted.sort_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint));
     let mut text = format!(
         "{:<20} {:>7} {:>10} {:>10} {:>10} {:>6} {:>10} {:>10} {:>8} {:>8} {:>9}\n",
@@ -346,7 +367,7 @@ pub fn table(rows: &[Row]) -> String {
             given(row),
             row.mse_paint,
             row.mse_paint_worst,
-            row.mse_picture,
+            row.mse_image,
             or_dash(row.tone_power, 2),
             or_dash(row.mse_pattern_world, 5),
             or_dash(row.mse_pattern_repeated, 5),
@@ -359,7 +380,7 @@ pub fn table(rows: &[Row]) -> String {
 }
 
 /// Colours a model is given: `1`, or `1 of 3` for a network that takes any of three.
-fn given(row: &Row) -> String {
+fn given(row: &SurrogateFigures) -> String {
     match row.trained_references {
         Some(count) if count > 1 => format!("{} of {count}", row.references),
         _ => row.references.to_string(),
@@ -367,7 +388,7 @@ fn given(row: &Row) -> String {
 }
 
 /// A network's encoder and its depth, as its name has them; a closed form has its name and what it is given.
-fn series_and_shape(row: &Row) -> (String, String) {
+fn series_and_shape(row: &SurrogateFigures) -> (String, String) {
     let Some((encoder, rest)) = row.model.split_once(" k=") else {
         return (row.model.clone(), format!("{} colours", row.references));
     };
@@ -378,7 +399,7 @@ fn series_and_shape(row: &Row) -> (String, String) {
 }
 
 /// The chart: colours for models and encoders, shapes for reference colours and depths.
-pub fn draw(rows: &[Row]) -> String {
+pub fn draw(rows: &[SurrogateFigures]) -> String {
     let frames = rows.first().map_or(0, |row| row.frames);
     let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
     let title = "Renderer models: error in unseen colours against time";
@@ -386,8 +407,8 @@ pub fn draw(rows: &[Row]) -> String {
 }
 
 /// The networks' chart: error against the time of their training. `None` without a network.
-pub fn draw_training(rows: &[Row]) -> Option<String> {
-    let trained: Vec<Row> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
+pub fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
+    let trained: Vec<SurrogateFigures> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
     let closed = rows.iter().filter(|r| r.training_seconds.is_none());
     let best = closed.min_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint))?;
     let note = format!(
@@ -402,7 +423,12 @@ pub fn draw_training(rows: &[Row]) -> Option<String> {
     })
 }
 
-fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&Row) -> f64) -> String {
+fn cloud(
+    (title, note): (&str, String),
+    x: &str,
+    rows: &[SurrogateFigures],
+    value: impl Fn(&SurrogateFigures) -> f64,
+) -> String {
     let (mut names, mut shapes) = (Vec::<String>::new(), Vec::<String>::new());
     let index = |list: &mut Vec<String>, name: String| match list.iter().position(|known| *known == name) {
         Some(at) => at,
@@ -422,7 +448,7 @@ fn cloud((title, note): (&str, String), x: &str, rows: &[Row], value: impl Fn(&R
             series: index(&mut names, series),
             shape: index(&mut shapes, shape),
             name: None,
-            is_ringed: row.model == Kind::default().name() && Some(row.references) == most,
+            is_ringed: row.model == ClosedForm::default().name() && Some(row.references) == most,
         });
     }
     scatter(&Cloud {

@@ -5,10 +5,11 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
-use super::network::{Network, Poses};
-use super::residual::{corners_mm, linear, squared_px};
+use super::network::{Network, Poses, Sighting};
+use super::residual::{NO_PIXEL, corners_mm, linear, squared_px};
 use crate::camera::Camera;
-use crate::geometry::{Rigid, rigid};
+use crate::geometry::rigid;
+use crate::least_squares::{LeastSquares, Limits, minimise};
 
 /// What a corner's distance costs.
 #[derive(Debug, Clone, Copy)]
@@ -62,40 +63,38 @@ pub(super) fn adjust(
     free: Free,
     loss: Loss,
     camera: &Camera,
-    most_steps: usize,
+    most_trials: usize,
 ) -> f64 {
-    let mut now = cost(net, poses, loss, camera);
-    let mut damping = 1e-3;
-    for _ in 0..most_steps {
-        let normal = Normal::at(net, poses, free, loss, camera);
-        let mut gained = 0.0;
-        // Each refusal makes the step ten times shorter; after so many it is no step.
-        for _ in 0..10 {
-            let moved = normal.step(damping).map(|step| normal.moved(poses, &step));
-            let next = moved.as_ref().map_or(f64::INFINITY, |m| cost(net, m, loss, camera));
-            match moved {
-                Some(moved) if next < now => {
-                    gained = now - next;
-                    (*poses, now, damping) = (moved, next, (damping * 0.1).max(1e-12));
-                    break;
-                }
-                _ => damping *= 10.0,
-            }
-        }
-        if gained <= 1e-9 * now + 1e-12 {
-            break;
-        }
-    }
-    now
+    let limits = Limits {
+        first_damping: 1e-3,
+        most_trials,
+        relative_gain: 1e-9,
+        absolute_gain: 1e-12,
+    };
+    let problem = Problem {
+        net,
+        free,
+        loss,
+        camera,
+    };
+    let found = minimise(NetworkEquations::at(problem, poses.clone()), &limits);
+    *poses = found.poses;
+    found.cost
 }
 
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
 pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
-    let normal = Normal::at(net, poses, Free::All, Loss::Squared, camera);
+    let problem = Problem {
+        net,
+        free: Free::All,
+        loss: Loss::Squared,
+        camera,
+    };
+    let normal = NetworkEquations::at(problem, poses.clone());
     let inverse = Cholesky::new(normal.reduced(0.0)?.matrix)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
-    Some(normal.tag_slot.iter().map(block).collect())
+    Some(normal.slots.tags.iter().map(block).collect())
 }
 
 /// How many numbers are adjusted when all is free.
@@ -116,7 +115,7 @@ impl Slots {
             let mut next = 0..;
             (0..count).map(|i| if known(i) { next.next() } else { None }).collect()
         };
-        let sees = |s: &super::network::Sighting| poses.camera_tag(s).is_some();
+        let sees = |s: &Sighting| poses.camera_tag(s).is_some();
         let tag = |t: usize| {
             let may_move = match free {
                 Free::All => net.tags[t].fixed.is_none(),
@@ -133,10 +132,20 @@ impl Slots {
     }
 }
 
+#[derive(Clone, Copy)]
+struct Problem<'a> {
+    net: &'a Network,
+    free: Free,
+    loss: Loss,
+    camera: &'a Camera,
+}
+
 /// The normal equations `H δ = −g`, in blocks.
-struct Normal {
-    tag_slot: Vec<Option<usize>>,
-    photo_slot: Vec<Option<usize>>,
+struct NetworkEquations<'a> {
+    problem: Problem<'a>,
+    poses: Poses,
+    cost: f64,
+    slots: Slots,
     tags: Vec<Matrix6<f64>>,
     photos: Vec<Matrix6<f64>>,
     /// For each photo, the tags it ties to: (tag slot, the block of that tag's rows and this photo's columns).
@@ -157,55 +166,44 @@ struct Step {
     photos: Vec<Vector6<f64>>,
 }
 
-impl Normal {
-    fn at(net: &Network, poses: &Poses, free: Free, loss: Loss, camera: &Camera) -> Normal {
-        let slots = Slots::of(net, poses, free);
+impl<'a> NetworkEquations<'a> {
+    fn at(problem: Problem<'a>, poses: Poses) -> NetworkEquations<'a> {
+        let slots = Slots::of(problem.net, &poses, problem.free);
         let (tags, photos) = (
             slots.tags.iter().flatten().count(),
             slots.photos.iter().flatten().count(),
         );
-        let mut normal = Normal {
-            tag_slot: slots.tags,
-            photo_slot: slots.photos,
+        let mut normal = NetworkEquations {
+            problem,
+            poses,
+            cost: 0.0,
+            slots,
             tags: vec![Matrix6::zeros(); tags],
             photos: vec![Matrix6::zeros(); photos],
             ties: vec![Vec::new(); photos],
             tag_gradient: vec![Vector6::zeros(); tags],
             photo_gradient: vec![Vector6::zeros(); photos],
         };
-        for s in &net.sightings {
-            let Some(pose) = poses.camera_tag(s) else { continue };
-            normal.add(
-                s.tag,
-                s.photo,
-                &pose,
-                net.tags[s.tag].size_mm,
-                &s.corners_px,
-                loss,
-                camera,
-            );
-        }
+        problem.net.sightings.iter().for_each(|s| normal.add(s));
         normal
     }
 
-    #[allow(clippy::too_many_arguments)] // one sighting, spelled out
-    fn add(
-        &mut self,
-        tag: usize,
-        photo: usize,
-        camera_tag: &Rigid,
-        size_mm: f64,
-        seen_px: &[[f64; 2]; 4],
-        loss: Loss,
-        camera: &Camera,
-    ) {
-        let (tag, photo) = (self.tag_slot[tag], self.photo_slot[photo]);
+    /// Adds a sighting whose two poses are known.
+    fn add(&mut self, s: &Sighting) {
+        let Some(camera_tag) = self.poses.camera_tag(s) else {
+            return;
+        };
+        let Problem { net, loss, camera, .. } = self.problem;
+        let (tag, photo) = (self.slots.tags[s.tag], self.slots.photos[s.photo]);
         let mut tie = Matrix6::zeros();
-        for (corner, seen) in corners_mm(size_mm).iter().zip(seen_px) {
-            let Some(l) = linear(camera_tag, corner, seen, camera) else {
+        for (corner, seen) in corners_mm(net.tags[s.tag].size_mm).iter().zip(&s.corners_px) {
+            let Some(l) = linear(&camera_tag, corner, seen, camera) else {
+                self.cost += loss.cost(NO_PIXEL);
                 continue;
             };
-            let w = loss.weight(l.residual.norm_squared());
+            let squared_px = l.residual.norm_squared();
+            self.cost += loss.cost(squared_px);
+            let w = loss.weight(squared_px);
             if let Some(t) = tag {
                 self.tags[t] += w * l.by_tag.transpose() * l.by_tag;
                 self.tag_gradient[t] += w * l.by_tag.transpose() * l.residual;
@@ -273,19 +271,30 @@ impl Normal {
         Some(Step { tags, photos })
     }
 
-    fn moved(&self, poses: &Poses, step: &Step) -> Poses {
+    fn moved(&self, step: &Step) -> Poses {
         let exp = |d: &[f64]| rigid::from_rotation_vector([d[3], d[4], d[5]], [d[0], d[1], d[2]]);
-        let mut moved = poses.clone();
-        for (pose, slot) in moved.tags.iter_mut().zip(&self.tag_slot) {
+        let mut moved = self.poses.clone();
+        for (pose, slot) in moved.tags.iter_mut().zip(&self.slots.tags) {
             if let (Some(pose), Some(s)) = (pose, slot) {
                 *pose *= exp(&step.tags.as_slice()[6 * s..6 * s + 6]);
             }
         }
-        for (pose, slot) in moved.photos.iter_mut().zip(&self.photo_slot) {
+        for (pose, slot) in moved.photos.iter_mut().zip(&self.slots.photos) {
             if let (Some(pose), Some(s)) = (pose, slot) {
                 *pose = exp(step.photos[*s].as_slice()) * *pose;
             }
         }
         moved
+    }
+}
+
+impl LeastSquares for NetworkEquations<'_> {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn stepped(&self, damping: f64) -> Option<Self> {
+        let moved = self.moved(&self.step(damping)?);
+        Some(NetworkEquations::at(self.problem, moved))
     }
 }

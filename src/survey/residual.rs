@@ -1,12 +1,12 @@
 //! How far a tag's corners are from where a pose puts them, and how that changes with the poses.
 
-use nalgebra::{Matrix2x3, Matrix2x6, Matrix3, Point3, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix2x6, Point3, Vector2};
 
 use crate::camera::Camera;
 use crate::geometry::Rigid;
 
 /// Squared distance that stands for a corner without a pixel: behind the camera, or beyond the lens model. px².
-const NO_PIXEL: f64 = 1e8;
+pub(super) const NO_PIXEL: f64 = 1e8;
 
 /// The corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left.
 pub(super) fn corners_mm(size_mm: f64) -> [Point3<f64>; 4] {
@@ -44,7 +44,7 @@ pub(super) fn linear(camera_tag: &Rigid, corner: &Point3<f64>, seen_px: &[f64; 2
     let p = camera_tag * corner;
     let ([x, y], by_point) = camera.project_by_point(&p)?;
     let side_by_side = |m: Matrix2x3<f64>, at: &Point3<f64>| {
-        let turned = m * -skew(&at.coords);
+        let turned = m * -at.coords.cross_matrix();
         Matrix2x6::from_fn(|r, c| if c < 3 { m[(r, c)] } else { turned[(r, c - 3)] })
     };
     let rotation = camera_tag.rotation.to_rotation_matrix();
@@ -53,10 +53,6 @@ pub(super) fn linear(camera_tag: &Rigid, corner: &Point3<f64>, seen_px: &[f64; 2
         by_photo: side_by_side(by_point, &p),
         by_tag: side_by_side(by_point * rotation.matrix(), corner),
     })
-}
-
-fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
-    v.cross_matrix()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use image::{GrayImage, Luma, RgbImage};
 
-use super::{SeenTag, Square, border, cells_across, refine};
+use super::{SeenTag, TagHomography, border, cells_across, refine};
 use crate::statistics::upper_median;
 
 /// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
@@ -18,7 +18,7 @@ const END_CELLS: f64 = 0.5;
 /// What the whole tags of a photo say of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
-    /// Standard deviation of the blur across the tags' borders, px, in the direction (across or along the picture) that is more blurred:
+    /// Standard deviation of the blur across the tags' borders, px, in the direction (across or along the image) that is more blurred:
     /// motion blurs one only. The median of the sides; infinity when most are too blurred to be fitted, `None` when no whole tag is
     /// large enough to tell.
     pub blur_px: Option<f64>,
@@ -48,7 +48,7 @@ impl Appearance {
     }
 }
 
-/// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the picture.
+/// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the image.
 pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
     let (width, height) = rgb.dimensions();
     let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| Luma([rgb.get_pixel(x, y).0[c]])));
@@ -59,23 +59,23 @@ pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
     tags.iter().map(level).collect()
 }
 
-/// `None` where the side's cells are too small, or it touches the picture's border.
+/// `None` where the side's cells are too small, or it touches the image's border.
 fn side_blur(grey: &GrayImage, tag: &SeenTag, side: usize) -> Option<f64> {
     let cells = cells_across(tag.family);
-    let square = Square::onto(&tag.corners_px);
-    let cell = refine::cell_px(&square, side, cells);
+    let homography = TagHomography::to(&tag.corners_px);
+    let cell = refine::cell_px(&homography, side, cells);
     if cell.is_nan() || cell < MIN_CELL_PX {
         return None;
     }
     let end = END_CELLS / cells;
-    let [from, to] = [end, 1.0 - end].map(|share| square.pixel_at(side, share, 0.0));
+    let [from, to] = [end, 1.0 - end].map(|share| homography.pixel_at(side, share, 0.0));
     refine::edge_blur(grey, from, to, (BAND_CELLS * cell).min(MAX_BAND_PX))
 }
 
 /// The lighter of the rings half a cell inside and outside the outline: families differ in which that is.
 fn white(grey: &GrayImage, tag: &SeenTag) -> Option<f64> {
     let half_cell = 0.5 / cells_across(tag.family);
-    let square = Square::onto(&tag.corners_px);
-    let tone = |depth| upper_median(&border::ring(grey, &square, depth)?);
+    let homography = TagHomography::to(&tag.corners_px);
+    let tone = |depth| upper_median(&border::ring(grey, &homography, depth)?);
     Some(tone(half_cell)?.max(tone(-half_cell)?))
 }

@@ -51,7 +51,7 @@ impl ArucoOpenCv {
     fn search_all(&self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
         for (family, search) in &self.searches {
-            // An exception of OpenCV is a picture it finds nothing in.
+            // An exception of OpenCV is an image it finds nothing in.
             let seen = find(grey, search).unwrap_or_default();
             found.extend(seen.into_iter().filter_map(|marker| {
                 Some(Found {
@@ -82,7 +82,7 @@ fn find(grey: &GrayImage, search: &MarkerSearch) -> opencv::Result<Vec<SeenMarke
     search.find(&Mat::new_rows_cols_with_data(rows, columns, grey.as_raw().as_slice())?)
 }
 
-/// OpenCV's picture of an AprilTag is the tag turned by 180°, so its first corner is our third.
+/// OpenCV's image of an AprilTag is the tag turned by 180°, so its first corner is our third.
 fn upright([a, b, c, d]: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
     [c, d, a, b]
 }

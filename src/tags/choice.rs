@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::fit::Fitted;
+use super::fit::WithFittedCorners;
 use super::search::Search;
 use super::{AprilTagC, CoarseToFine, TagDetector, rivals};
 use crate::scene::TagFamily;
@@ -12,7 +12,7 @@ use crate::spelling;
 /// A tag detector that can be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum TagDetectorChoice {
-    /// C AprilTag on a reduced picture, corners fitted at full size. The default: the knee of the table in `docs/lessons.md`.
+    /// C AprilTag on a reduced image, corners fitted at full size. The default: the knee of the table in `docs/lessons.md`.
     #[default]
     CoarseToFine,
     /// C AprilTag at full size.
@@ -47,6 +47,7 @@ pub enum CornersBy {
 
 /// Why a tag detector could not start.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StartError {
     #[error(
         "the tag detector '{name}' is not known; use one of {}{}",
@@ -63,9 +64,7 @@ pub enum StartError {
         detector: TagDetectorChoice,
         family: TagFamily,
     },
-    #[error(
-        "this build of scaleproof has no tag detector {detector}: it was built without the feature `full`; leave --tag-detector out"
-    )]
+    #[error("this build of scaleproof has no tag detector {detector}: it was built without the feature `full`")]
     NotBuilt { detector: TagDetectorChoice },
     #[error("the tag detector {detector} could not start: {reason}")]
     Library {
@@ -144,7 +143,7 @@ impl TagDetectorChoice {
         })
     }
 
-    /// A faster search for live pictures, where there is one. What it finds may be told; what is kept is found by [`Self::open`].
+    /// A faster search for live images, where there is one. What it finds may be told; what is kept is found by [`Self::open`].
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -191,7 +190,7 @@ impl TagDetectorChoice {
 impl CornersBy {
     pub(super) fn open<S: Search + TagDetector + 'static>(self, search: S) -> Box<dyn TagDetector> {
         match self {
-            CornersBy::Fit => Box::new(Fitted(search)),
+            CornersBy::Fit => Box::new(WithFittedCorners(search)),
             CornersBy::Library => Box::new(search),
         }
     }

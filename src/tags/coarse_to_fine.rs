@@ -1,4 +1,4 @@
-//! The default: tags are found on a reduced picture, their corners fitted at full size.
+//! The default: tags are found on a reduced image, their corners fitted at full size.
 
 use image::GrayImage;
 
@@ -8,20 +8,20 @@ use super::search::{Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector};
 use crate::scene::TagFamily;
 
-/// The long side of the picture that is searched. Below it nothing is reduced.
+/// The long side of the image that is searched. Below it nothing is reduced.
 const SEARCHED_PX: u32 = 1600;
 
-/// The same for live pictures, where the answer must come soon and the next picture brings another chance.
+/// The same for live images, where the answer must come soon and the next image brings another chance.
 const SEARCHED_LIVE_PX: u32 = 640;
 
-/// With so many whole tags a pose is beyond doubt, and the small ones that a reduced picture hides are not missed.
+/// With so many whole tags a pose is beyond doubt, and the small ones that a reduced image hides are not missed.
 const ENOUGH_TAGS: usize = 2;
 
-/// C AprilTag on a reduced picture, and our own corners. Holds C memory, so each thread makes its own.
+/// C AprilTag on a reduced image, and our own corners. Holds C memory, so each thread makes its own.
 pub struct CoarseToFine {
     search: AprilTagC,
     searched_px: u32,
-    /// With fewer whole tags the picture is searched again at full size.
+    /// With fewer whole tags the image is searched again at full size.
     enough_tags: usize,
 }
 
@@ -35,7 +35,7 @@ impl CoarseToFine {
         })
     }
 
-    /// A faster one, which misses small tags: it searches a smaller picture, and never twice.
+    /// A faster one, which misses small tags: it searches a smaller image, and never twice.
     pub fn live(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
         Ok(CoarseToFine {
             searched_px: SEARCHED_LIVE_PX,

@@ -1,14 +1,14 @@
 //! One blurred straight edge, fitted to the pixels of a band about it.
 
 use nalgebra::{SMatrix, SVector};
-use palette::{LinSrgb, Srgb};
+use palette::encoding::{IntoLinear, Srgb};
 
 use crate::least_squares::{LeastSquares, Limits, minimise};
 use crate::statistics::normal::fast_cdf_and_density;
 
 /// One pixel of the band.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sample {
+pub(super) struct EdgePixel {
     /// Along the first guess of the edge, from −1 to 1.
     pub along: f64,
     /// Across it, px; positive inside the tag.
@@ -44,11 +44,11 @@ type Parameters = SVector<f64, 5>;
 
 /// Fits light = outside + (inside − outside) · Φ((across − offset − slope · along) / blur), Φ the normal distribution.
 /// `None` when there is no such edge in the band of half width `band`, px.
-pub(super) fn fit(samples: &[Sample], band: f64) -> Option<Edge> {
+pub(super) fn fit(samples: &[EdgePixel], band: f64) -> Option<Edge> {
     let light = linear_light();
     let values: Vec<f64> = samples.iter().map(|s| light[usize::from(s.level)]).collect();
     let start = first_guess(samples, &values, band)?;
-    let fitted = minimise(Normal::at(start, samples, &values, band), &LIMITS);
+    let fitted = minimise(EdgeEquations::at(start, samples, &values, band), &LIMITS);
     let [offset, slope, blur, outside, inside] = fitted.parameters.into();
     let contrast = (inside - outside).abs();
     let misfit = (fitted.cost / samples.len() as f64).sqrt();
@@ -58,7 +58,7 @@ pub(super) fn fit(samples: &[Sample], band: f64) -> Option<Edge> {
 }
 
 /// Levels from the two outer thirds of the band; `None` without pixels on both sides.
-fn first_guess(samples: &[Sample], values: &[f64], band: f64) -> Option<Parameters> {
+fn first_guess(samples: &[EdgePixel], values: &[f64], band: f64) -> Option<Parameters> {
     let mean = |side: f64| {
         let far = samples.iter().zip(values).filter(|(s, _)| s.across * side > band / 3.0);
         let (count, sum) = far.fold((0, 0.0), |(n, sum), (_, v)| (n + 1, sum + v));
@@ -74,20 +74,20 @@ fn first_guess(samples: &[Sample], values: &[f64], band: f64) -> Option<Paramete
 }
 
 /// The normal equations of all pixels for one edge.
-struct Normal<'a> {
+struct EdgeEquations<'a> {
     parameters: Parameters,
     /// JᵀJ.
     information: SMatrix<f64, 5, 5>,
     /// Jᵀr of the misfit r = value − model.
     gradient: Parameters,
     cost: f64,
-    samples: &'a [Sample],
+    samples: &'a [EdgePixel],
     values: &'a [f64],
     band: f64,
 }
 
-impl<'a> Normal<'a> {
-    fn at(parameters: Parameters, samples: &'a [Sample], values: &'a [f64], band: f64) -> Normal<'a> {
+impl<'a> EdgeEquations<'a> {
+    fn at(parameters: Parameters, samples: &'a [EdgePixel], values: &'a [f64], band: f64) -> EdgeEquations<'a> {
         let [offset, slope, blur, outside, inside] = parameters.into();
         let (mut information, mut gradient, mut cost) = (SMatrix::<f64, 5, 5>::zeros(), Parameters::zeros(), 0.0);
         for (s, value) in samples.iter().zip(values) {
@@ -105,7 +105,7 @@ impl<'a> Normal<'a> {
             }
         }
         information.fill_upper_triangle_with_lower_triangle();
-        Normal {
+        EdgeEquations {
             parameters,
             information,
             gradient,
@@ -117,7 +117,7 @@ impl<'a> Normal<'a> {
     }
 }
 
-impl LeastSquares for Normal<'_> {
+impl LeastSquares for EdgeEquations<'_> {
     fn cost(&self) -> f64 {
         self.cost
     }
@@ -127,7 +127,7 @@ impl LeastSquares for Normal<'_> {
         (0..5).for_each(|i| damped[(i, i)] *= 1.0 + damping);
         let mut next = self.parameters + damped.cholesky()?.solve(&self.gradient);
         next[2] = next[2].clamp(0.2, 2.0 * self.band);
-        Some(Normal::at(next, self.samples, self.values, self.band))
+        Some(EdgeEquations::at(next, self.samples, self.values, self.band))
     }
 }
 
@@ -135,7 +135,7 @@ impl LeastSquares for Normal<'_> {
 fn linear_light() -> &'static [f64; 256] {
     static TABLE: std::sync::LazyLock<[f64; 256]> = std::sync::LazyLock::new(|| {
         // Not `palette`'s own table of 8-bit levels, which is exact to 7e-7 only.
-        std::array::from_fn(|level| LinSrgb::from(Srgb::from([level as f64 / 255.0; 3])).red)
+        std::array::from_fn(|level| Srgb::into_linear(level as f64 / 255.0))
     });
     &TABLE
 }

@@ -2,23 +2,23 @@
 
 use image::GrayImage;
 
-use super::refine::{self, Outline};
+use super::refine::{self, TagSides};
 use super::search::{Found, Search};
 use super::{SeenTag, TagDetector, TagImage, cells_across, inset};
 use crate::statistics::upper_median;
 
 /// A library's search, followed by the fit: detectors then differ in what they find, not in where its corners are.
-pub(super) struct Fitted<S>(pub S);
+pub(super) struct WithFittedCorners<S>(pub S);
 
-impl<S: Search> TagDetector for Fitted<S> {
+impl<S: Search> TagDetector for WithFittedCorners<S> {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
         fitted(self.0.search(grey), grey)
     }
 }
 
-/// The found tags with their corners fitted to the picture.
+/// The found tags with their corners fitted to the image.
 pub(super) fn fitted(found: Vec<Found>, grey: &GrayImage) -> Vec<SeenTag> {
-    let fits: Vec<Fit> = found.into_iter().map(|found| Fit::new(found, grey)).collect();
+    let fits: Vec<TagFit> = found.into_iter().map(|found| TagFit::new(found, grey)).collect();
     // Blur is much the same all over a photo, so small tags are told what the larger ones show.
     let insets: Vec<f64> = fits.iter().filter_map(|fit| fit.inset_px).collect();
     let usual = upper_median(&insets).unwrap_or(0.0);
@@ -26,22 +26,22 @@ pub(super) fn fitted(found: Vec<Found>, grey: &GrayImage) -> Vec<SeenTag> {
 }
 
 /// A tag and the lines along its sides.
-struct Fit {
+struct TagFit {
     found: Found,
     /// `None` where some side cannot be seen well enough.
-    outline: Option<Outline>,
+    outline: Option<TagSides>,
     /// How far the lines lie inside the true outline; `None` where the tag is too small to tell.
     inset_px: Option<f64>,
 }
 
-impl Fit {
-    fn new(found: Found, grey: &GrayImage) -> Fit {
+impl TagFit {
+    fn new(found: Found, grey: &GrayImage) -> TagFit {
         let outline = refine::outline(grey, &found.corners_px, cells_across(found.family));
-        let inset = |outline: &Outline| {
+        let inset = |outline: &TagSides| {
             let tag = TagImage::new(found.family, found.id)?;
             inset::inset_px(grey, &outline.corners(0.0)?, &tag)
         };
-        Fit {
+        TagFit {
             inset_px: outline.as_ref().and_then(inset),
             outline,
             found,

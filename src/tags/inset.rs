@@ -6,7 +6,7 @@
 
 use image::GrayImage;
 
-use super::{Modules, Square, TagImage, refine};
+use super::{Modules, TagHomography, TagImage, refine};
 
 /// Below so many pixels a cell, the blur of its other edge moves an edge too.
 const MIN_CELL_PX: f64 = 4.0;
@@ -20,7 +20,7 @@ const END_CELLS: f64 = 0.25;
 /// Share of a cell kept on either side of the far edge.
 const BAND_CELLS: f64 = 0.5;
 
-/// More than this share of a cell is no blur but another picture.
+/// More than this share of a cell is no blur but another image.
 const MAX_CELLS: f64 = 0.25;
 
 /// How far, px, the outline was found inside the true one. `None` for a tag that is too small to tell.
@@ -29,16 +29,16 @@ const MAX_CELLS: f64 = 0.25;
 pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagImage) -> Option<f64> {
     let cells = tag.border_modules();
     let n = cells as f64;
-    let square = Square::onto(corners_px);
+    let homography = TagHomography::to(corners_px);
     let (mut weight, mut moved) = (0.0, 0.0);
     for side in 0..4 {
-        let cell = refine::cell_px(&square, side, n);
+        let cell = refine::cell_px(&homography, side, n);
         if cell < MIN_CELL_PX {
             return None;
         }
         for run in runs(&behind_the_ring(tag, side)) {
             // Both ends are a share of the side, from its first corner on.
-            let at = |along: f64| square.pixel_at(side, along / n, 1.0 / n);
+            let at = |along: f64| homography.pixel_at(side, along / n, 1.0 / n);
             let (from, to) = (at(run.0 as f64 + END_CELLS), at(run.1 as f64 - END_CELLS));
             if let Some(offset) = refine::edge_offset(grey, from, to, BAND_CELLS * cell) {
                 let cells_seen = (run.1 - run.0) as f64;
@@ -53,7 +53,7 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
     // The outline lies `inset` inwards, so the far edge is looked for (1 − 2 / n) · inset inwards; it lies `inset` outwards.
     let inset = -moved / weight / (2.0 - 2.0 / n);
     let smallest = (0..4)
-        .map(|side| refine::cell_px(&square, side, n))
+        .map(|side| refine::cell_px(&homography, side, n))
         .fold(f64::INFINITY, f64::min);
     (inset.abs() < MAX_CELLS * smallest).then_some(inset)
 }
@@ -76,7 +76,7 @@ fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
         .collect()
 }
 
-/// The stretches of `true`: first cell and the one after the last.
+/// The runs of `true`: first cell and the one after the last.
 fn runs(differs: &[bool]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for (i, _) in differs.iter().enumerate().filter(|(_, differs)| **differs) {
@@ -94,7 +94,7 @@ mod tests {
     use crate::scene::TagFamily;
 
     #[test]
-    fn stretches_are_joined() {
+    fn runs_are_joined() {
         assert_eq!(runs(&[false, true, true, false, true, false]), [(1, 3), (4, 5)]);
         assert_eq!(runs(&[false, false]), []);
     }

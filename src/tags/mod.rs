@@ -11,6 +11,7 @@ mod choice;
 mod coarse_to_fine;
 mod edge;
 mod fit;
+mod homography;
 mod inset;
 #[cfg(feature = "full")]
 mod locus;
@@ -20,14 +21,13 @@ mod opencv_markers;
 mod refine;
 mod rivals;
 mod search;
-mod square;
 mod tag_image;
 
 use image::GrayImage;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::TagFamily;
-use square::Square;
+use homography::TagHomography;
 
 pub use appearance::{Appearance, paper_levels};
 pub use apriltag_c::AprilTagC;
@@ -53,7 +53,7 @@ pub struct SeenTag {
     /// Pixel corners (x, y) of the upright tag: top-left, top-right, bottom-right, bottom-left. Pixel (0, 0) is the centre of
     /// the top-left pixel.
     pub corners_px: [[f64; 2]; 4],
-    /// False when part of the tag's border is covered or outside the picture: a corner may then be many pixels off.
+    /// False when part of the tag's border is covered or outside the image: a corner may then be many pixels off.
     pub is_whole: bool,
 }
 

@@ -1,7 +1,7 @@
 //! OpenCV's ArUco: its dictionaries, and its search for their markers. The one file that depends on where OpenCV keeps them.
 //!
 //! Up to 4.6 that is the contrib module `aruco`; from 4.7 on it is `objdetect`, whose detector is an object. `build.rs` asks the installed
-//! version. OpenCV 5 turns its pictures of AprilTags, and so their corner order, which nothing here allows for: `build.rs` refuses it.
+//! version. OpenCV 5 turns its images of AprilTags, and so their corner order, which nothing here allows for: `build.rs` refuses it.
 
 #[cfg(not(opencv_aruco_in_objdetect))]
 use opencv::aruco::{DetectorParameters, Dictionary, detect_markers, get_predefined_dictionary_i32};
@@ -60,15 +60,15 @@ impl MarkerSearch {
         });
     }
 
-    /// Every marker in a grey picture.
+    /// Every marker in a grey image.
     ///
     /// # Errors
     /// An exception of OpenCV.
-    pub fn find(&self, picture: &impl ToInputArray) -> opencv::Result<Vec<SeenMarker>> {
+    pub fn find(&self, image: &impl ToInputArray) -> opencv::Result<Vec<SeenMarker>> {
         let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
         #[cfg(not(opencv_aruco_in_objdetect))]
         detect_markers(
-            picture,
+            image,
             &self.dictionary,
             &mut corners,
             &mut ids,
@@ -76,7 +76,7 @@ impl MarkerSearch {
             &mut no_array(),
         )?;
         #[cfg(opencv_aruco_in_objdetect)]
-        self.detector.detect_markers_def(picture, &mut corners, &mut ids)?;
+        self.detector.detect_markers_def(image, &mut corners, &mut ids)?;
         let seen = ids.iter().zip(corners.iter()).filter_map(|(id, corners)| {
             let points: Vec<[f64; 2]> = corners.iter().map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
             Some(SeenMarker {

@@ -1,4 +1,4 @@
-//! Corners to a few hundredths of a pixel: each side's blurred edge is fitted to the full-size picture, neighbours are
+//! Corners to a few hundredths of a pixel: each side's blurred edge is fitted to the full-size image, neighbours are
 //! intersected.
 //!
 //! Blur mixes *light*, not grey levels. In the sRGB encoding of a JPEG the half-way grey level of a blurred edge is 21 % of
@@ -7,8 +7,8 @@
 
 use image::GrayImage;
 
-use super::Square;
-use super::edge::{self, Edge, Sample};
+use super::TagHomography;
+use super::edge::{self, Edge, EdgePixel};
 
 /// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
 const REACH_PX: f64 = 64.0;
@@ -28,9 +28,9 @@ const CENTRED_PX: f64 = 0.25;
 const MAX_ROUNDS: usize = 3;
 
 /// A tag's four sides as lines: for each, near its first and near its second corner.
-pub(super) struct Outline([(Line, Line); 4]);
+pub(super) struct TagSides([(EdgeLine, EdgeLine); 4]);
 
-impl Outline {
+impl TagSides {
     /// Where the sides meet once each is moved outwards, px; `None` when two are almost parallel.
     pub fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
         let mut corners = [[0.0; 2]; 4];
@@ -42,10 +42,10 @@ impl Outline {
     }
 }
 
-/// The sides fitted to the picture; `None` when one of them cannot be seen well enough.
+/// The sides fitted to the image; `None` when one of them cannot be seen well enough.
 ///
 /// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
-pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<Outline> {
+pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
     let mut corners = *corners_px;
     let mut round = 1;
     loop {
@@ -62,10 +62,10 @@ pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) 
     }
 }
 
-fn once(grey: &GrayImage, corners: &[[f64; 2]; 4], cells: f64) -> Option<Outline> {
-    let square = Square::onto(corners);
-    let side = |side| lines_of_side(grey, corners, side, &square, cells);
-    Some(Outline([side(0)?, side(1)?, side(2)?, side(3)?]))
+fn once(grey: &GrayImage, corners: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
+    let homography = TagHomography::to(corners);
+    let side = |side| lines_of_side(grey, corners, side, &homography, cells);
+    Some(TagSides([side(0)?, side(1)?, side(2)?, side(3)?]))
 }
 
 /// A side's line near its first and near its second corner; the same one when the side is short.
@@ -73,12 +73,12 @@ fn lines_of_side(
     grey: &GrayImage,
     corners: &[[f64; 2]; 4],
     side: usize,
-    square: &Square,
+    homography: &TagHomography,
     cells: f64,
-) -> Option<(Line, Line)> {
+) -> Option<(EdgeLine, EdgeLine)> {
     let (from, to) = (corners[side], corners[(side + 1) % 4]);
     let length = distance(from, to);
-    let band = (BAND_CELLS * cell_px(square, side, cells)).min(MAX_BAND_PX);
+    let band = (BAND_CELLS * cell_px(homography, side, cells)).min(MAX_BAND_PX);
     let skip = END_CELLS * length / cells;
     if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
         return None;
@@ -98,11 +98,11 @@ fn lines_of_side(
 }
 
 /// How wide the bit cells along a side are across it, px: the smaller of its two ends.
-pub(super) fn cell_px(square: &Square, side: usize, cells: f64) -> f64 {
-    let [a, b] = [0.0, 1.0].map(|along| square.pixel_at(side, along, 0.0));
+pub(super) fn cell_px(homography: &TagHomography, side: usize, cells: f64) -> f64 {
+    let [a, b] = [0.0, 1.0].map(|along| homography.pixel_at(side, along, 0.0));
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let across = |on: [f64; 2], along: f64| {
-        let inside = square.pixel_at(side, along, 1.0 / cells);
+        let inside = homography.pixel_at(side, along, 1.0 / cells);
         ((inside[0] - on[0]) * dy - (inside[1] - on[1]) * dx).abs() / dx.hypot(dy)
     };
     across(a, 0.0).min(across(b, 1.0))
@@ -115,7 +115,7 @@ pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: 
 }
 
 /// How blurred the edge is from one point near it to the other: the standard deviation in px, or infinity where none is seen in the band about
-/// the way between them. `None` when the band leaves the picture.
+/// the way between them. `None` when the band leaves the image.
 pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
     let samples = EdgeSegment::between(from, to).samples(grey, band)?;
     Some(edge::fit(&samples, band).map_or(f64::INFINITY, |edge| edge.blur))
@@ -123,23 +123,23 @@ pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f6
 
 /// A line through a point, px.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct EdgeLine {
     point: [f64; 2],
     direction: [f64; 2],
 }
 
-impl Line {
+impl EdgeLine {
     /// The line moved inwards, px.
-    fn moved(&self, inwards: f64) -> Line {
+    fn moved(&self, inwards: f64) -> EdgeLine {
         let normal = inward_normal(self.direction);
-        Line {
+        EdgeLine {
             point: [0, 1].map(|k| self.point[k] + inwards * normal[k]),
             ..*self
         }
     }
 
     /// Where two lines cross; `None` when they are almost parallel.
-    fn meets(&self, other: &Line) -> Option<[f64; 2]> {
+    fn meets(&self, other: &EdgeLine) -> Option<[f64; 2]> {
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let sine = cross(self.direction, other.direction);
         let between = [other.point[0] - self.point[0], other.point[1] - self.point[1]];
@@ -171,19 +171,19 @@ impl EdgeSegment {
         }
     }
 
-    fn fit(&self, grey: &GrayImage, band: f64) -> Option<Line> {
+    fn fit(&self, grey: &GrayImage, band: f64) -> Option<EdgeLine> {
         let Edge { offset, slope, .. } = edge::fit(&self.samples(grey, band)?, band)?;
         let normal = inward_normal(self.direction);
         let turn = slope / self.half;
         let norm = turn.hypot(1.0);
-        Some(Line {
+        Some(EdgeLine {
             point: [0, 1].map(|k| self.middle[k] + offset * normal[k]),
             direction: [0, 1].map(|k| (self.direction[k] + turn * normal[k]) / norm),
         })
     }
 
-    /// Every pixel of a band about the segment; `None` when the band leaves the picture.
-    fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<Sample>> {
+    /// Every pixel of a band about the segment; `None` when the band leaves the image.
+    fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<EdgePixel>> {
         let EdgeSegment {
             middle,
             direction,
@@ -209,7 +209,7 @@ impl EdgeSegment {
             for o in (centre - spread).ceil() as u32..=(centre + spread).floor() as u32 {
                 let (x, y) = if main == 0 { (m, o) } else { (o, m) };
                 let (dx, dy) = (f64::from(x) - middle[0], f64::from(y) - middle[1]);
-                samples.push(Sample {
+                samples.push(EdgePixel {
                     along: (dx * direction[0] + dy * direction[1]) / half,
                     across: dy * direction[0] - dx * direction[1],
                     level: grey.get_pixel(x, y).0[0],

@@ -1,4 +1,4 @@
-//! What a library makes of a picture: tags with corners of its own.
+//! What a library makes of an image: tags with corners of its own.
 
 use image::GrayImage;
 
@@ -26,15 +26,15 @@ pub(super) trait Search {
     fn search(&mut self, grey: &GrayImage) -> Vec<Found>;
 }
 
-/// No tag of any family fits a smaller picture: the least has 6 modules across, its white ring 8, and libraries need some 2 px for each. Their
-/// code is not made for such pictures either: C AprilTag reads beyond a picture with a side below 4 px (`fuzz/sanitize.sh raw`).
+/// No tag of any family fits a smaller image: the least has 6 modules across, its white ring 8, and libraries need some 2 px for each. Their
+/// code is not made for such images either: C AprilTag reads beyond an image with a side below 4 px (`fuzz/sanitize.sh raw`).
 const LEAST_SIDE_PX: u32 = 16;
 
-/// Larger pictures are searched reduced. A library takes some 0.3 µs and 26 bytes for each pixel of fine texture, and the camera of 200
+/// Larger images are searched reduced. A library takes some 0.3 µs and 26 bytes for each pixel of fine texture, and the camera of 200
 /// megapixels shows no smaller tags than one of 33.
 const MOST_SEARCHED_PX: u64 = 34_000_000;
 
-/// Searches what a library can search: nothing in a tiny picture, a huge one reduced.
+/// Searches what a library can search: nothing in a tiny image, a huge one reduced.
 pub(super) fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
     match grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
@@ -43,7 +43,7 @@ pub(super) fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> 
     }
 }
 
-/// The least whole factor by which a picture has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
+/// The least whole factor by which an image has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
 /// AprilTag ends the program at longer ones, and OpenCV refuses them.
 pub(crate) fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
     let pixels = u64::from(grey.width()) * u64::from(grey.height());
@@ -52,7 +52,7 @@ pub(crate) fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
     (1u32..).find(fits).unwrap_or(1)
 }
 
-/// Searches a picture reduced by a whole factor; corners are in pixels of the whole picture.
+/// Searches an image reduced by a whole factor; corners are in pixels of the whole image.
 pub(super) fn reduced_by(
     grey: &GrayImage,
     factor: u32,
@@ -68,7 +68,7 @@ pub(super) fn reduced_by(
     found
 }
 
-/// A place of a reduced picture in the whole one: pixel 0 of the reduced picture covers pixels 0 to `factor` − 1.
+/// A place of a reduced image in the whole one: pixel 0 of the reduced image covers pixels 0 to `factor` − 1.
 pub(crate) fn enlarged(place_px: [f64; 2], factor: u32) -> [f64; 2] {
     place_px.map(|v| (v + 0.5) * f64::from(factor) - 0.5)
 }
@@ -99,8 +99,8 @@ mod tests {
 
     #[test]
     fn reducing_takes_means_and_leaves_the_rest_out() {
-        let picture = GrayImage::from_fn(7, 5, |x, y| image::Luma([(10 * x + y) as u8]));
-        let small = reduced(&picture, 2);
+        let image = GrayImage::from_fn(7, 5, |x, y| image::Luma([(10 * x + y) as u8]));
+        let small = reduced(&image, 2);
         assert_eq!(small.dimensions(), (3, 2));
         assert_eq!(small.as_raw(), &[6, 26, 46, 8, 28, 48]); // 5.5 and so on, rounded up
     }

@@ -7,7 +7,7 @@ use apriltag_sys as sys;
 use super::Modules;
 use crate::scene::TagFamily;
 
-/// The picture of one tag, with the white around it that a detector needs.
+/// The image of one tag, with the white around it that a detector needs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TagImage {
     modules: Modules,
@@ -15,11 +15,11 @@ pub struct TagImage {
 }
 
 impl TagImage {
-    /// The picture of a tag; `None` for an id its family does not have, or when the C library has no memory.
+    /// The image of a tag; `None` for an id its family does not have, or when the C library has no memory.
     pub fn new(family: TagFamily, id: u32) -> Option<TagImage> {
         let c = CFamily::new(family)?;
         let drawn = c.modules(id)?;
-        // The Standard families have bits outside their border, up to the picture's edge; the white ring is ours to add.
+        // The Standard families have bits outside their border, up to the image's edge; the white ring is ours to add.
         let modules = if c.bits_reach_the_edge() {
             drawn.framed(1, false)
         } else {
@@ -41,7 +41,7 @@ impl TagImage {
         self.border
     }
 
-    /// Width of the whole picture, white ring included, of a tag of `size_mm`.
+    /// Width of the whole image, white ring included, of a tag of `size_mm`.
     pub fn width_mm(&self, size_mm: f64) -> f64 {
         size_mm * self.modules.side() as f64 / self.border as f64
     }
@@ -87,13 +87,13 @@ impl CFamily {
         self.raw().reversed_border
     }
 
-    /// The library's picture of a tag.
+    /// The library's image of a tag.
     fn modules(&self, id: u32) -> Option<Modules> {
         if id >= self.raw().ncodes {
             return None; // the C function would end the program
         }
         let id = i32::try_from(id).ok()?;
-        // SAFETY: the family is alive and has this id; the picture returned, unless null, is ours to destroy.
+        // SAFETY: the family is alive and has this id; the image returned, unless null, is ours to destroy.
         let image = NonNull::new(unsafe { sys::apriltag_to_image(self.family.as_ptr(), id) })?;
         let modules = copied(image);
         // SAFETY: made by the library just now and not used afterwards.
@@ -110,7 +110,7 @@ impl Drop for CFamily {
 }
 
 fn copied(image: NonNull<sys::image_u8_t>) -> Option<Modules> {
-    // SAFETY: the library has just made this picture: `height` lines of `stride` bytes, `width` of which are picture.
+    // SAFETY: the library has just made this image: `height` lines of `stride` bytes, `width` of which are image.
     let (width, height, stride, bytes) = unsafe {
         let image = image.as_ref();
         let [width, height, stride] =
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_picture_is_the_published_one() {
+    fn the_image_is_the_published_one() {
         // Tag 0 of tag36h11: code 0xd5d628584, first bit top left, 1 is white (Olson 2011; April Robotics' tag36_11_00000.png).
         let image = TagImage::new(TagFamily::Tag36h11, 0).unwrap();
         assert_eq!((image.modules().side(), image.border_modules()), (10, 8));

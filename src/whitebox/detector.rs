@@ -1,20 +1,20 @@
-//! A detector of the program, followed back to its picture: the ONNX file and the manifest that scoring uses.
+//! A detector of the program as a differentiable one: the ONNX file and the manifest that scoring uses.
 
 use std::path::Path;
 
 use burn::tensor::Device;
 
-use super::onnx::{Answer, Network, Output};
+use super::onnx::{NetworkPass, OnnxNetwork, Output};
 use super::resample::Resampler;
 use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors};
 use crate::files;
-use crate::whitebox::{Claim, Look, WhiteBox, WhiteBoxError};
+use crate::whitebox::{ForwardPass, Prediction, WhiteBox, WhiteBoxError};
 
 /// A network with its manifest and the labels that count as the model.
 pub struct OnnxDetector {
     manifest: Manifest,
     labels: Vec<usize>,
-    network: Network,
+    network: OnnxNetwork,
 }
 
 impl OnnxDetector {
@@ -45,17 +45,17 @@ impl OnnxDetector {
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: Network::read(&files::read(weights)?, &file, &shape, device)?,
+            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, device)?,
         };
-        // A head that does not fit is told now, not at the first picture.
+        // A head that does not fit is refused now, not at the first image.
         let [width, height] = manifest.input.size_px;
         let grey = vec![[0.5; 3]; (width * height) as usize];
-        detector.claims(&grey, [width, height]).map_err(refused)?;
+        detector.predictions(&grey, [width, height]).map_err(refused)?;
         Ok(detector)
     }
 }
 
-/// The shape of the network's input, which must be the same for all pictures.
+/// The shape of the network's input, which must be the same for all images.
 fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, WhiteBoxError> {
     let input = &manifest.input;
     if matches!(input.resize, Resize::ShortSide | Resize::Original) {
@@ -77,32 +77,32 @@ impl WhiteBox for OnnxDetector {
         &self.manifest.name
     }
 
-    fn hides_from_iou(&self) -> f64 {
+    fn nms_iou(&self) -> f64 {
         self.manifest.head.nms_iou().unwrap_or(1.0)
     }
 
-    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError> {
-        Ok(Box::new(self.seen(picture, size_px, true)?))
+    fn forward(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError> {
+        Ok(Box::new(self.seen(image, size_px, true)?))
     }
 
-    /// Without the record of the way back, which the framework keeps until somebody goes it.
-    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, WhiteBoxError> {
-        Ok(self.seen(picture, size_px, false)?.claims)
+    /// Without the autodiff graph, which the framework keeps until its backward pass.
+    fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
+        Ok(self.seen(image, size_px, false)?.predictions)
     }
 }
 
 impl OnnxDetector {
-    fn seen(&self, picture: &[[f64; 3]], size_px: [u32; 2], is_followed: bool) -> Result<Seen, WhiteBoxError> {
+    fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], requires_grad: bool) -> Result<Seen, WhiteBoxError> {
         let [width, height] = size_px;
-        if width == 0 || height == 0 || picture.len() != width as usize * height as usize {
+        if width == 0 || height == 0 || image.len() != width as usize * height as usize {
             return Err(WhiteBoxError::Pixels {
-                found: picture.len(),
+                found: image.len(),
                 size_px,
             });
         }
         let way = Resampler::new(&self.manifest.input, size_px);
-        let numbers = way.forward(picture);
-        let answer = self.network.answer(numbers, is_followed)?;
+        let numbers = way.forward(image);
+        let answer = self.network.forward(numbers, requires_grad)?;
         let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
         if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
             return Err(WhiteBoxError::NotANumber {
@@ -117,13 +117,13 @@ impl OnnxDetector {
             .iter()
             .map(|a| self.terms(a, exponents, &answer.outputs))
             .collect();
-        let claims = anchors.iter().zip(&terms).map(|(anchor, terms)| Claim {
+        let predictions = anchors.iter().zip(&terms).map(|(anchor, terms)| Prediction {
             box_px: way.placement().to_photo(anchor.b),
             confidence: terms.confidence(),
             loss: terms.loss(),
         });
         Ok(Seen {
-            claims: claims.collect(),
+            predictions: predictions.collect(),
             terms,
             answer,
             way,
@@ -167,7 +167,7 @@ struct Term {
     /// ln(p^exponent), exact near 0 where it comes from a logit.
     ln: f64,
     /// d ln / d number.
-    slope: f64,
+    derivative: f64,
 }
 
 /// Where only p in 32 bits is known, 1 − p is known no finer than this.
@@ -176,7 +176,7 @@ const FINEST: f64 = 1.0 / (1 << 24) as f64;
 impl Term {
     fn new(from: &Output, output: usize, index: usize, exponent: f32) -> Term {
         let (x, exponent) = (f64::from(from.raw[index]), f64::from(exponent));
-        let (ln, slope) = if from.is_logit[index] {
+        let (ln, derivative) = if from.is_logit[index] {
             // ln σ(z) = −ln(1 + e^−z), whose derivative is 1 − σ(z).
             let ln = if x > 0.0 {
                 -(-x).exp().ln_1p()
@@ -192,7 +192,7 @@ impl Term {
             output,
             index,
             ln: exponent * ln,
-            slope: exponent * slope,
+            derivative: exponent * derivative,
         }
     }
 }
@@ -216,32 +216,32 @@ impl Terms {
     }
 
     /// d loss / d ln C = C / (1 − C).
-    fn slope(&self) -> f64 {
+    fn derivative(&self) -> f64 {
         1.0 / (-self.ln()).exp_m1()
     }
 }
 
-/// What the network says of one picture.
+/// What the network says of one image.
 struct Seen {
-    claims: Vec<Claim>,
+    predictions: Vec<Prediction>,
     terms: Vec<Terms>,
-    answer: Answer,
+    answer: NetworkPass,
     way: Resampler,
 }
 
-impl Look for Seen {
-    fn claims(&self) -> &[Claim] {
-        &self.claims
+impl ForwardPass for Seen {
+    fn predictions(&self) -> &[Prediction] {
+        &self.predictions
     }
 
-    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]> {
-        let mut slopes: Vec<Vec<f32>> = self.answer.outputs.iter().map(|o| vec![0.0; o.raw.len()]).collect();
+    fn vjp(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]> {
+        let mut derivatives: Vec<Vec<f32>> = self.answer.outputs.iter().map(|o| vec![0.0; o.raw.len()]).collect();
         for (terms, weight) in self.terms.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-            let slope = weight * terms.slope();
+            let derivative = weight * terms.derivative();
             for term in &terms.0 {
-                slopes[term.output][term.index] += (slope * term.slope) as f32;
+                derivatives[term.output][term.index] += (derivative * term.derivative) as f32;
             }
         }
-        self.way.backward(&self.answer.pull_back(slopes))
+        self.way.backward(&self.answer.vjp(derivatives))
     }
 }

@@ -14,11 +14,9 @@ pub enum DeviceKind {
 /// Why a device cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DeviceError {
-    #[error(
-        "this program was built without {0}: build it with `cargo build --release --features {0}`, or leave --device out"
-    )]
+    #[error("this program was built without {0}")]
     NotBuilt(&'static str),
-    #[error("{0} finds no device on this machine: install its driver, or leave --device out")]
+    #[error("{0} finds no device on this machine: install its driver")]
     NotThere(&'static str),
 }
 

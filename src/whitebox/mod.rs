@@ -5,7 +5,7 @@
 //! - [`onnx`] (Cargo feature `attack`): ONNX files on tensors with gradients;
 //! - [`device`]: what the networks run on.
 //!
-//! Images are sRGB, 0 to 1, row by row, as renderer models predict them.
+//! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
 
 #[cfg(feature = "attack")]
 pub mod detector;
@@ -36,7 +36,7 @@ pub enum WhiteBoxError {
     #[error("{name} cannot be differentiated: {reason}")]
     Detector { name: String, reason: Box<WhiteBoxError> },
     #[error("{file} cannot be differentiated: {reason}")]
-    Network { file: String, reason: NetworkFault },
+    OnnxNetwork { file: String, reason: NetworkFault },
     #[error("{file} has operators that cannot be differentiated here: {names}; attack another detector")]
     Operators { file: String, names: String },
     #[error("{file} failed: {reason}")]
@@ -60,8 +60,8 @@ pub enum WhiteBoxError {
 
 /// What one anchor of a detector says about the classes that count as the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Claim {
-    /// In pixels of the picture.
+pub struct Prediction {
+    /// In pixels of the image.
     pub box_px: BoxPx,
     /// Highest confidence C of the classes that count, 0 to 1.
     pub confidence: f64,
@@ -69,33 +69,33 @@ pub struct Claim {
     pub loss: f64,
 }
 
-/// A detector that can be followed back to its picture.
+/// A differentiable detector.
 pub trait WhiteBox {
     /// The name of its manifest.
     fn name(&self) -> &str;
 
     /// The overlap above which a better box hides another in scoring.
-    fn hides_from_iou(&self) -> f64;
+    fn nms_iou(&self) -> f64;
 
     /// All anchors, without suppression of neighbours and without a floor.
     ///
     /// # Errors
     /// What the network cannot do with this image.
-    fn look(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn Look + '_>, WhiteBoxError>;
+    fn forward(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError>;
 
-    /// The claims alone, where no derivative will be asked for.
+    /// The predictions alone, where no derivative will be asked for.
     ///
     /// # Errors
-    /// Those of [`WhiteBox::look`].
-    fn claims(&self, picture: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Claim>, WhiteBoxError> {
-        Ok(self.look(picture, size_px)?.claims().to_vec())
+    /// Those of [`WhiteBox::forward`].
+    fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
+        Ok(self.forward(image, size_px)?.predictions().to_vec())
     }
 }
 
-/// A detector's answer about one picture.
-pub trait Look {
-    fn claims(&self) -> &[Claim];
+/// A detector's answer about one image.
+pub trait ForwardPass {
+    fn predictions(&self) -> &[Prediction];
 
-    /// The derivative of `Σ weight · loss` with respect to each value of the picture; one weight a claim.
-    fn pull_back(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]>;
+    /// The derivative of `Σ weight · loss` with respect to each value of the image; one weight a prediction.
+    fn vjp(self: Box<Self>, weights: &[f64]) -> Vec<[f64; 3]>;
 }

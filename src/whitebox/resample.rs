@@ -1,11 +1,11 @@
-//! A picture into a network's input and its gradient back, as `detect` feeds the network for scoring, but without rounding to 8 bits.
+//! An image into a network's input and its gradient back, as `detect` feeds the network for scoring, but without rounding to 8 bits.
 //!
-//! Resizing is linear in the picture and separable; the way back uses the same weights transposed.
+//! Resizing is linear in the image and separable; its adjoint uses the same weights.
 
 use crate::detect::{Channels, Input, InputPlacement, Kernel, Layout};
 use crate::whitebox::separable::{Separable, Tap};
 
-/// The way of pictures of one size into one network.
+/// The way of images of one size into one network.
 pub(super) struct Resampler {
     input: Input,
     placement: InputPlacement,
@@ -33,9 +33,9 @@ impl Resampler {
         &self.placement
     }
 
-    /// The input tensor's numbers of a picture (sRGB, 0 to 1).
-    pub(super) fn forward(&self, picture: &[[f64; 3]]) -> Vec<f32> {
-        let resized = self.resized.forward(picture);
+    /// The input tensor's numbers of an image (sRGB, 0 to 1).
+    pub(super) fn forward(&self, image: &[[f64; 3]]) -> Vec<f32> {
+        let resized = self.resized.forward(image);
         let plane = self.plane();
         let mut tensor = vec![0.0; 3 * plane];
         for channel in 0..3 {
@@ -52,7 +52,7 @@ impl Resampler {
         tensor
     }
 
-    /// From the derivative with respect to the tensor's numbers to that with respect to the picture's.
+    /// From the derivative with respect to the tensor's numbers to that with respect to the image's.
     pub(super) fn backward(&self, gradient: &[f32]) -> Vec<[f64; 3]> {
         let [width, height] = self.resized_size();
         let mut resized = vec![[0.0; 3]; width * height];
@@ -74,7 +74,7 @@ impl Resampler {
         self.placement.canvas.iter().map(|side| *side as usize).product()
     }
 
-    /// The places of the resized picture's pixels in a plane of the tensor.
+    /// The places of the resized image's pixels in a plane of the tensor.
     fn inside(&self) -> impl Iterator<Item = usize> + use<> {
         let [width, height] = self.resized_size();
         let [left, top] = self.placement.offset.map(|v| v as usize);
@@ -115,7 +115,7 @@ fn linear(from: usize, to: usize) -> Vec<Tap> {
     (0..to).map(tap).collect()
 }
 
-/// A triangle as wide as an output pixel where the picture is reduced, as PIL and `fast_image_resize` have it.
+/// A triangle as wide as an output pixel where the image is reduced, as PIL and `fast_image_resize` have it.
 fn antialiased(from: usize, to: usize) -> Vec<Tap> {
     let scale = from as f64 / to as f64;
     let support = scale.max(1.0);
@@ -189,18 +189,18 @@ mod tests {
         }
     }
 
-    /// `detect::input` rounds the resized picture to 8 bits; apart from that it must be the same tensor.
+    /// `detect::input` rounds the resized image to 8 bits; apart from that it must be the same tensor.
     #[test]
     fn the_tensor_is_the_one_scoring_uses() {
         let photo = image::RgbImage::from_fn(301, 203, |x, y| {
             image::Rgb([(x * 5 % 256) as u8, (y * 7 % 256) as u8, ((x * y) % 256) as u8])
         });
-        let picture: Vec<[f64; 3]> = photo.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
+        let image: Vec<[f64; 3]> = photo.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
         for kernel in [Kernel::OpencvLinear, Kernel::Antialiased] {
             for resize in [Resize::Stretch, Resize::LetterboxTopLeft, Resize::LetterboxCentre] {
                 let input = input(kernel, resize, Layout::Nchw);
                 let way = Resampler::new(&input, [301, 203]);
-                let ours = way.forward(&picture);
+                let ours = way.forward(&image);
                 let theirs = crate::detect::tensor(&photo, &input, way.placement()).unwrap();
                 let worst = ours
                     .iter()

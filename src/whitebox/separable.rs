@@ -1,4 +1,4 @@
-//! Separable linear maps of pictures, forward and transposed.
+//! Separable linear maps of images, forward and transposed.
 
 /// Input pixels along one axis that make one output pixel.
 #[derive(Debug, Clone)]
@@ -10,23 +10,23 @@ pub(crate) struct Tap {
 /// A map of which each output pixel is the weighted sum of a few neighbours along each axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Separable {
-    /// Width, height of the picture it is given.
+    /// Width, height of the image it is given.
     size: [usize; 2],
     columns: Vec<Tap>,
     rows: Vec<Tap>,
 }
 
 impl Separable {
-    /// Taps of each output column and row, within the picture.
+    /// Taps of each output column and row, within the image.
     pub(crate) fn new(size: [usize; 2], columns: Vec<Tap>, rows: Vec<Tap>) -> Self {
         Self { size, columns, rows }
     }
 
     /// Columns first, then rows.
-    pub(crate) fn forward(&self, picture: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    pub(crate) fn forward(&self, image: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let width = self.columns.len();
         let mut narrow = Vec::with_capacity(width * self.size[1]);
-        for row in picture.chunks_exact(self.size[0]) {
+        for row in image.chunks_exact(self.size[0]) {
             narrow.extend(self.columns.iter().map(|tap| {
                 let pixels = row[tap.first..].iter().zip(&tap.weights);
                 pixels.fold([0.0; 3], |sum, (rgb, w)| std::array::from_fn(|c| sum[c] + w * rgb[c]))
@@ -50,15 +50,15 @@ impl Separable {
                 add_scaled(to, row, *w);
             }
         }
-        let mut picture = vec![[0.0; 3]; self.size[0] * self.size[1]];
-        for (to, row) in picture.chunks_exact_mut(self.size[0]).zip(narrow.chunks_exact(width)) {
+        let mut image = vec![[0.0; 3]; self.size[0] * self.size[1]];
+        for (to, row) in image.chunks_exact_mut(self.size[0]).zip(narrow.chunks_exact(width)) {
             for (tap, rgb) in self.columns.iter().zip(row) {
                 for (to, w) in to[tap.first..].iter_mut().zip(&tap.weights) {
                     (0..3).for_each(|c| to[c] += w * rgb[c]);
                 }
             }
         }
-        picture
+        image
     }
 }
 

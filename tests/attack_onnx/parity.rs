@@ -6,9 +6,9 @@ use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use scaleproof::detect::{Manifest, Runtime};
-use scaleproof::whitebox::onnx::Network;
+use scaleproof::whitebox::onnx::OnnxNetwork;
 
-use crate::common::{home, shared};
+use crate::tests::common::{home, shared};
 
 /// Name, shape and numbers of an output.
 pub type Answered = (String, Vec<usize>, Vec<f32>);
@@ -73,8 +73,8 @@ pub fn as_written(bytes: &[u8]) -> Session {
         .unwrap()
 }
 
-pub fn by_network(network: &Network, numbers: &[f32]) -> Vec<Answered> {
-    let outputs = network.answer(numbers.to_vec(), false).unwrap().outputs;
+pub fn by_network(network: &OnnxNetwork, numbers: &[f32]) -> Vec<Answered> {
+    let outputs = network.forward(numbers.to_vec(), false).unwrap().outputs;
     outputs
         .iter()
         .map(|o| (o.name.clone(), o.shape.clone(), o.values()))

@@ -7,7 +7,7 @@ use scaleproof::capture::{Capture, Guidance, Judge, Store, Tolerance, usual, vie
 use scaleproof::scene::Scene;
 use scaleproof::tags::TagDetectorChoice;
 
-use crate::common::skyline;
+use crate::tests::common::skyline;
 
 /// Of the usual pitch at a distance.
 pub fn live_capture(session: &Path, scene: &Scene, distance_mm: f64) -> Capture {

@@ -1,5 +1,6 @@
 //! What several test files need: paths, the program, and bad input made from good.
-#![allow(dead_code)] // each test file uses its part
+
+pub mod onnx;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -25,9 +26,20 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     Some(file)
 }
 
+/// Where cargo has built the program: above the folder of this test program.
+pub fn built() -> PathBuf {
+    let tests = std::env::current_exe().unwrap();
+    tests.ancestors().nth(2).unwrap().join("scaleproof")
+}
+
+/// A folder that outlives the tests, for what is large and made once.
+pub fn kept(name: &str) -> PathBuf {
+    home().join("target/tmp").join(name)
+}
+
 /// The program, without the weights that this machine may have.
 pub fn program() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scaleproof"));
+    let mut command = Command::new(built());
     command
         .env_remove("SCALEPROOF_SHARED")
         .env_remove("SCALEPROOF_DETECTORS");
@@ -69,6 +81,43 @@ pub fn copy_of_skyline() -> tempfile::TempDir {
         std::fs::copy(&path, recorded.join(path.file_name().unwrap())).unwrap();
     }
     copy
+}
+
+/// A JPEG with an EXIF block that says nothing but the orientation (Exif 2.32, 4.6).
+pub fn oriented(jpeg: &[u8], orientation: u8) -> Vec<u8> {
+    let block = [
+        &b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..],
+        &[orientation, 0, 0, 0, 0, 0, 0, 0],
+    ]
+    .concat();
+    let length = (block.len() as u16 + 2).to_be_bytes();
+    [&jpeg[..2], &[0xFF, 0xE1], &length, &block, &jpeg[2..]].concat()
+}
+
+/// A photo in two tinted JPEGs that store the same luma and other colours: what is measured on luma is the same in both. The chroma's
+/// quantisation table (ITU-T T.81, B.2.4.1: table 1) is multiplied in the second.
+pub fn tinted_twice(photo: &Path) -> [Vec<u8>; 2] {
+    let mut rgb = image::open(photo).unwrap().to_rgb8();
+    for (x, y, pixel) in rgb.enumerate_pixels_mut() {
+        let tint = [(x / 40) % 3, (x / 40 + y / 40) % 3, (y / 40) % 3];
+        for (value, tint) in pixel.0.iter_mut().zip(tint) {
+            *value = (f64::from(*value) * [1.0, 0.8, 0.65][tint as usize]) as u8;
+        }
+    }
+    let mut first = Vec::new();
+    let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut first, 95);
+    rgb.write_with_encoder(encoder).unwrap();
+    let (mut second, mut at) = (first.clone(), 2);
+    while first[at + 1] != 0xDA {
+        let end = at + 2 + usize::from(u16::from_be_bytes([first[at + 2], first[at + 3]]));
+        if first[at + 1] == 0xDB {
+            let tables = second[at + 4..end].chunks_exact_mut(65).filter(|table| table[0] == 1);
+            tables.for_each(|table| table[1..].iter_mut().for_each(|v| *v = v.saturating_mul(3)));
+        }
+        at = end;
+    }
+    assert!(first != second);
+    [first, second]
 }
 
 pub fn read_json(path: &Path) -> serde_json::Value {

@@ -16,7 +16,7 @@ use scaleproof::scene::Scene;
 use scaleproof::session::{Session, import};
 
 use super::markdown::{Block, Page};
-use crate::common;
+use crate::tests::common;
 
 type Read = Result<(), String>;
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::markdown::Page;
 use super::shell::{Kind, kind, script};
-use crate::common;
+use crate::tests::common;
 
 /// What commands of the documentation read.
 const COPIED: [&str; 3] = ["captures", "calibration", "print_templates"];
@@ -36,7 +36,7 @@ impl<'a> Scratch<'a> {
             copy(&common::home().join(name), &folder.path().join(name));
         }
         std::fs::create_dir(folder.path().join(".bin")).unwrap();
-        let shim = format!("#!/bin/sh\nexec '{}' \"$@\"\n", env!("CARGO_BIN_EXE_scaleproof"));
+        let shim = format!("#!/bin/sh\nexec '{}' \"$@\"\n", common::built().display());
         for place in ["run", ".bin/scaleproof"] {
             let path = folder.path().join(place);
             std::fs::write(&path, &shim).unwrap();

@@ -1,7 +1,6 @@
 //! Manifests and networks of strangers: what they make the program write, what their numbers come to, and how long they hold it up.
 
-#[path = "../common/onnx.rs"]
-mod onnx;
+use crate::tests::common::onnx;
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
@@ -15,7 +14,7 @@ use onnx::{Input, Output};
 use scaleproof::detect::{DetectError, Detection, Detector, Hints, Manifest, Runtime, propose_within};
 use scaleproof::files::sha256_hex;
 
-use crate::common::{assert_refused, program, stderr};
+use crate::tests::common::{assert_refused, program, stderr};
 
 const CONTENT: &[u8] = b"chosen by a stranger";
 

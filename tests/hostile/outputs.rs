@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
-use crate::bounded;
-use crate::common::{assert_refused, program, read_json, skyline, stderr};
+use crate::tests::common::{assert_refused, program, read_json, skyline, stderr};
+use crate::tests::hostile::bounded;
 
 /// Commands with one output file; `OUT` stands for it.
 const COMMANDS: [&str; 2] = ["print check -o OUT", "pattern random --cells 4 --seed 1 -o OUT"];

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use scaleproof::print::sheet::{Mark, Sheet};
 use scaleproof::print::tags::arrange;
-use scaleproof::scene::{Bins, Envelope, Model, Scene, Tag, TagFamily};
+use scaleproof::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily};
 
 use super::paper::Mm;
 
@@ -143,7 +143,7 @@ fn pair(tilt_deg: f64, ridge_deg: f64, turns: [f64; 2], sizes: [f64; 2], rooms: 
         }
     };
     Scene {
-        model: Model {
+        model: ScaleModel {
             name: "m".into(),
             scale: 10.0,
             class: "car".parse().unwrap(),

@@ -7,7 +7,7 @@ use image::GrayImage;
 use scaleproof::scene::TagFamily;
 use scaleproof::tags::{AprilTagC, TagDetector};
 
-use crate::common::pictured;
+use crate::tests::common::pictured;
 
 /// The short and the long side of A4.
 pub const A4: (f64, f64) = (210.0, 297.0);

@@ -10,10 +10,10 @@ use scaleproof::print::paper::{Orientation, Paper};
 use scaleproof::print::printer::Printer;
 use scaleproof::print::template::LayoutRequest;
 
-use crate::common::pictured;
+use crate::tests::common::pictured;
 
 pub fn scaleproof(command: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_scaleproof"))
+    Command::new(crate::tests::common::built())
         .args(command.split(' '))
         .output()
         .unwrap()

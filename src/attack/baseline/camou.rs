@@ -1,5 +1,5 @@
 //! CAMOU (Zhang et al., ICLR 2019): a clone network learns what renderer and detector say of patterns, and the pattern
-//! goes down the clone's gradient; the two alternate, and the patterns on the way are what the clone learns from next.
+//! goes down the clone's gradient; the two alternate, and the clone learns next from the patterns of that descent.
 //!
 //! The paper's clone sees the pattern tiled on a view; ours sees the pattern alone and imitates the mean score over a
 //! minibatch of views, which is the expectation that the paper's loss takes.
@@ -12,9 +12,9 @@ use burn::tensor::activation::{relu, sigmoid};
 use burn::tensor::{Device, Tensor, TensorData};
 use rand::{Rng, RngExt};
 
-use super::{Config, Oracle};
+use super::{BlackBox, SearchConfig};
 use crate::attack::run::adam::Adam;
-use crate::attack::run::eot::Draw;
+use crate::attack::run::augmentation::Augmentation;
 use crate::attack::run::{Rgb, RunError, batch, drawn_by};
 
 /// Random patterns the clone first learns from.
@@ -75,7 +75,7 @@ struct Answered {
 ///
 /// # Errors
 /// A detector that cannot look.
-pub fn search(oracle: &mut Oracle, config: &Config, device: &Device) -> Result<Vec<Rgb>, RunError> {
+pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> Result<Vec<Rgb>, RunError> {
     let device = device.clone().autodiff();
     device.seed(config.seed);
     let side = config.cells as usize;
@@ -122,16 +122,16 @@ pub fn search(oracle: &mut Oracle, config: &Config, device: &Device) -> Result<V
 
 /// All of them in the same views; `None` when no more may be asked.
 fn ask(
-    oracle: &mut Oracle,
-    config: &Config,
+    oracle: &mut BlackBox,
+    config: &SearchConfig,
     round: u32,
     asking: Vec<Vec<Rgb>>,
 ) -> Result<Option<Vec<Answered>>, RunError> {
     let mut rng = drawn_by(config.seed ^ 0xa5c, round);
-    let views = batch(&oracle.stage.trained(), VIEWS, config.seed, round);
-    let views: Vec<(usize, Draw)> = views
+    let views = batch(&oracle.view_set.trained(), VIEWS, config.seed, round);
+    let views: Vec<(usize, Augmentation)> = views
         .into_iter()
-        .map(|v| (v, Draw::random(&config.eot, &mut rng)))
+        .map(|v| (v, Augmentation::random(&config.eot, &mut rng)))
         .collect();
     let mut answers = Vec::new();
     for cells in asking {
@@ -153,8 +153,8 @@ fn train(
 ) -> Clone2d {
     for _ in 0..TRAINING {
         let recent = seen.len().saturating_sub(ASKED)..seen.len();
-        let drawn = (0..MINIBATCH.min(seen.len())).map(|_| rng.random_range(0..seen.len()));
-        let chosen: Vec<&Answered> = recent.chain(drawn).map(|i| &seen[i]).collect();
+        let penalty = (0..MINIBATCH.min(seen.len())).map(|_| rng.random_range(0..seen.len()));
+        let chosen: Vec<&Answered> = recent.chain(penalty).map(|i| &seen[i]).collect();
         let patterns: Vec<&[Rgb]> = chosen.iter().map(|a| a.cells.as_slice()).collect();
         let scores: Vec<f32> = chosen.iter().map(|a| a.score as f32).collect();
         let count = scores.len();

@@ -6,8 +6,8 @@
 
 use rand::{Rng, RngExt};
 
-use super::{Config, Oracle};
-use crate::attack::run::eot::Draw;
+use super::{BlackBox, SearchConfig};
+use crate::attack::run::augmentation::Augmentation;
 use crate::attack::run::{Rgb, RunError, batch, drawn_by};
 
 const POPULATION: usize = 16;
@@ -24,18 +24,18 @@ const NOTED_EVERY: u32 = 4;
 ///
 /// # Errors
 /// A detector that cannot look.
-pub fn search(oracle: &mut Oracle, config: &Config) -> Result<Vec<Rgb>, RunError> {
+pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
     let mut rng = drawn_by(config.seed, u32::MAX);
-    let count = oracle.stage.grid.cells();
+    let count = oracle.view_set.grid.cells();
     let mut population: Vec<Vec<Rgb>> = (0..POPULATION)
         .map(|_| (0..count).map(|_| cell(&mut rng)).collect())
         .collect();
     for generation in 0.. {
         let mut rng = drawn_by(config.seed, generation);
-        let views = batch(&oracle.stage.trained(), VIEWS, config.seed, generation);
-        let views: Vec<(usize, Draw)> = views
+        let views = batch(&oracle.view_set.trained(), VIEWS, config.seed, generation);
+        let views: Vec<(usize, Augmentation)> = views
             .into_iter()
-            .map(|v| (v, Draw::random(&config.eot, &mut rng)))
+            .map(|v| (v, Augmentation::random(&config.eot, &mut rng)))
             .collect();
         let mut ranked: Vec<(f64, Vec<Rgb>)> = Vec::new();
         for cells in &population {

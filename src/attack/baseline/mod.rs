@@ -16,38 +16,39 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::run::augmentation::{Augmentation, Eot};
 use super::run::checkpoint::{self, Checkpoint};
-use super::run::eot::{Draw, Eot};
 use super::run::history::Entry;
 use super::run::judge::{confidence, judge};
 use super::run::loss::MEETS_IOU;
-use super::run::stage::{Laying, Stage};
+use super::run::view_set::{TextureMapping, ViewSet};
 use super::run::{Rgb, RunError};
 use crate::whitebox::WhiteBox;
 
 /// Everything a search depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Config {
+pub struct SearchConfig {
     pub method: &'static str,
     pub cells: u32,
     pub tile_mm: f64,
-    /// Pictures that may be looked at.
+    /// Images that may be looked at.
     pub queries: u64,
     pub seed: u64,
-    pub laying: Laying,
+    #[serde(rename = "laying")]
+    pub mapping: TextureMapping,
     pub eot: Eot,
     pub frames_sha256: String,
     pub detectors: Vec<String>,
 }
 
-/// Answers what a detector says of a pattern in a view, and no more: renderer model and detector as one black box.
+/// Answers what a detector says of a pattern in a view, and no more: surrogate renderer and detector as one black box.
 ///
 /// Answers are kept. A search that is interrupted asks the same questions again, and gets those answers without
 /// waiting, so it needs no checkpoint of its own.
-pub struct Oracle<'a> {
-    pub stage: &'a Stage,
+pub struct BlackBox<'a> {
+    pub view_set: &'a ViewSet,
     detectors: &'a [Box<dyn WhiteBox>],
-    config: &'a Config,
+    config: &'a SearchConfig,
     folder: PathBuf,
     checkpoint: Checkpoint,
     answers: Vec<f64>,
@@ -59,13 +60,13 @@ pub struct Oracle<'a> {
     on_query: &'a dyn Fn(u64),
 }
 
-impl<'a> Oracle<'a> {
+impl<'a> BlackBox<'a> {
     /// # Errors
     /// A checkpoint in the folder that is damaged or of another search.
     pub fn begin(
-        stage: &'a Stage,
+        view_set: &'a ViewSet,
         detectors: &'a [Box<dyn WhiteBox>],
-        config: &'a Config,
+        config: &'a SearchConfig,
         folder: &Path,
         on_query: &'a dyn Fn(u64),
     ) -> Result<Self, RunError> {
@@ -78,7 +79,7 @@ impl<'a> Oracle<'a> {
             })?,
         };
         Ok(Self {
-            stage,
+            view_set,
             detectors,
             config,
             folder: folder.to_owned(),
@@ -98,16 +99,16 @@ impl<'a> Oracle<'a> {
     ///
     /// # Errors
     /// A detector that cannot look, or whose answer is not a number.
-    pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Draw) -> Result<Option<f64>, RunError> {
+    pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, RunError> {
         if self.asked as u64 >= self.config.queries {
             return Ok(None);
         }
         if self.asked == self.answers.len() {
-            let laid = self.stage.lay(view, cells, draw);
+            let textured = self.view_set.textured(view, cells, draw);
             let mut sum = 0.0;
             for detector in self.detectors {
-                let seen = (view, laid.taken.picture.as_slice(), &laid.outline);
-                match confidence(self.stage, detector.as_ref(), seen, MEETS_IOU) {
+                let seen = (view, textured.augmented.image.as_slice(), &textured.outline);
+                match confidence(self.view_set, detector.as_ref(), seen, MEETS_IOU) {
                     Ok(confidence) => sum += confidence,
                     Err(e) => {
                         self.save()?;
@@ -128,8 +129,8 @@ impl<'a> Oracle<'a> {
     /// The mean score of a pattern over some views, each with a draw of its own; `None` when no more may be asked.
     ///
     /// # Errors
-    /// Those of [`Oracle::score`].
-    pub fn mean_score(&mut self, views: &[(usize, Draw)], cells: &[Rgb]) -> Result<Option<f64>, RunError> {
+    /// Those of [`BlackBox::score`].
+    pub fn mean_score(&mut self, views: &[(usize, Augmentation)], cells: &[Rgb]) -> Result<Option<f64>, RunError> {
         let mut sum = 0.0;
         for (view, draw) in views {
             match self.score(*view, cells, draw)? {
@@ -155,7 +156,7 @@ impl<'a> Oracle<'a> {
             wall_s: 0.0,
             loss: None,
             confidence: score,
-            held_out: Some(judge(self.stage, self.detectors, cells)?),
+            held_out: Some(judge(self.view_set, self.detectors, cells)?),
         };
         let wall_s = self.wall_s();
         self.checkpoint.history.push(Entry { wall_s, ..entry });

@@ -8,17 +8,17 @@ use crate::frames::light;
 use crate::frames::{Frame, FrameSet, FramesError, SurfacePoint};
 use crate::pattern::world_aligned::Side;
 
-/// A picture on one side of the model. The hood is part of the roof's side: both look up.
+/// An image on one side of the model. The hood is part of the roof's side: both look up.
 #[derive(Debug, Clone)]
-pub struct Patch {
-    pub picture: RgbImage,
+pub struct PlacedPatch {
+    pub image: RgbImage,
     pub side: Side,
     /// Its middle in the side's (u, v), mm, as `print patch` takes it.
     pub at_mm: [f64; 2],
     pub size_mm: [f64; 2],
 }
 
-impl Patch {
+impl PlacedPatch {
     /// The reflectance at a point of the surface; `None` beside the patch.
     fn colour(&self, point: &SurfacePoint) -> Option<Rgb> {
         let side = point.side.filter(|side| *side == self.side)?;
@@ -31,10 +31,10 @@ impl Patch {
         let texel = |share: f64, count: u32| ((share * f64::from(count)) as u32).min(count - 1);
         inside.then(|| {
             let (x, y) = (
-                texel(share[0], self.picture.width()),
-                texel(share[1], self.picture.height()),
+                texel(share[0], self.image.width()),
+                texel(share[1], self.image.height()),
             );
-            light::linear_of(self.picture.get_pixel(x, y).0)
+            light::linear_of(self.image.get_pixel(x, y).0)
         })
     }
 }
@@ -42,8 +42,8 @@ impl Patch {
 /// Does any of it lie on the paint that a frame shows? `None` for a frame without positions.
 ///
 /// # Errors
-/// Pictures that cannot be read.
-pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &Patch) -> Result<Option<bool>, FramesError> {
+/// Images that cannot be read.
+pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
     let points = set.surface(frame)?;
     Ok(points.map(|points| points.iter().any(|point| patch.colour(point).is_some())))
 }
@@ -52,11 +52,11 @@ pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &Patch) -> Result<Option<bo
 /// without positions.
 ///
 /// # Errors
-/// Pictures that cannot be read.
+/// Images that cannot be read.
 pub fn paint(
     set: &FrameSet,
     frame: &Frame,
-    patches: &[Patch],
+    patches: &[PlacedPatch],
     base_rgb: [u8; 3],
 ) -> Result<Option<Vec<Rgb>>, FramesError> {
     let (Some(points), Some(about)) = (set.surface(frame)?, &set.list.positions) else {

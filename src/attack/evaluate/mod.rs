@@ -1,6 +1,6 @@
 //! Patterns judged where they were not made: rendered anew on the model, never predicted, at viewpoints and under lights of their own.
 //!
-//! What comes out are photos with exact truth: the box of the projected mesh and the viewpoint are known, nothing is measured. The pictures are
+//! What comes out are photos with exact truth: the box of the projected mesh and the viewpoint are known, nothing is measured. The images are
 //! denoised, so that few light paths do: nothing has to add up here. Each paint's photos lie in a folder of their own, so that a paint may be
 //! added later, and one that is done is not rendered again.
 
@@ -14,9 +14,10 @@ use serde_json::Value;
 
 use crate::files::{self, FileError};
 use crate::frames::FramesError;
-use crate::frames::render::{Plan, PlannedFrame, RenderError, RenderRequest, blender};
+use crate::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender};
 use crate::geometry::BoxPx;
-use crate::scene::{Classes, Scene, Viewpoint};
+use crate::scene::{Classes, Viewpoint};
+use crate::session::{self, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +28,8 @@ pub enum EvaluateError {
     Frames(#[from] FramesError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
     #[error(
         "{name:?} cannot name a pattern here: use letters, digits, '-', '_' and '.', each name once, and not `normal`, which is the plain model"
     )]
@@ -42,7 +45,7 @@ pub enum EvaluateError {
 
 /// A rendered photo and the truth about it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Photo {
+pub struct RenderedPhoto {
     /// PNG below the evaluation's folder.
     pub file: PathBuf,
     /// Which paint is on the model.
@@ -56,19 +59,19 @@ pub struct Photo {
 
 /// Every paint from every viewpoint under every light.
 #[derive(Debug)]
-pub struct Evaluation {
-    plan: Plan,
+pub struct RenderedSet {
+    plan: RenderPlan,
     /// What the request's paints are called, in its order.
     variants: Vec<String>,
     /// In the order of `plan.frames()`.
-    photos: Vec<Photo>,
+    photos: Vec<RenderedPhoto>,
 }
 
-impl Evaluation {
+impl RenderedSet {
     /// `variants` name the request's paints, in their order.
     ///
     /// # Errors
-    /// What [`Plan::new`] refuses, names that cannot be folders or are there twice, a model that is not whole in every picture.
+    /// What [`RenderPlan::new`] refuses, names that cannot be folders or are there twice, a model that is not whole in every image.
     pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
         let mut seen = HashSet::new();
         if let Some(name) = variants
@@ -77,7 +80,7 @@ impl Evaluation {
         {
             return Err(EvaluateError::BadName { name: name.clone() });
         }
-        let plan = Plan::new(request)?;
+        let plan = RenderPlan::new(request)?;
         let boxes: Vec<BoxPx> = (0..plan.request().viewpoints.len())
             .map(|v| plan.truth(v))
             .collect::<Result<_, _>>()?;
@@ -85,7 +88,7 @@ impl Evaluation {
             let (request, variant) = (plan.request(), &variants[frame.colour]);
             let place = request.lights[frame.light].place();
             let name = format!("{place}_{}.png", plan.view_name(frame.viewpoint));
-            Photo {
+            RenderedPhoto {
                 file: folder_of(variant).join(name),
                 variant: variant.clone(),
                 place,
@@ -98,20 +101,36 @@ impl Evaluation {
     }
 
     /// Those of one paint together, in the order of the paints.
-    pub fn photos(&self) -> Vec<Photo> {
+    pub fn photos(&self) -> Vec<RenderedPhoto> {
         let mut photos = self.photos.clone();
-        let order = |photo: &Photo| self.variants.iter().position(|v| *v == photo.variant);
+        let order = |photo: &RenderedPhoto| self.variants.iter().position(|v| *v == photo.variant);
         photos.sort_by_key(order);
         photos
     }
 
-    /// The scene of the photos: the model, without tags, and a bin for each viewpoint.
-    pub fn scene(&self, name: &str, class: &Classes, scale: f64) -> Scene {
+    /// Writes the session of the photos: the scene, which is the model (name, class, scale) without tags and with a bin for each viewpoint,
+    /// then the list that names it.
+    ///
+    /// # Errors
+    /// A folder that takes no files.
+    pub fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
         let request = self.plan.request();
-        scene::of(&request.mesh, &request.viewpoints, (name, class, scale))
+        let scene = scene::of(&request.mesh, &request.viewpoints, model);
+        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
+        let photos = self.photos().into_iter().map(|photo| PhotoEntry {
+            file: photo.file.to_string_lossy().into_owned(),
+            variant: photo.variant,
+            place: Some(photo.place),
+            taken: None,
+            box_xyxy_px: Some(photo.box_xyxy_px),
+            viewpoint: Some(photo.viewpoint),
+        });
+        let path = folder.join("session.json");
+        let text = session::text(&path, "scene.toml", None, photos.collect())?;
+        Ok(files::replace_atomically(&path, text.as_bytes())?)
     }
 
-    /// Renders what `folder` still lacks. `python` is asked for only when something does; `on_photo` is called with the photos done so far, those
+    /// Renders what `folder` still lacks. `python` is called only when something is missing; `on_photo` is called with the photos done so far, those
     /// found already included.
     ///
     /// # Errors
@@ -122,13 +141,13 @@ impl Evaluation {
         python: impl FnOnce() -> Result<blender::Python, RenderError>,
         on_photo: impl FnMut(usize),
     ) -> Result<(), EvaluateError> {
-        self.claim(folder)?;
+        self.reserve(folder)?;
         photos::render(self, folder, python, on_photo)
     }
 
     /// Writes what the folder and each paint's folder are for, or refuses those that are for something else.
-    fn claim(&self, folder: &Path) -> Result<(), EvaluateError> {
-        let views = (folder.join("render.json"), told(&self.plan.view_identity()));
+    fn reserve(&self, folder: &Path) -> Result<(), EvaluateError> {
+        let views = (folder.join("render.json"), as_file(&self.plan.view_identity()));
         let begun = std::fs::read_dir(folder.join("photos")).into_iter().flatten().flatten();
         if begun.map(|entry| entry.path()).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
             let folder = folder.to_owned();
@@ -137,7 +156,7 @@ impl Evaluation {
         let mut notes = vec![views];
         for (variant, paint) in self.variants.iter().zip(&self.plan.request().colours) {
             let own = folder.join(folder_of(variant));
-            let note = (own.join("paint.json"), told(&paint.identity()));
+            let note = (own.join("paint.json"), as_file(&paint.identity()));
             if has_photos(&own) && is_other(&note)? {
                 let variant = variant.clone();
                 return Err(EvaluateError::OtherPaint { folder: own, variant });
@@ -160,7 +179,7 @@ fn is_other((note, text): &(PathBuf, Vec<u8>)) -> Result<bool, FileError> {
     Ok(!note.is_file() || files::read(note)? != *text)
 }
 
-fn told(identity: &Value) -> Vec<u8> {
+fn as_file(identity: &Value) -> Vec<u8> {
     format!("{identity:#}\n").into_bytes()
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 
-use super::{EvaluateError, Evaluation};
+use super::{EvaluateError, RenderedSet};
 use crate::files::{self, FileError};
 use crate::frames::encode_rgb;
 use crate::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
@@ -13,7 +13,7 @@ use crate::photo::{Budget, open_png};
 
 /// Renders the missing photos into `folder`.
 pub(super) fn render(
-    evaluation: &Evaluation,
+    evaluation: &RenderedSet,
     folder: &Path,
     python: impl FnOnce() -> Result<blender::Python, RenderError>,
     mut on_photo: impl FnMut(usize),
@@ -42,12 +42,12 @@ pub(super) fn render(
     files::replace_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
     let log = work.join("blender.log");
     let finished = blender::run(&python, &job, &log, |event| {
-        if let blender::Event::Frame(name) = event
+        if let blender::BlenderEvent::Frame(name) = event
             && let Some(place) = places.get(&name)
         {
             let size = plan.size_px();
-            let picture = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
-            files::replace_atomically(place, &encode_rgb(&picture)?)?;
+            let image = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
+            files::replace_atomically(place, &encode_rgb(&image)?)?;
             done += 1;
             on_photo(done);
         }
@@ -62,7 +62,7 @@ pub(super) fn render(
 }
 
 /// The photos that are not there; those that are must be whole.
-fn missing(evaluation: &Evaluation, folder: &Path) -> Result<Missing, EvaluateError> {
+fn missing(evaluation: &RenderedSet, folder: &Path) -> Result<Missing, EvaluateError> {
     let mut frames: Vec<PlannedFrame> = Vec::new();
     for (frame, photo) in evaluation.plan.frames().into_iter().zip(&evaluation.photos) {
         let path = folder.join(&photo.file);
@@ -85,9 +85,9 @@ fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
         .and_then(|decoder| DynamicImage::from_decoder(decoder).map_err(|e| e.to_string()));
     let reason = match decoded {
         Err(reason) => reason,
-        Ok(picture) => {
+        Ok(image) => {
             let [width, height] = size_px;
-            let found = (picture.width(), picture.height());
+            let found = (image.width(), image.height());
             if found == (width, height) {
                 return Ok(());
             }

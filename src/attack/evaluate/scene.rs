@@ -1,7 +1,7 @@
 //! The scene of rendered photos.
 
 use crate::mesh::Mesh;
-use crate::scene::{Bins, Classes, Envelope, Model, Scene, Viewpoint};
+use crate::scene::{Bins, Classes, Envelope, ScaleModel, Scene, Viewpoint};
 
 /// A model without tags, and bins whose centres are the viewpoints. The model is called (name, class, scale).
 pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&str, &Classes, f64)) -> Scene {
@@ -12,7 +12,7 @@ pub(super) fn of(mesh: &Mesh, viewpoints: &[Viewpoint], (name, class, scale): (&
         values
     };
     Scene {
-        model: Model {
+        model: ScaleModel {
             name: name.to_owned(),
             scale,
             class: class.clone(),

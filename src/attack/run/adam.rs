@@ -25,7 +25,7 @@ impl Adam {
     }
 
     /// One step against the gradient; cells stay between `low` and `high`.
-    pub fn step(&mut self, cells: &mut [Rgb], gradient: &[Rgb], rate: f64, [low, high]: [f64; 2]) {
+    pub fn step(&mut self, cells: &mut [Rgb], gradient: &[Rgb], learning_rate: f64, [low, high]: [f64; 2]) {
         self.steps = self.steps.saturating_add(1);
         let unbias = BETA.map(|beta| 1.0 - beta.powi(self.steps));
         for (i, g) in gradient.iter().enumerate() {
@@ -33,7 +33,7 @@ impl Adam {
                 let (m, v) = (&mut self.first[i][c], &mut self.second[i][c]);
                 *m = BETA[0] * *m + (1.0 - BETA[0]) * g[c];
                 *v = BETA[1] * *v + (1.0 - BETA[1]) * g[c] * g[c];
-                let by = rate * (*m / unbias[0]) / ((*v / unbias[1]).sqrt() + EPSILON);
+                let by = learning_rate * (*m / unbias[0]) / ((*v / unbias[1]).sqrt() + EPSILON);
                 cells[i][c] = (cells[i][c] - by).clamp(low, high);
             }
         }
@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_step_is_the_rate_whatever_the_gradient() {
+    fn the_first_step_is_the_learning_rate_whatever_the_gradient() {
         let mut cells = vec![[0.5; 3]];
         Adam::new(1).step(&mut cells, &[[1e-3, -40.0, 0.0]], 0.02, [0.0, 1.0]);
         let [a, b, c] = cells[0];

@@ -1,4 +1,4 @@
-//! What a run that goes on needs, in one file; floats come back bit for bit. The file begins with the SHA-256 of the rest, as hex: a damaged one would
+//! What a resumed run needs, in one file; floats come back bit for bit. The file begins with the SHA-256 of the rest, as hex: a damaged one would
 //! go on to another pattern.
 
 use std::path::Path;
@@ -35,7 +35,7 @@ pub struct Checkpoint {
 /// # Errors
 /// Only if the encoder fails.
 pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
-    let text = serde_json::to_string(settings).map_err(|e| RunError::Encode { reason: e.to_string() })?;
+    let text = serde_json::to_string(settings)?;
     Ok(files::sha256_hex(text.as_bytes()))
 }
 

@@ -1,8 +1,12 @@
-//! What happened on the way, and several ways on one chart.
+//! The history of a run, and several on one chart.
+
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::judge::Judgement;
+use super::RunError;
+use super::judge::HeldOutFigures;
+use crate::files;
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 
 /// The name of the file in the folder of a run.
@@ -12,7 +16,7 @@ pub const FILE: &str = "history.json";
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     pub step: u32,
-    /// Pictures looked at so far, those of judging not counted.
+    /// Images looked at so far, those of judging not counted.
     pub queries: u64,
     /// On this machine, judging included.
     pub wall_s: f64,
@@ -20,10 +24,10 @@ pub struct Entry {
     pub loss: Option<f64>,
     /// Mean over the minibatch and the detectors, where the method knows it.
     pub confidence: Option<f64>,
-    pub held_out: Option<Judgement>,
+    pub held_out: Option<HeldOutFigures>,
 }
 
-/// One method's way.
+/// The history of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct History {
     pub scaleproof: String,
@@ -37,7 +41,37 @@ pub struct History {
 }
 
 impl History {
-    pub fn last_judged(&self) -> Option<(&Entry, Judgement)> {
+    /// The history in the folder of a result.
+    ///
+    /// # Errors
+    /// None there, or a damaged one.
+    pub fn load(folder: &Path) -> Result<Self, RunError> {
+        let path = folder.join(FILE);
+        serde_json::from_str(&files::read_text(&path)?).map_err(|e| RunError::NotAHistory {
+            path,
+            reason: e.to_string(),
+        })
+    }
+
+    /// The history as a file of the folder.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), RunError> {
+        Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
+    }
+
+    /// Two histories stand on one chart only when both were made with the same frames and detectors.
+    pub fn is_comparable(&self, other: &Self) -> bool {
+        self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors
+    }
+
+    /// Images looked at in all.
+    pub fn queries(&self) -> u64 {
+        self.entries.last().map_or(0, |e| e.queries)
+    }
+
+    pub fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
         self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
     }
 }

@@ -1,23 +1,23 @@
-//! How often a pattern is still detected, by the renderer model's pictures of the views held out. This guides; what
-//! counts are pictures rendered or taken anew.
+//! How often a pattern is still detected, by the surrogate renderer's images of the views held out. This guides; what
+//! counts are images rendered or photos taken anew.
 
 use serde::{Deserialize, Serialize};
 
 use super::loss::{HIT_CONFIDENCE, HIT_IOU, strongest};
-use super::stage::Stage;
-use super::{Draw, Rgb, RunError};
+use super::view_set::ViewSet;
+use super::{Augmentation, Rgb, RunError};
 use crate::ap::{ImageBoxes, average_precision};
 use crate::detect::{CandidateBox, SCORE_FLOOR, suppress};
 use crate::geometry::BoxPx;
-use crate::whitebox::{Claim, WhiteBox};
+use crate::whitebox::{Prediction, WhiteBox};
 
 /// Means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Judgement {
+pub struct HeldOutFigures {
     pub views: usize,
-    /// As `score` reckons it by default.
+    /// As `score` computes it by default.
     pub ap50: f64,
-    /// Share of pictures with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
+    /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
     pub hit_rate: f64,
     /// Of the most confident box on the model; 0 where there is none.
     pub mean_confidence: f64,
@@ -27,41 +27,41 @@ pub struct Judgement {
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
-pub fn judge(stage: &Stage, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<Judgement, RunError> {
-    judge_pictures(stage, detectors, |view| {
-        Ok(stage.lay(view, cells, &Draw::NONE).taken.picture)
+pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<HeldOutFigures, RunError> {
+    judge_images(view_set, detectors, |view| {
+        Ok(view_set.textured(view, cells, &Augmentation::NONE).augmented.image)
     })
 }
 
-/// Judges whatever is in the pictures of the views.
+/// Judges whatever is in the images of the views.
 ///
 /// # Errors
-/// Those of `picture`, and of the detectors.
-pub fn judge_pictures(
-    stage: &Stage,
+/// Those of `image`, and of the detectors.
+pub fn judge_images(
+    view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
-    picture: impl Fn(usize) -> Result<Vec<Rgb>, RunError>,
-) -> Result<Judgement, RunError> {
-    let views = stage.judged();
+    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError>,
+) -> Result<HeldOutFigures, RunError> {
+    let views = view_set.judged();
     let (mut hits, mut sum) = (0, 0.0);
     let mut boxes: Vec<Vec<ImageBoxes>> = vec![Vec::new(); detectors.len()];
     for view in &views {
-        let picture = picture(*view)?;
-        let outline = &stage.views[*view].outline;
+        let image = image(*view)?;
+        let outline = &view_set.views[*view].outline;
         for (detector, boxes) in detectors.iter().zip(&mut boxes) {
-            let claims = claims(stage, detector.as_ref(), (*view, &picture))?;
-            let confidence = strongest(&claims, outline, HIT_IOU).map_or(0.0, |i| claims[i].confidence);
+            let predictions = predictions(view_set, detector.as_ref(), (*view, &image))?;
+            let confidence = strongest(&predictions, outline, HIT_IOU).map_or(0.0, |i| predictions[i].confidence);
             hits += usize::from(confidence >= HIT_CONFIDENCE);
             sum += confidence;
             boxes.push(ImageBoxes {
                 truths: vec![*outline],
-                detections: detections(&claims, detector.hides_from_iou()),
+                detections: detections(&predictions, detector.nms_iou()),
             });
         }
     }
     let count = (views.len() * detectors.len()).max(1) as f64;
     let aps = boxes.iter().filter_map(|images| average_precision(images, HIT_IOU));
-    Ok(Judgement {
+    Ok(HeldOutFigures {
         views: views.len(),
         ap50: aps.map(|found| found.ap).sum::<f64>() / detectors.len().max(1) as f64,
         hit_rate: hits as f64 / count,
@@ -74,24 +74,28 @@ pub fn judge_pictures(
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
 pub fn confidence(
-    stage: &Stage,
+    view_set: &ViewSet,
     detector: &dyn WhiteBox,
-    (view, picture, outline): (usize, &[Rgb], &BoxPx),
+    (view, image, outline): (usize, &[Rgb], &BoxPx),
     least_iou: f64,
 ) -> Result<f64, RunError> {
-    let claims = claims(stage, detector, (view, picture))?;
-    Ok(strongest(&claims, outline, least_iou).map_or(0.0, |i| claims[i].confidence))
+    let predictions = predictions(view_set, detector, (view, image))?;
+    Ok(strongest(&predictions, outline, least_iou).map_or(0.0, |i| predictions[i].confidence))
 }
 
-/// What a detector says of a picture, every confidence a number.
-fn claims(stage: &Stage, detector: &dyn WhiteBox, (view, picture): (usize, &[Rgb])) -> Result<Vec<Claim>, RunError> {
-    let name = || (detector.name().to_owned(), stage.views[view].frame.name.clone());
-    let claims = detector.claims(picture, stage.list.size_px).map_err(|reason| {
+/// What a detector says of an image, every confidence a number.
+fn predictions(
+    view_set: &ViewSet,
+    detector: &dyn WhiteBox,
+    (view, image): (usize, &[Rgb]),
+) -> Result<Vec<Prediction>, RunError> {
+    let name = || (detector.name().to_owned(), view_set.views[view].frame.name.clone());
+    let predictions = detector.predictions(image, view_set.list.size_px).map_err(|reason| {
         let (detector, view) = name();
-        RunError::Look { detector, view, reason }
+        RunError::ForwardPass { detector, view, reason }
     })?;
-    match claims.iter().all(|claim| claim.confidence.is_finite()) {
-        true => Ok(claims),
+    match predictions.iter().all(|prediction| prediction.confidence.is_finite()) {
+        true => Ok(predictions),
         false => {
             let (detector, view) = name();
             Err(RunError::NotANumber {
@@ -104,14 +108,16 @@ fn claims(stage: &Stage, detector: &dyn WhiteBox, (view, picture): (usize, &[Rgb
 }
 
 /// The boxes that scoring would see.
-fn detections(claims: &[Claim], hides_from_iou: f64) -> Vec<(f64, BoxPx)> {
-    let candidates = claims.iter().filter(|claim| claim.confidence >= SCORE_FLOOR);
-    let candidates = candidates.map(|claim| CandidateBox {
+fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
+    let candidates = predictions
+        .iter()
+        .filter(|prediction| prediction.confidence >= SCORE_FLOOR);
+    let candidates = candidates.map(|prediction| CandidateBox {
         label: 0,
-        score: claim.confidence,
-        b: claim.box_px,
+        score: prediction.confidence,
+        b: prediction.box_px,
     });
-    suppress(candidates.collect(), hides_from_iou)
+    suppress(candidates.collect(), nms_iou)
         .into_iter()
         .map(|kept| (kept.score, kept.b))
         .collect()

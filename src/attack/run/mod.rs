@@ -1,21 +1,21 @@
 //! The attack (DTA, CVPR 2022, algorithm 1): a pattern's cells are moved against the confidence of detectors, through
-//! the projection, the renderer model and whatever the world may do.
+//! the texture projection, the surrogate renderer and the augmentation.
 //!
-//! - [`stage`]: the views, each with its renderer model;
-//! - [`eot`]: what happens between the pattern and the detector;
+//! - [`view_set`]: the views, each with its surrogate renderer and texture projection;
+//! - [`augmentation`]: what happens between the pattern and the detector;
 //! - [`loss`], [`penalty`], [`adam`]: what is moved against what, and how;
 //! - [`judge`]: how often a pattern is still detected in the views held out;
-//! - [`history`], [`checkpoint`]: what is kept on the way.
+//! - [`history`], [`checkpoint`]: what is kept of a run.
 
 pub mod adam;
+pub mod augmentation;
 pub mod checkpoint;
-pub mod eot;
 pub mod history;
 pub mod judge;
 pub mod loss;
 pub mod penalty;
 mod resample;
-pub mod stage;
+pub mod view_set;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,10 +27,10 @@ use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
 use adam::Adam;
+use augmentation::{Augmentation, Eot};
 use checkpoint::Checkpoint;
-use eot::{Draw, Eot};
 use history::Entry;
-use stage::{Laying, Stage};
+use view_set::{TextureMapping, ViewSet};
 
 use crate::files::FileError;
 use crate::frames::FramesError;
@@ -46,6 +46,7 @@ const JUDGED_TIMES: u32 = 12;
 
 /// Why there is no pattern.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     #[error(transparent)]
     Frames(#[from] FramesError),
@@ -56,13 +57,13 @@ pub enum RunError {
     #[error("the view of {view}: {reason}")]
     Fit { view: String, reason: FitError },
     #[error(
-        "{view} does not say where its paint is on the model: make the frames with attack render, or lay the pattern with --laying repeated"
+        "{view} does not say where its paint is on the model: make the frames with attack render, or repeat the pattern over a plane that faces the camera"
     )]
     NoPositions { view: String },
     #[error("the paint is seen in none of the views: point the camera at the model")]
     NothingSeen,
     #[error("{detector} cannot look at the view of {view}: {reason}")]
-    Look {
+    ForwardPass {
         detector: String,
         view: String,
         reason: WhiteBoxError,
@@ -76,37 +77,47 @@ pub enum RunError {
     OtherRun { path: PathBuf },
     #[error("{path} is damaged: remove it, and the run begins anew", path = path.display())]
     Damaged { path: PathBuf },
+    #[error("{path} is no history of a pattern ({reason}): make it again", path = path.display())]
+    NotAHistory { path: PathBuf, reason: String },
     #[error("the run could not be saved ({reason})")]
     Encode { reason: String },
 }
 
-/// Colours that cells are drawn to.
+impl From<serde_json::Error> for RunError {
+    fn from(e: serde_json::Error) -> Self {
+        Self::Encode { reason: e.to_string() }
+    }
+}
+
+/// Colours that cells are attracted to, by the distance to the nearest.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Drawn {
+pub struct ColourPenalty {
     pub weight: f64,
     pub rgb: Vec<[u8; 3]>,
 }
 
 /// Everything a run depends on besides the frames' and detectors' content, whose hashes are in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Config {
+pub struct AttackConfig {
     pub cells: u32,
     pub tile_mm: f64,
     pub steps: u32,
     /// Views a step.
     pub batch: u32,
-    /// Adam's step size in sRGB of 0 to 1; it falls to a tenth along half a cosine.
-    pub rate: f64,
-    /// The confidence at which the loss lets go ([`loss::from_floor`]).
+    /// The learning rate in sRGB of 0 to 1; it falls to a tenth along half a cosine.
+    #[serde(rename = "rate")]
+    pub learning_rate: f64,
+    /// The confidence below which the loss fades ([`loss::from_floor`]).
     pub floor: f64,
     pub seed: u64,
-    pub laying: Laying,
+    #[serde(rename = "laying")]
+    pub mapping: TextureMapping,
     pub eot: Eot,
     /// Weights of the total variation, and of what can be printed.
     pub smooth: f64,
-    pub printable: Drawn,
+    pub printable: ColourPenalty,
     /// Cells end on these colours.
-    pub palette: Drawn,
+    pub palette: ColourPenalty,
     /// Darkest and lightest value of a cell, 8-bit sRGB.
     pub range: [u8; 2],
     pub frames_sha256: String,
@@ -116,24 +127,24 @@ pub struct Config {
 
 /// An attack under way.
 pub struct Attack<'a> {
-    stage: &'a Stage,
+    view_set: &'a ViewSet,
     detectors: &'a [Box<dyn WhiteBox>],
-    config: &'a Config,
+    config: &'a AttackConfig,
     checkpoint: Checkpoint,
-    state: State,
+    state: AttackState,
     started: Instant,
 }
 
 /// The state of the cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct AttackState {
     pub cells: Vec<Rgb>,
     pub adam: Adam,
 }
 
-/// What detectors make of one picture: sums over the detectors.
+/// What detectors make of one image: sums over the detectors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Looked {
+pub struct LossAndGradient {
     /// [`loss::from_floor`] of the most confident box that meets the model, summed; 0 where none does.
     pub loss: f64,
     /// `Σ C` of it.
@@ -148,27 +159,27 @@ impl<'a> Attack<'a> {
     /// # Errors
     /// A checkpoint that is damaged or of another run.
     pub fn begin(
-        stage: &'a Stage,
+        view_set: &'a ViewSet,
         detectors: &'a [Box<dyn WhiteBox>],
-        config: &'a Config,
+        config: &'a AttackConfig,
         folder: &Path,
     ) -> Result<Self, RunError> {
         let key = checkpoint::key(config)?;
         let path = folder.join(checkpoint::FILE);
         let (checkpoint, state) = match Checkpoint::load(folder, &key)? {
             Some(found) => {
-                let state: Option<State> = postcard::from_bytes(&found.content).ok();
-                let whole = state.filter(|s| s.cells.len() == stage.grid.cells());
+                let state: Option<AttackState> = postcard::from_bytes(&found.content).ok();
+                let whole = state.filter(|s| s.cells.len() == view_set.grid.cells());
                 (found, whole.ok_or(RunError::Damaged { path })?)
             }
             None => {
                 let cells = clipped(of_pattern(&Pattern::random(config.cells, config.seed)?), config.range);
                 let adam = Adam::new(cells.len());
-                (Checkpoint::new(key, Vec::new()), State { cells, adam })
+                (Checkpoint::new(key, Vec::new()), AttackState { cells, adam })
             }
         };
         Ok(Self {
-            stage,
+            view_set,
             detectors,
             config,
             checkpoint,
@@ -227,7 +238,7 @@ impl<'a> Attack<'a> {
         let Some(entry) = last.filter(|entry| is_due && entry.held_out.is_none()) else {
             return Ok(false);
         };
-        match judge::judge(self.stage, self.detectors, &self.state.cells) {
+        match judge::judge(self.view_set, self.detectors, &self.state.cells) {
             Ok(judgement) => {
                 entry.held_out = Some(judgement);
                 Ok(true)
@@ -248,14 +259,14 @@ impl<'a> Attack<'a> {
     fn step(&mut self, step: u32) -> Result<Entry, RunError> {
         let (config, state) = (self.config, &mut self.state);
         let mut rng = drawn_by(config.seed, step);
-        let views = batch(&self.stage.trained(), config.batch, config.seed, step);
+        let views = batch(&self.view_set.trained(), config.batch, config.seed, step);
         let count = views.len() as f64;
         let (mut loss, mut confidence) = (0.0, 0.0);
         let mut gradient = vec![[0.0; 3]; state.cells.len()];
         for view in &views {
-            let draw = Draw::random(&config.eot, &mut rng);
-            let looked = look(
-                self.stage,
+            let draw = Augmentation::random(&config.eot, &mut rng);
+            let looked = loss_and_gradient(
+                self.view_set,
                 self.detectors,
                 (*view, &state.cells, &draw),
                 (step, config.floor),
@@ -267,7 +278,9 @@ impl<'a> Attack<'a> {
         let (_, penalties) = penalties(&state.cells, config);
         add(&mut gradient, &penalties, 1.0);
         let range = config.range.map(|v| f64::from(v) / 255.0);
-        state.adam.step(&mut state.cells, &gradient, rate(config, step), range);
+        state
+            .adam
+            .step(&mut state.cells, &gradient, learning_rate(config, step), range);
         Ok(Entry {
             step: step + 1,
             queries: u64::from(step + 1) * views.len() as u64,
@@ -283,24 +296,24 @@ impl<'a> Attack<'a> {
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
-pub fn look(
-    stage: &Stage,
+pub fn loss_and_gradient(
+    view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
-    (view, cells, draw): (usize, &[Rgb], &Draw),
+    (view, cells, draw): (usize, &[Rgb], &Augmentation),
     (step, floor): (u32, f64),
-) -> Result<Looked, RunError> {
-    let laid = stage.lay(view, cells, draw);
-    let name = || stage.views[view].frame.name.clone();
-    let mut on_picture: Option<Vec<Rgb>> = None;
+) -> Result<LossAndGradient, RunError> {
+    let textured = view_set.textured(view, cells, draw);
+    let name = || view_set.views[view].frame.name.clone();
+    let mut on_image: Option<Vec<Rgb>> = None;
     let (mut loss, mut confidence) = (0.0, 0.0);
     for detector in detectors {
-        let look = detector.look(&laid.taken.picture, stage.list.size_px);
-        let look = look.map_err(|reason| RunError::Look {
+        let pass = detector.forward(&textured.augmented.image, view_set.list.size_px);
+        let pass = pass.map_err(|reason| RunError::ForwardPass {
             detector: detector.name().to_owned(),
             view: name(),
             reason,
         })?;
-        let Some(worst) = loss::strongest(look.claims(), &laid.outline, loss::MEETS_IOU) else {
+        let Some(worst) = loss::strongest(pass.predictions(), &textured.outline, loss::MEETS_IOU) else {
             continue;
         };
         let not_a_number = || RunError::NotANumber {
@@ -308,29 +321,29 @@ pub fn look(
             view: name(),
             step: step + 1,
         };
-        let claim = look.claims()[worst];
-        if !claim.loss.is_finite() || !claim.confidence.is_finite() {
+        let prediction = pass.predictions()[worst];
+        if !prediction.loss.is_finite() || !prediction.confidence.is_finite() {
             return Err(not_a_number());
         }
-        let (value, slope) = loss::from_floor(claim.loss, floor);
+        let (value, derivative) = loss::from_floor(prediction.loss, floor);
         loss += value;
-        confidence += claim.confidence;
-        let mut weights = vec![0.0; look.claims().len()];
-        weights[worst] = slope;
-        let gradient = look.pull_back(&weights);
+        confidence += prediction.confidence;
+        let mut weights = vec![0.0; pass.predictions().len()];
+        weights[worst] = derivative;
+        let gradient = pass.vjp(&weights);
         if gradient.iter().flatten().any(|v| !v.is_finite()) {
             return Err(not_a_number());
         }
-        match &mut on_picture {
+        match &mut on_image {
             Some(sum) => add(sum, &gradient, 1.0),
-            None => on_picture = Some(gradient),
+            None => on_image = Some(gradient),
         }
     }
-    let gradient = match on_picture {
-        Some(gradient) => laid.back(gradient, cells),
+    let gradient = match on_image {
+        Some(gradient) => textured.vjp(gradient, cells),
         None => vec![[0.0; 3]; cells.len()],
     };
-    Ok(Looked {
+    Ok(LossAndGradient {
         loss,
         confidence,
         gradient,
@@ -338,26 +351,26 @@ pub fn look(
 }
 
 /// What a pattern is to be besides adversarial: the weighted sum, and its derivative.
-pub fn penalties(cells: &[Rgb], config: &Config) -> (f64, Vec<Rgb>) {
+pub fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>) {
     let mut value = 0.0;
     let mut gradient = vec![[0.0; 3]; cells.len()];
-    let mut include = |weight: f64, (part, slope): (f64, Vec<Rgb>)| {
+    let mut include = |weight: f64, (part, derivative): (f64, Vec<Rgb>)| {
         value += weight * part;
-        add(&mut gradient, &slope, weight);
+        add(&mut gradient, &derivative, weight);
     };
     if config.smooth > 0.0 {
         include(config.smooth, penalty::smooth(cells, config.cells as usize));
     }
-    for drawn in [&config.printable, &config.palette] {
-        if drawn.weight > 0.0 {
-            include(drawn.weight, penalty::off_colours(cells, &srgb(&drawn.rgb)));
+    for penalty in [&config.printable, &config.palette] {
+        if penalty.weight > 0.0 {
+            include(penalty.weight, penalty::off_colours(cells, &srgb(&penalty.rgb)));
         }
     }
     (value, gradient)
 }
 
 /// The cells as they are kept: on the palette where there is one, in 8 bits.
-fn finished(cells: &[Rgb], config: &Config) -> Vec<Rgb> {
+fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
     let palette = srgb(&config.palette.rgb);
     let on_palette = |cell: &Rgb| penalty::nearest(*cell, &palette).unwrap_or(*cell);
     cells.iter().map(|cell| on_palette(cell).map(eight_bits)).collect()
@@ -385,14 +398,14 @@ pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
         .collect()
 }
 
-/// Chance that depends on the seed and the step alone, so that a run that goes on draws as one that never stopped.
+/// A generator that depends on the seed and the step alone, so that a resumed run draws as one that never stopped.
 pub fn drawn_by(seed: u64, step: u32) -> Pcg32 {
     Pcg32::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(u64::from(step)))
 }
 
-fn rate(config: &Config, step: u32) -> f64 {
+fn learning_rate(config: &AttackConfig, step: u32) -> f64 {
     let along = f64::from(step) / f64::from(config.steps.max(1));
-    config.rate * (0.55 + 0.45 * (std::f64::consts::PI * along).cos())
+    config.learning_rate * (0.55 + 0.45 * (std::f64::consts::PI * along).cos())
 }
 
 fn add(sum: &mut [Rgb], other: &[Rgb], weight: f64) {
@@ -416,7 +429,7 @@ pub fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
 }
 
 /// Cells as a pattern of so many columns.
-pub fn to_picture(cells: &[Rgb], columns: u32) -> RgbImage {
+pub fn to_image(cells: &[Rgb], columns: u32) -> RgbImage {
     RgbImage::from_fn(columns, cells.len() as u32 / columns, |x, y| {
         image::Rgb(cells[(y * columns + x) as usize].map(|v| (255.0 * v).round() as u8))
     })

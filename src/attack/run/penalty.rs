@@ -23,9 +23,9 @@ pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
         sum += length;
         for j in neighbours {
             for c in 0..3 {
-                let slope = (cells[j][c] - cells[i][c]) / length / count;
-                gradient[j][c] += slope;
-                gradient[i][c] -= slope;
+                let derivative = (cells[j][c] - cells[i][c]) / length / count;
+                gradient[j][c] += derivative;
+                gradient[i][c] -= derivative;
             }
         }
     }

@@ -1,12 +1,12 @@
-//! A picture made larger or smaller about its middle and moved, as a linear map, forward and transposed.
+//! An image made larger or smaller about its middle and moved, as a linear map, forward and transposed.
 
 use super::Rgb;
 use crate::whitebox::separable::{Separable, Tap};
 
-/// What surrounds a picture that was made smaller: the grey that detectors pad with.
+/// What surrounds an image that was made smaller: the grey that detectors pad with.
 const AROUND: f64 = 114.0 / 255.0;
 
-/// A separable map of a picture to one of the same size, with a triangle kernel as wide as it takes not to alias.
+/// A separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias.
 #[derive(Debug, Clone)]
 pub struct Resample(Separable);
 
@@ -18,16 +18,16 @@ impl Resample {
         Self(Separable::new(size, columns, rows))
     }
 
-    pub fn forward(&self, picture: &[Rgb]) -> Vec<Rgb> {
-        let from_grey: Vec<Rgb> = picture.iter().map(|rgb| rgb.map(|v| v - AROUND)).collect();
-        let mut taken = self.0.forward(&from_grey);
-        taken.iter_mut().flatten().for_each(|v| *v += AROUND);
-        taken
+    pub fn forward(&self, image: &[Rgb]) -> Vec<Rgb> {
+        let from_grey: Vec<Rgb> = image.iter().map(|rgb| rgb.map(|v| v - AROUND)).collect();
+        let mut augmented = self.0.forward(&from_grey);
+        augmented.iter_mut().flatten().for_each(|v| *v += AROUND);
+        augmented
     }
 
     /// The transposed map.
-    pub fn transposed(&self, picture: &[Rgb]) -> Vec<Rgb> {
-        self.0.transposed(picture)
+    pub fn transposed(&self, image: &[Rgb]) -> Vec<Rgb> {
+        self.0.transposed(image)
     }
 }
 
@@ -38,10 +38,10 @@ fn taps(size: usize, scale: f64, offset: f64) -> Vec<Tap> {
         let at = middle + (out as f64 + 0.5 - middle - offset) / scale - 0.5;
         let (low, high) = ((at - reach).ceil() as i64, (at + reach).floor() as i64);
         let weight = |i: i64| (1.0 - (i as f64 - at).abs() / reach).max(0.0);
-        // Of the whole kernel: what hangs over the border is what surrounds the picture.
+        // Of the whole kernel: what hangs over the border is what surrounds the image.
         let sum: f64 = (low..=high).map(weight).sum();
         let inside = low.max(0)..=high.min(size as i64 - 1);
-        // What lies wholly outside sees nothing of the picture; its first pixel must still be one.
+        // What lies wholly outside sees nothing of the image; its first pixel must still be one.
         let first = usize::try_from(*inside.start()).unwrap_or(0).min(size - 1);
         let weights = inside.map(|i| weight(i) / sum).collect();
         Tap { first, weights }
@@ -78,8 +78,8 @@ mod tests {
 
     #[test]
     fn size_one_is_no_change() {
-        let picture: Vec<Rgb> = (0..12).map(|i| [f64::from(i) / 12.0; 3]).collect();
-        let same = Resample::new([4, 3], 1.0, [0.0, 0.0]).forward(&picture);
-        assert!(same.iter().zip(&picture).all(|(a, b)| (a[0] - b[0]).abs() < 1e-12));
+        let image: Vec<Rgb> = (0..12).map(|i| [f64::from(i) / 12.0; 3]).collect();
+        let same = Resample::new([4, 3], 1.0, [0.0, 0.0]).forward(&image);
+        assert!(same.iter().zip(&image).all(|(a, b)| (a[0] - b[0]).abs() < 1e-12));
     }
 }

@@ -6,15 +6,16 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::on_frames::{OnFrames, Opened, cells_of};
+use super::on_frames::{OnFrames, cells_of};
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::attack::baseline::patches::{Patch, is_seen, paint};
-use crate::attack::baseline::{self, Oracle, genetic};
+use crate::attack::baseline::patches::{PlacedPatch, is_seen, paint};
+use crate::attack::baseline::{self, BlackBox, genetic};
 use crate::attack::run::checkpoint;
 use crate::attack::run::history::Entry;
-use crate::attack::run::judge::{Judgement, judge, judge_pictures};
+use crate::attack::run::judge::{HeldOutFigures, judge, judge_images};
 use crate::attack::run::{Rgb, RunError, of_pattern, srgb};
+use crate::attack::setup::Setup;
 use crate::cli::print::patch::{self, PlaceArgs};
 use crate::files;
 use crate::pattern::Pattern;
@@ -115,9 +116,9 @@ pub fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
 /// A pattern that needs no search.
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
     refuse_other_results(on)?;
-    let opened = on.open()?;
-    let judgement = judge(&opened.stage, &opened.detectors, cells)?;
-    on.write(&opened, (method, cells, vec![judged(judgement)]), out)?;
+    let setup = on.open()?;
+    let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
+    on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
     Ok(Outcome::Done)
 }
 
@@ -130,7 +131,7 @@ fn refuse_other_results(on: &OnFrames) -> Result<(), String> {
     }
 }
 
-fn judged(judgement: Judgement) -> Entry {
+fn judged(judgement: HeldOutFigures) -> Entry {
     Entry {
         step: 0,
         queries: 0,
@@ -147,21 +148,21 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     if method == "camou" && on.cells < 6 {
         return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
     }
-    let opened = on.open()?;
-    let config = baseline::Config {
+    let setup = on.open()?;
+    let config = baseline::SearchConfig {
         method,
         cells: on.cells,
         tile_mm: on.tile_mm,
         queries: args.queries,
         seed: on.seed,
-        laying: on.laying.into(),
-        eot: on.eot(),
-        frames_sha256: opened.frames_sha256.clone(),
-        detectors: opened.named.clone(),
+        mapping: on.mapping,
+        eot: on.mapping.usual_eot(),
+        frames_sha256: setup.frames_sha256.clone(),
+        detectors: setup.detector_names.clone(),
     };
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
     let on_query = |asked: u64| bar.set_position(asked);
-    let mut oracle = Oracle::begin(&opened.stage, &opened.detectors, &config, &on.output, &on_query)?;
+    let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
     let cells: Result<Vec<Rgb>, Box<dyn Error>> = match method {
         #[cfg(feature = "attack")]
         "camou" => camou(on.device.device, &mut oracle, &config),
@@ -170,12 +171,16 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     bar.finish_and_clear();
     let cells = cells?;
     let entries = oracle.finish()?;
-    on.write(&opened, (method, &cells, entries), out)?;
+    on.write(&setup, (method, &cells, entries), None, out)?;
     Ok(Outcome::Done)
 }
 
 #[cfg(feature = "attack")]
-fn camou(device: DeviceKind, oracle: &mut Oracle, config: &baseline::Config) -> Result<Vec<Rgb>, Box<dyn Error>> {
+fn camou(
+    device: DeviceKind,
+    oracle: &mut BlackBox,
+    config: &baseline::SearchConfig,
+) -> Result<Vec<Rgb>, Box<dyn Error>> {
     Ok(baseline::camou::search(oracle, config, &device.open()?)?)
 }
 
@@ -184,28 +189,28 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let base = hex(&args.flat)?;
     let patches = placed(&args.places)?;
     refuse_other_results(&args.on)?;
-    let opened = args.on.open()?;
-    check_seen(&opened, &patches)?;
-    let picture = |view: usize| painted(&opened, view, &patches, base);
-    let judgement = judge_pictures(&opened.stage, &opened.detectors, picture)?;
-    let history = args.on.history(&opened, "patches", vec![judged(judgement)]);
-    let (path, content) = args.on.history_file(&history)?;
+    let setup = args.on.open()?;
+    check_seen(&setup, &patches)?;
+    let picture = |view: usize| painted(&setup, view, &patches, base);
+    let judgement = judge_images(&setup.view_set, &setup.detectors, picture)?;
+    let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
+    let (path, content) = history.to_file(&args.on.output)?;
     files::write_atomically(&path, &content)?;
     if args.on.json {
         args.on.write_json(&history, None, out)?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "{}", path.display())?;
-    super::on_frames::say_judgement(&opened, &history, &args.on.class, out)?;
+    super::on_frames::say_figures(&setup, &history, &args.on.class, out)?;
     Ok(Outcome::Done)
 }
 
 /// A patch that no view shows would be judged as the plain model.
-fn check_seen(opened: &Opened, patches: &[Patch]) -> Result<(), Box<dyn Error>> {
+fn check_seen(setup: &Setup, patches: &[PlacedPatch]) -> Result<(), Box<dyn Error>> {
     for (i, patch) in patches.iter().enumerate() {
         let mut is_shown = false;
-        for view in opened.stage.judged() {
-            is_shown |= is_seen(&opened.set, &opened.stage.views[view].frame, patch)? != Some(false);
+        for view in setup.view_set.judged() {
+            is_shown |= is_seen(&setup.frames, &setup.view_set.views[view].frame, patch)? != Some(false);
         }
         if !is_shown {
             return Err(format!(
@@ -219,20 +224,20 @@ fn check_seen(opened: &Opened, patches: &[Patch]) -> Result<(), Box<dyn Error>> 
     Ok(())
 }
 
-fn painted(opened: &Opened, view: usize, patches: &[Patch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
-    let frame = &opened.stage.views[view].frame;
-    let paint = paint(&opened.set, frame, patches, base)?;
+fn painted(setup: &Setup, view: usize, patches: &[PlacedPatch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
+    let frame = &setup.view_set.views[view].frame;
+    let paint = paint(&setup.frames, frame, patches, base)?;
     let paint = paint.ok_or_else(|| RunError::NoPositions {
         view: frame.name.clone(),
     })?;
-    Ok(opened.stage.painted(view, &paint))
+    Ok(setup.view_set.painted(view, &paint))
 }
 
-fn placed(places: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(crate::print::patch::check)?;
-    let of = |patch: crate::print::patch::Patch| Patch {
-        picture: patch.picture.pixels().clone(),
+    let of = |patch: crate::print::patch::Patch| PlacedPatch {
+        image: patch.picture.pixels().clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm.into(),

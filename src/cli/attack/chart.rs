@@ -3,15 +3,13 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use serde::Serialize;
-
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::files;
+use crate::frames::FrameSet;
 use crate::frames::views;
-use crate::frames::{FrameSet, LIST};
-use crate::surrogate::chart::{Row, draw, draw_training, measure, table};
-use crate::surrogate::renderer::Learned;
+use crate::surrogate::chart::{draw, draw_training, measure, numbers, table};
+use crate::surrogate::renderer::NeuralRenderer;
 
 /// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
@@ -37,16 +35,6 @@ pub struct ChartArgs {
     json: bool,
 }
 
-/// The numbers, with what they were measured on.
-#[derive(Serialize)]
-struct Numbers<'a> {
-    scaleproof: &'static str,
-    frames_sha256: String,
-    made_by: &'a str,
-    references: &'a [String],
-    rows: &'a [Row],
-}
-
 pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     let references = args
@@ -56,17 +44,10 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         .collect::<Result<Vec<_>, _>>()?;
     let bar = progress::frames("measuring", views(&set.list.frames).len());
     let networks = networks(args)?;
-    let networks: Vec<&dyn Learned> = networks.iter().map(AsRef::as_ref).collect();
+    let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
     let rows = measure(&set, &references, &networks, || bar.inc(1))?;
     bar.finish_and_clear();
-    let numbers = Numbers {
-        scaleproof: env!("CARGO_PKG_VERSION"),
-        frames_sha256: files::sha256_hex(&files::read(&args.frames.join(LIST))?),
-        made_by: &set.list.made_by,
-        references: &args.reference,
-        rows: &rows,
-    };
-    let json = serde_json::to_string_pretty(&numbers)?;
+    let json = numbers(&set, &args.reference, &rows)?;
     let mut new = vec![
         (args.output.join("renderers.json"), json.clone().into_bytes()),
         (args.output.join("renderers.svg"), draw(&rows).into_bytes()),
@@ -85,17 +66,17 @@ pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 #[cfg(feature = "attack")]
-fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, Box<dyn std::error::Error>> {
+fn networks(args: &ChartArgs) -> Result<Vec<Box<dyn NeuralRenderer>>, Box<dyn std::error::Error>> {
     use crate::surrogate::dtn::file;
     let device = args.on.device.open()?;
     let open = |path: &PathBuf| {
         let network = file::load(path)?.network(device.clone())?;
-        Ok(Box::new(network) as Box<dyn Learned>)
+        Ok(Box::new(network) as Box<dyn NeuralRenderer>)
     };
     args.network.iter().map(open).collect()
 }
 
 #[cfg(not(feature = "attack"))]
-fn networks(_: &ChartArgs) -> Result<Vec<Box<dyn Learned>>, std::convert::Infallible> {
+fn networks(_: &ChartArgs) -> Result<Vec<Box<dyn NeuralRenderer>>, std::convert::Infallible> {
     Ok(Vec::new())
 }

@@ -12,9 +12,8 @@ use super::CommandResult;
 use super::render::hex;
 use crate::files;
 use crate::frames::light;
-use crate::frames::views;
-use crate::frames::{Frame, FrameSet, LIST, Paint, encode_rgb};
-use crate::surrogate::additive::Additive;
+use crate::frames::{FrameSet, LIST};
+use crate::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
@@ -48,43 +47,9 @@ pub fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
         .into());
     }
     let colours = colours(args)?;
-    let mut list = set.list.clone();
-    list.frames.clear();
-    list.made_by = format!("attack colours (of: {})", set.list.made_by);
-    let mut new = Vec::new();
-    let mut copied = BTreeSet::new();
-    for view in views(&set.list.frames) {
-        let additive = Additive::of_view(&set, &view)?;
-        let first = view[0];
-        for (key, file) in first.files() {
-            if !matches!(key, "rgb" | "linear" | "pattern") && copied.insert(file.to_owned()) {
-                new.push((args.output.join(file), files::read(&set.folder.join(file))?));
-            }
-        }
-        for rgb in &colours {
-            let frame = frame(first, *rgb, list.frames.len());
-            let pixels = additive.rgb(*rgb).into_iter().flatten().collect();
-            let [width, height] = set.list.size_px;
-            let picture = image::RgbImage::from_raw(width, height, pixels).unwrap_or_default();
-            new.push((args.output.join(&frame.rgb), encode_rgb(&picture)?));
-            list.frames.push(frame);
-        }
-    }
-    new.push(list.to_file(&args.output)?);
+    let (new, frames) = recoloured(&set, &colours, &args.output)?;
     files::replace_all_atomically(&new)?;
-    super::say_frames(&args.output.join(LIST), list.frames.len(), args.json, out)
-}
-
-/// The same view in another colour.
-fn frame(of: &Frame, rgb: [u8; 3], number: usize) -> Frame {
-    let name = format!("{number:05}_{}", light::to_hex(rgb));
-    Frame {
-        rgb: format!("rgb/{name}.png"),
-        name,
-        linear: None,
-        paint: Paint::FlatRgb(rgb),
-        ..of.clone()
-    }
+    super::say_frames(&args.output.join(LIST), frames, args.json, out)
 }
 
 fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {

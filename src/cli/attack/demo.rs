@@ -5,11 +5,14 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::device::OnDevice;
-use super::on_frames::{Laying, OnFrames, Opened, PATTERN};
+use super::on_frames::OnFrames;
 use super::run::{Settings, optimise};
 use super::{CommandResult, Outcome};
+use crate::attack::result::PATTERN;
 use crate::attack::run::judge::judge;
-use crate::attack::run::{Drawn, Rgb, of_pattern, srgb};
+use crate::attack::run::view_set::TextureMapping;
+use crate::attack::run::{ColourPenalty, Rgb, of_pattern, srgb};
+use crate::attack::setup::Setup;
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
 use crate::pattern::Pattern;
@@ -38,14 +41,14 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         class: "car".parse()?,
         cells: CELLS,
         tile_mm: TILE_MM,
-        laying: Laying::World,
+        mapping: TextureMapping::default(),
         device: OnDevice::default(),
         json: false,
         seed: 1,
         output: args.output.clone(),
     };
-    let opened = on.open()?;
-    let (views, held_out) = (opened.stage.views.len(), opened.stage.judged().len());
+    let setup = on.open()?;
+    let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,
         "1. {} views of the model become a pattern against {DETECTOR}; {held_out} are held out",
@@ -54,16 +57,16 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let settings = Settings {
         steps: 60,
         batch: 5,
-        rate: 0.05,
+        learning_rate: 0.05,
         floor: 0.001,
         smooth: 0.0,
-        printable: Drawn::default(),
-        palette: Drawn::default(),
+        printable: ColourPenalty::default(),
+        palette: ColourPenalty::default(),
         range: [0, 255],
     };
-    let config = settings.config(&on, &opened);
-    let (cells, entries) = optimise(&on, &opened, &config)?;
-    on.write(&opened, ("dta", &cells, entries), out)?;
+    let config = settings.config(&on, &setup);
+    let (cells, entries) = optimise(&on, &setup, &config)?;
+    on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
     writeln!(out, "\n2. The pattern becomes a printable sheet")?;
     let png = args.output.join(PATTERN);
     print_template(
@@ -74,7 +77,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         out,
     )?;
     writeln!(out, "\n3. {DETECTOR} looks at the held-out views")?;
-    table(&opened, &cells, out)?;
+    table(&setup, &cells, out)?;
     writeln!(
         out,
         "\nThese are pictures as the renderer model predicts them. What counts are new ones: `attack render --pattern {}` needs the model's mesh, \
@@ -85,7 +88,7 @@ pub fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The pattern beside a grey model and a random pattern.
-fn table(opened: &Opened, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+fn table(setup: &Setup, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let grey = srgb(&vec![[128; 3]; cells.len()]);
     let random = of_pattern(&Pattern::random(CELLS, 1)?);
     writeln!(
@@ -94,7 +97,7 @@ fn table(opened: &Opened, cells: &[Rgb], out: &mut dyn Write) -> Result<(), Box<
         "pattern", "AP@0.5", "hit rate", "mean confidence"
     )?;
     for (name, cells) in [("grey", grey.as_slice()), ("random", &random), ("attack", cells)] {
-        let judged = judge(&opened.stage, &opened.detectors, cells)?;
+        let judged = judge(&setup.view_set, &setup.detectors, cells)?;
         writeln!(
             out,
             "{name:<10} {:>7.2} {:>9.2} {:>16.2}",

@@ -9,15 +9,15 @@ use super::print::wrap::ModelArgs;
 use super::render::{azimuths, cache, hex, size, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
-use crate::attack::evaluate::{EvaluateError, Evaluation};
+use crate::attack::evaluate::{EvaluateError, RenderedSet};
 use crate::detect::Manifest;
 use crate::files;
-use crate::frames::render::{Colour, Light, RenderRequest, blender};
+use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;
 use crate::report;
 use crate::scene::Classes;
 use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with, evaluated_detectors};
-use crate::session::{self, PhotoEntry, Session};
+use crate::session::Session;
 
 /// Judge patterns on the model: render them anew at the paper's viewpoints under other lights, and score the detectors on the photos
 ///
@@ -60,7 +60,7 @@ pub struct EvaluateArgs {
     /// Horizontal field of view
     #[arg(long, value_name = "DEG", default_value_t = 40.0, allow_negative_numbers = true)]
     field_of_view_deg: f64,
-    /// Light paths a pixel, before the noise is cleaned away
+    /// Panorama paths a pixel, before the noise is cleaned away
     #[arg(long, default_value_t = 8)]
     samples: u32,
     #[arg(long, default_value_t = 1)]
@@ -82,7 +82,7 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let patterns = args.named_patterns()?;
     let mut variants = vec![BASE_VARIANT.to_owned()];
     variants.extend(patterns.iter().map(|(name, _)| name.clone()));
-    let evaluation = Evaluation::new(args.request(patterns)?, variants.clone())?;
+    let evaluation = RenderedSet::new(args.request(patterns)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
     let manifests = args.manifests()?;
     files::check_writable(&args.output)?;
@@ -112,7 +112,7 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn render(evaluation: &Evaluation, folder: &Path) -> Result<(), EvaluateError> {
+fn render(evaluation: &RenderedSet, folder: &Path) -> Result<(), EvaluateError> {
     let bar = progress::frames("rendering", evaluation.photos().len());
     let python = || blender::find(&cache(), progress::announce);
     let rendered = evaluation.render(folder, python, |done| bar.set_position(done as u64));
@@ -143,18 +143,18 @@ impl EvaluateArgs {
         let mesh_file = self.mesh_file()?;
         let model = self.model.load()?;
         let normal = match self.normal.as_str() {
-            "original" => Colour::Original,
-            text => Colour::Flat(hex(text)?),
+            "original" => RenderPaint::Original,
+            text => RenderPaint::Flat(hex(text)?),
         };
         let laid = patterns
             .into_iter()
-            .map(|(name, pattern)| Colour::Pattern(name, pattern, self.tile_mm));
+            .map(|(name, pattern)| RenderPaint::Pattern(name, pattern, self.tile_mm));
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
             mesh: model.mesh,
             materials: model.materials,
-            lights: lights.collect::<Result<Vec<Light>, _>>()?,
+            lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
             viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
             colours: std::iter::once(normal).chain(laid).collect(),
             size_px: size(&self.size_px)?,
@@ -211,25 +211,10 @@ impl EvaluateArgs {
         }
     }
 
-    /// The scene, then the list of photos that names it.
-    fn write_session(&self, evaluation: &Evaluation, folder: &Path) -> Result<(), Box<dyn Error>> {
+    /// The scene and the list of photos.
+    fn write_session(&self, evaluation: &RenderedSet, folder: &Path) -> Result<(), Box<dyn Error>> {
         let mesh = self.mesh_file()?;
-        let name = mesh
-            .file_stem()
-            .map(|s| s.to_string_lossy().into_owned())
-            .unwrap_or_default();
-        let scene = evaluation.scene(&name, &self.class, self.model.load()?.scale);
-        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
-        let photos = evaluation.photos().into_iter().map(|photo| PhotoEntry {
-            file: photo.file.to_string_lossy().into_owned(),
-            variant: photo.variant,
-            place: Some(photo.place),
-            taken: None,
-            box_xyxy_px: Some(photo.box_xyxy_px),
-            viewpoint: Some(photo.viewpoint),
-        });
-        let path = folder.join("session.json");
-        let text = session::text(&path, "scene.toml", None, photos.collect())?;
-        Ok(files::replace_atomically(&path, text.as_bytes())?)
+        let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(evaluation.write_session(folder, (&name, &self.class, self.model.load()?.scale))?)
     }
 }

@@ -1,11 +1,10 @@
 //! `scaleproof attack history`: several methods on one chart.
 
-use std::error::Error;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::{CommandResult, Outcome};
-use crate::attack::run::history::{FILE, History, draw};
+use crate::attack::run::history::{History, draw};
 use crate::files;
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
@@ -26,11 +25,11 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
     let histories = args
         .results
         .iter()
-        .map(|folder| open(folder))
+        .map(|folder| History::load(folder))
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(other) = histories
         .iter()
-        .position(|h| h.frames_sha256 != histories[0].frames_sha256 || h.detectors != histories[0].detectors)
+        .position(|history| !history.is_comparable(&histories[0]))
     {
         return Err(format!(
             "{} and {} were made with other frames or detectors, so their figures cannot stand on one chart",
@@ -86,10 +85,4 @@ fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
         }
     }
     Ok(())
-}
-
-fn open(folder: &Path) -> Result<History, Box<dyn Error>> {
-    let path = folder.join(FILE);
-    let history = serde_json::from_str(&files::read_text(&path)?);
-    history.map_err(|e| format!("{} is no history of a pattern ({e}): make it again", path.display()).into())
 }

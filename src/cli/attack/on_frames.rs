@@ -4,32 +4,28 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
 use super::device::OnDevice;
 use super::progress;
-use crate::attack::run::eot::Eot;
-use crate::attack::run::history::{self, Entry, History};
-use crate::attack::run::stage::Stage;
-use crate::attack::run::{Rgb, stage, to_picture};
+use crate::attack::result;
+use crate::attack::run::history::{Entry, History};
+use crate::attack::run::view_set::TextureMapping;
+use crate::attack::run::{AttackConfig, Rgb};
+use crate::attack::setup::Setup;
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
 use crate::files;
-use crate::frames::{FrameSet, LIST};
-use crate::pattern::card::Card;
+use crate::frames::{FrameSet, views};
 use crate::pattern::{MAX_CELLS, Pattern};
 use crate::print::lettering::counted;
 use crate::scene::Classes;
-use crate::surrogate::projection::Grid;
 use crate::whitebox::WhiteBox;
 #[cfg(feature = "attack")]
 use crate::whitebox::detector::OnnxDetector;
 use crate::whitebox::device::DeviceKind;
-
-/// The name of the pattern in the folder of a result.
-pub const PATTERN: &str = "pattern.png";
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct OnFrames {
@@ -57,8 +53,8 @@ pub struct OnFrames {
     pub tile_mm: f64,
     /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
     /// (DTA)
-    #[arg(long, value_enum, default_value_t = Laying::World)]
-    pub laying: Laying,
+    #[arg(long = "laying", default_value = "world", value_parser = texture_mapping())]
+    pub mapping: TextureMapping,
     #[command(flatten)]
     pub device: OnDevice,
     /// One JSON object instead of the text
@@ -72,79 +68,35 @@ pub struct OnFrames {
     pub output: PathBuf,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Laying {
-    World,
-    Repeated,
-}
-
-impl From<Laying> for stage::Laying {
-    fn from(laying: Laying) -> Self {
-        match laying {
-            Laying::World => Self::World,
-            Laying::Repeated => Self::Repeated,
-        }
-    }
-}
-
-/// Frames and detectors, opened.
-pub struct Opened {
-    pub set: FrameSet,
-    pub stage: Stage,
-    pub detectors: Vec<Box<dyn WhiteBox>>,
-    /// Names, with the beginning of the weights' hashes.
-    pub named: Vec<String>,
-    pub frames_sha256: String,
+fn texture_mapping() -> impl TypedValueParser<Value = TextureMapping> {
+    let by_name = |name: String| TextureMapping::ALL.into_iter().find(|mapping| mapping.name() == name);
+    PossibleValuesParser::new(TextureMapping::ALL.map(TextureMapping::name))
+        .map(move |name| by_name(name).unwrap_or_default())
 }
 
 impl OnFrames {
-    pub fn open(&self) -> Result<Opened, Box<dyn Error>> {
+    pub fn open(&self) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
-        let (detectors, named) = white_boxes(&self.detector, &self.folder, &self.class, self.device.device)?;
-        let set = FrameSet::open(&self.frames)?;
+        let detectors = white_boxes(&self.detector, &self.folder, &self.class, self.device.device)?;
+        let frames = FrameSet::open(&self.frames)?;
         files::check_writable(&self.output)?;
-        let grid = Grid {
-            columns: self.cells,
-            rows: self.cells,
-            cell_mm: self.tile_mm / f64::from(self.cells),
-        };
-        let views = crate::frames::views(&set.list.frames).len();
-        let bar = progress::frames("reading views", views);
-        let stage = Stage::open(&set, grid, self.laying.into(), || bar.inc(1));
+        let texture = (self.cells, self.tile_mm, self.mapping);
+        let bar = progress::frames("reading views", views(&frames.list.frames).len());
+        let setup = Setup::open(frames, texture, detectors, || bar.inc(1));
         bar.finish_and_clear();
-        Ok(Opened {
-            stage: stage?,
-            frames_sha256: files::sha256_hex(&files::read(&self.frames.join(LIST))?),
-            set,
-            detectors,
-            named,
-        })
+        Ok(setup?)
     }
 
-    /// The usual transformations; those of the pattern's phase and size where the laying leaves them open.
-    pub fn eot(&self) -> Eot {
-        match self.laying {
-            Laying::World => Eot::USUAL,
-            Laying::Repeated => Eot {
-                shift_tiles: 0.5,
-                tile_scale: 0.25,
-                ..Eot::USUAL
-            },
-        }
-    }
-
-    /// Writes the pattern, its card and its history together, and says what they are.
+    /// Writes the result of a method, and says what it is.
     pub fn write(
         &self,
-        opened: &Opened,
+        setup: &Setup,
         (method, cells, entries): (&str, &[Rgb], Vec<Entry>),
+        config: Option<&AttackConfig>,
         out: &mut dyn Write,
     ) -> Result<(), Box<dyn Error>> {
-        let history = self.history(opened, method, entries);
-        let png = png(&to_picture(cells, self.cells))?;
-        let path = self.output.join(PATTERN);
-        let card = self.card(opened, &history, &png)?.to_file(&path)?;
-        files::replace_all_atomically(&[(path.clone(), png), card, self.history_file(&history)?])?;
+        let history = setup.history(method, self.seed, entries);
+        let path = result::write(&self.output, (cells, self.cells), &history, config)?;
         if self.json {
             return self.write_json(&history, Some(&path), out);
         }
@@ -156,7 +108,7 @@ impl OnFrames {
             self.cells,
             self.tile_mm
         )?;
-        say_judgement(opened, &history, &self.class, out)
+        say_figures(setup, &history, &self.class, out)
     }
 
     /// The result for programs: what `history.json` ends with, and where the pattern is.
@@ -166,64 +118,25 @@ impl OnFrames {
         pattern: Option<&Path>,
         out: &mut dyn Write,
     ) -> Result<(), Box<dyn Error>> {
-        let predicted = history.last_judged().map(|(_, judgement)| judgement);
-        let queries = history.entries.last().map_or(0, |e| e.queries);
+        let predicted = history.last_judged().map(|(_, figures)| figures);
+        let queries = history.queries();
         let line = json!({
             "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells, "classes": self.class,
             "detectors": history.detectors, "pattern": pattern, "queries": queries, "predicted": predicted,
         });
         Ok(writeln!(out, "{line}")?)
     }
-
-    pub fn history(&self, opened: &Opened, method: &str, entries: Vec<Entry>) -> History {
-        History {
-            scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
-            method: method.to_owned(),
-            seed: self.seed,
-            tile_mm: self.tile_mm,
-            frames_sha256: opened.frames_sha256.clone(),
-            detectors: opened.named.clone(),
-            entries,
-        }
-    }
-
-    pub fn history_file(&self, history: &History) -> Result<(PathBuf, Vec<u8>), Box<dyn Error>> {
-        let text = serde_json::to_string_pretty(history)?;
-        Ok((self.output.join(history::FILE), text.into_bytes()))
-    }
-
-    fn card(&self, opened: &Opened, history: &History, png: &[u8]) -> Result<Card, Box<dyn Error>> {
-        let queries = history.entries.last().map_or(0, |e| e.queries);
-        let judged = history.last_judged().map(|(_, judgement)| judgement);
-        let about = json!({
-            "made_by": format!("scaleproof {} attack, method {}", env!("CARGO_PKG_VERSION"), history.method),
-            "cells": [self.cells, self.cells],
-            "seed": self.seed,
-            "detectors": opened.named,
-            "frames_sha256": opened.frames_sha256,
-            "queries": queries,
-            "held_out_by_renderer_model": judged,
-        });
-        let serde_json::Value::Object(about) = about else {
-            return Err("the card could not be written".into());
-        };
-        Ok(Card {
-            pattern_sha256: files::sha256_hex(png),
-            tile_mm: self.tile_mm,
-            about,
-        })
-    }
 }
 
 /// What the held-out views say, and that they are predictions.
-pub fn say_judgement(
-    opened: &Opened,
+pub fn say_figures(
+    setup: &Setup,
     history: &History,
     class: &Classes,
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
-    if let Some((entry, judgement)) = history.last_judged() {
-        let which = if opened.stage.holds_out() {
+    if let Some((entry, figures)) = history.last_judged() {
+        let which = if setup.view_set.holds_out() {
             "it was not made with"
         } else {
             "it was made with (too few to hold any out)"
@@ -232,19 +145,19 @@ pub fn say_judgement(
             out,
             "predicted, not rendered: AP@0.5 {:.2}, hit rate {:.2}, mean confidence {:.2} on {} {which}; {} looked at in {:.0} s; \
              counts as the model: {class}",
-            judgement.ap50,
-            judgement.hit_rate,
-            judgement.mean_confidence,
-            counted(judgement.views, "view"),
+            figures.ap50,
+            figures.hit_rate,
+            figures.mean_confidence,
+            counted(figures.views, "view"),
             counted(entry.queries as usize, "picture"),
             entry.wall_s
         )?;
     }
-    if opened.stage.unseen > 0 {
+    if setup.view_set.unseen > 0 {
         writeln!(
             out,
             "left out, as the model's paint is not seen: {}",
-            counted(opened.stage.unseen, "view")
+            counted(setup.view_set.unseen, "view")
         )?;
     }
     Ok(())
@@ -257,10 +170,6 @@ fn check_tile(tile_mm: f64) -> Result<(), String> {
             "--tile-mm is {tile_mm}: give the width of one repeat on the model, 0.1 to 100000 mm"
         )),
     }
-}
-
-fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Box<dyn Error>> {
-    Ok(crate::frames::encode_rgb(picture)?)
 }
 
 /// The cells of a pattern file, which must be square and of so many cells.

@@ -9,17 +9,14 @@ use serde_json::{Value, json};
 
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::envelope;
 use crate::files;
 use crate::frames::LIST;
 use crate::frames::light;
-use crate::frames::photos::{LeftOut, Made, MadeView, Paper, Request, Shot, make};
-use crate::locate::{Warning, locate_photo};
-use crate::mesh::Mesh;
-use crate::photo::Photo;
-use crate::session::{PhotoEntry, Session};
-use crate::tags::{TagDetector, TagDetectorChoice, paper_levels};
-use crate::workers;
+use crate::frames::photos::sessions::{
+    FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
+};
+use crate::frames::photos::{LeftOutPhoto, PhotoFrames, PhotoFramesRequest, PhotoView, make};
+use crate::session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view
 ///
@@ -50,12 +47,6 @@ pub struct PhotosArgs {
 /// Exposures that differ by more cost accuracy, as cameras' tone curves are not sRGB's.
 const MOST_GAIN: f64 = 1.2;
 
-/// A variant and the colour it is painted in.
-struct Flat {
-    variant: String,
-    rgb: [u8; 3],
-}
-
 pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     let flats = flats(&args.flat)?;
     let sessions = args
@@ -66,7 +57,7 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     check_output(args, &sessions)?;
     let mesh = common_mesh(&sessions)?;
     check_variants(&flats, &sessions)?;
-    let request = Request {
+    let request = PhotoFramesRequest {
         materials: mesh.materials_named(&args.material)?,
         mesh,
         target_mm: sessions[0].scene.model.target_mm(),
@@ -74,14 +65,21 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
         width_px: args.size_px,
         made_by: made_by(args, &sessions, &flats),
     };
-    let Located { shots, left_out, notes } = located(&sessions, &flats)?;
+    let bar = progress::photos("locating", of_flats(&sessions, &flats).len());
+    let located = locate_flats(&sessions, &flats, || bar.inc(1));
+    bar.finish_and_clear();
+    let LocatedPhotos {
+        photos,
+        left_out,
+        notes,
+    } = located?;
     notes.iter().for_each(|note| say!("note: {note}"));
     let mut nowhere = std::io::sink();
     let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
     say_left_out(&left_out, text)?;
     say_other_variants(&flats, &sessions, text)?;
-    let bar = progress::frames("laying photos", 0);
-    let made = make(&request, &shots, &args.output, |views| {
+    let bar = progress::frames("mapping photos", 0);
+    let made = make(&request, &photos, &args.output, |views| {
         bar.set_length(views as u64);
         bar.inc(1);
     });
@@ -107,8 +105,8 @@ pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// `--json`.
-fn summary(list: &Path, made: &Made, not_located: &[LeftOut]) -> Value {
-    let view = |view: &MadeView| {
+fn summary(list: &Path, made: &PhotoFrames, not_located: &[LeftOutPhoto]) -> Value {
+    let view = |view: &PhotoView| {
         let others = view.others.iter().map(|(photo, turn_deg, light_factors)| {
             json!({ "photo": photo, "turn_deg": turn_deg, "light_factors": light_factors })
         });
@@ -128,8 +126,8 @@ fn summary(list: &Path, made: &Made, not_located: &[LeftOut]) -> Value {
     })
 }
 
-fn flats(texts: &[String]) -> Result<Vec<Flat>, Box<dyn Error>> {
-    let mut flats: Vec<Flat> = Vec::new();
+fn flats(texts: &[String]) -> Result<Vec<FlatVariant>, Box<dyn Error>> {
+    let mut flats: Vec<FlatVariant> = Vec::new();
     for text in texts {
         let (variant, colour) = text
             .rsplit_once('=')
@@ -139,7 +137,7 @@ fn flats(texts: &[String]) -> Result<Vec<Flat>, Box<dyn Error>> {
         if flats.iter().any(|flat| flat.variant == variant || flat.rgb == rgb) {
             return Err(format!("--flat '{text}': its variant or its colour is there already; give each once").into());
         }
-        flats.push(Flat {
+        flats.push(FlatVariant {
             variant: variant.to_owned(),
             rgb,
         });
@@ -168,149 +166,7 @@ fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<(), Box<dyn E
     Ok(files::check_writable(&args.output)?)
 }
 
-/// The mesh that all scenes name; photos that say nothing of poses are refused.
-fn common_mesh(sessions: &[Session]) -> Result<Mesh, Box<dyn Error>> {
-    let mut common: Option<(&Session, Mesh)> = None;
-    for session in sessions {
-        let name = &session.name;
-        let Some(path) = &session.mesh_path else {
-            return Err(format!(
-                "the scene of {name} names no mesh, through which photos are laid on each other: give its [model] envelope = \"mesh\" and mesh = \"FILE\""
-            )
-            .into());
-        };
-        session.known_camera()?;
-        if session.scene.tags.is_empty() {
-            return Err(format!(
-                "the scene of {name} has no tags, and a viewpoint alone is no pose: photos are located by their tags"
-            )
-            .into());
-        }
-        let mesh = envelope::load(path, &session.scene.model)?;
-        match &common {
-            Some((first, known)) if *known != mesh || first.scene.model.size_mm != session.scene.model.size_mm => {
-                return Err(format!(
-                    "{} and {name} have different models: make frames of each by itself",
-                    first.name
-                )
-                .into());
-            }
-            Some(_) => {}
-            None => common = Some((session, mesh)),
-        }
-    }
-    common.map(|(_, mesh)| mesh).ok_or_else(|| "give a session".into())
-}
-
-fn variants(sessions: &[Session]) -> BTreeSet<&str> {
-    let photos = sessions.iter().flat_map(|s| &s.photos);
-    photos.map(|p| p.variant.as_str()).collect()
-}
-
-fn check_variants(flats: &[Flat], sessions: &[Session]) -> Result<(), String> {
-    let known = variants(sessions);
-    let unknown = flats.iter().find(|flat| !known.contains(flat.variant.as_str()));
-    unknown.map_or(Ok(()), |flat| {
-        let known: Vec<_> = known.into_iter().collect();
-        Err(format!(
-            "no photo has the variant '{}'; the variants are {}",
-            flat.variant,
-            known.join(", ")
-        ))
-    })
-}
-
-/// A photo to be located, and the colour it shows.
-struct Job<'a> {
-    session: &'a Session,
-    entry: &'a PhotoEntry,
-    rgb: [u8; 3],
-}
-
-/// The photos with a pose, those without one, and what to know before believing the poses.
-#[derive(Default)]
-struct Located {
-    shots: Vec<Shot>,
-    left_out: Vec<LeftOut>,
-    notes: BTreeSet<String>,
-}
-
-/// Locates every photo in one of the colours.
-fn located(sessions: &[Session], flats: &[Flat]) -> Result<Located, Box<dyn Error>> {
-    let mut jobs = Vec::new();
-    for session in sessions {
-        for entry in &session.photos {
-            if let Some(flat) = flats.iter().find(|flat| flat.variant == entry.variant) {
-                let rgb = flat.rgb;
-                jobs.push(Job { session, entry, rgb });
-            }
-        }
-    }
-    let families: BTreeSet<_> = sessions.iter().flat_map(|s| s.scene.families()).collect();
-    let families: Vec<_> = families.into_iter().collect();
-    let bar = progress::photos("locating", jobs.len());
-    let answers = workers::map(
-        &jobs,
-        || TagDetectorChoice::default().open(&families),
-        |tags, job| Ok(shot(job, tags)),
-        || bar.inc(1),
-    );
-    bar.finish_and_clear();
-    let mut located = Located::default();
-    for (job, answer) in jobs.iter().zip(answers?) {
-        match answer {
-            Ok((shot, notes)) => {
-                located.shots.push(shot);
-                located.notes.extend(notes);
-            }
-            Err(reason) => located.left_out.push(LeftOut {
-                what: job.entry.file.clone(),
-                reason,
-            }),
-        }
-    }
-    Ok(located)
-}
-
-/// A photo with its pose and its cautions, or why it is left out.
-fn shot(job: &Job, tags: &mut dyn TagDetector) -> Result<(Shot, Vec<String>), String> {
-    let session = job.session;
-    let file = session.photo_path(job.entry);
-    let photo = Photo::open(&file).map_err(|e| e.to_string())?;
-    let camera = session.known_camera().map_err(|e| e.to_string())?;
-    let found = locate_photo(&photo, &session.scene, camera, tags).map_err(|e| e.to_string())?;
-    let seen = found.seen.clone();
-    let (located, fitted) = found.pose_and_camera().map_err(|e| e.to_string())?;
-    if located.warnings.contains(&Warning::PoorFit) {
-        return Err(format!(
-            "its tags fit badly (off by {:.1} px), so that the paint would not lie where it is: was a card moved, or is this another camera?",
-            located.rms_px
-        ));
-    }
-    let rgb = photo.rgb(1).map_err(|e| e.to_string())?;
-    let trusted = |id: u32| located.tags.contains(&id);
-    let papers = seen.iter().zip(paper_levels(&rgb, &seen)).filter_map(|(tag, level)| {
-        (tag.is_whole && trusted(tag.id)).then_some(Paper {
-            family: tag.family,
-            id: tag.id,
-            level: level?,
-        })
-    });
-    let notes = fitted.cautions();
-    let shot = Shot {
-        flat_rgb: job.rgb,
-        // Photos of another session may be of the same place only where both name it.
-        place: job.entry.place.clone().unwrap_or_else(|| session.name.clone()),
-        bin: located.bin,
-        pose: located.pose,
-        papers: papers.collect(),
-        camera: fitted.camera,
-        file,
-    };
-    Ok((shot, notes))
-}
-
-fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[Flat]) -> String {
+fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[FlatVariant]) -> String {
     let names: Vec<&str> = sessions.iter().map(|s| s.name.as_str()).collect();
     let colours: Vec<String> = flats
         .iter()
@@ -323,7 +179,7 @@ fn made_by(args: &PhotosArgs, sessions: &[Session], flats: &[Flat]) -> String {
     text + &format!(" --size-px {}", args.size_px)
 }
 
-fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
+fn say(made: &PhotoFrames, out: &mut dyn Write) -> std::io::Result<()> {
     for view in &made.views {
         let others = view.others.iter().map(|(name, turn_deg, gain)| {
             let [r, g, b] = gain;
@@ -349,12 +205,12 @@ fn say(made: &Made, out: &mut dyn Write) -> std::io::Result<()> {
     say_left_out(&made.left_out, out)
 }
 
-fn say_left_out(left_out: &[LeftOut], out: &mut dyn Write) -> std::io::Result<()> {
+fn say_left_out(left_out: &[LeftOutPhoto], out: &mut dyn Write) -> std::io::Result<()> {
     let mut lines = left_out.iter();
     lines.try_for_each(|left| writeln!(out, "left out: {}: {}", left.what, left.reason))
 }
 
-fn say_other_variants(flats: &[Flat], sessions: &[Session], out: &mut dyn Write) -> std::io::Result<()> {
+fn say_other_variants(flats: &[FlatVariant], sessions: &[Session], out: &mut dyn Write) -> std::io::Result<()> {
     let mut all = variants(sessions);
     all.retain(|variant| flats.iter().all(|flat| flat.variant != *variant));
     all.iter().try_for_each(|variant| {

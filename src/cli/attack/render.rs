@@ -8,7 +8,7 @@ use super::print::wrap::ModelArgs;
 use super::{CommandResult, progress};
 use crate::frames::LIST;
 use crate::frames::light;
-use crate::frames::render::{Colour, Light, Plan, RenderRequest, blender, render};
+use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
@@ -43,7 +43,7 @@ pub struct RenderArgs {
     /// Horizontal field of view
     #[arg(long, value_name = "DEG", default_value_t = 50.0, allow_negative_numbers = true)]
     field_of_view_deg: f64,
-    /// Light paths a pixel
+    /// Panorama paths a pixel
     #[arg(long, default_value_t = 64)]
     samples: u32,
     #[arg(long, default_value_t = 1)]
@@ -63,7 +63,7 @@ pub struct RenderArgs {
 }
 
 pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
-    let plan = Plan::new(args.request()?)?;
+    let plan = RenderPlan::new(args.request()?)?;
     crate::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
     let bar = progress::frames("rendering", plan.frames().len());
@@ -98,7 +98,7 @@ impl RenderArgs {
                 .light
                 .iter()
                 .map(|text| text.parse())
-                .collect::<Result<Vec<Light>, _>>()?,
+                .collect::<Result<Vec<Panorama>, _>>()?,
             viewpoints,
             colours: self.colours()?,
             size_px: size(&self.size_px)?,
@@ -113,10 +113,10 @@ impl RenderArgs {
         })
     }
 
-    fn colours(&self) -> Result<Vec<Colour>, Box<dyn Error>> {
+    fn colours(&self) -> Result<Vec<RenderPaint>, Box<dyn Error>> {
         let mut colours = Vec::new();
         for text in &self.flat {
-            colours.push(Colour::Flat(hex(text)?));
+            colours.push(RenderPaint::Flat(hex(text)?));
         }
         for path in &self.pattern {
             let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
@@ -124,7 +124,7 @@ impl RenderArgs {
                 .file_stem()
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default();
-            colours.push(Colour::Pattern(name, Pattern::load(path)?, tile_mm));
+            colours.push(RenderPaint::Pattern(name, Pattern::load(path)?, tile_mm));
         }
         Ok(colours)
     }

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::on_frames::{OnFrames, Opened};
+use super::on_frames::OnFrames;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::history::Entry;
-use crate::attack::run::{Attack, Config, Drawn, Rgb};
-use crate::files;
+use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb};
+use crate::attack::setup::Setup;
 use crate::pattern::palette::Palette;
 use crate::print::printer::PrinterFile;
 
@@ -62,19 +62,17 @@ pub struct RunArgs {
 
 pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let settings = args.settings()?;
-    let opened = args.on.open()?;
-    let config = settings.config(&args.on, &opened);
-    let (cells, entries) = optimise(&args.on, &opened, &config)?;
-    args.on.write(&opened, ("dta", &cells, entries), out)?;
-    let text = serde_json::to_string_pretty(&config)?;
-    files::replace_atomically(&args.on.output.join("config.json"), text.as_bytes())?;
+    let setup = args.on.open()?;
+    let config = settings.config(&args.on, &setup);
+    let (cells, entries) = optimise(&args.on, &setup, &config)?;
+    args.on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
     Ok(Outcome::Done)
 }
 
 /// Runs the attack with a bar that shows where it stands.
-pub fn optimise(on: &OnFrames, opened: &Opened, config: &Config) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+pub fn optimise(on: &OnFrames, setup: &Setup, config: &AttackConfig) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
     let bar = progress::steps("attacking", config.steps as usize);
-    let attack = Attack::begin(&opened.stage, &opened.detectors, config, &on.output)?;
+    let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
     let finished = attack.run(&on.output, |done, entry| {
         bar.set_position(u64::from(done));
         if let Some(confidence) = entry.confidence {
@@ -89,32 +87,32 @@ pub fn optimise(on: &OnFrames, opened: &Opened, config: &Config) -> Result<(Vec<
 pub struct Settings {
     pub steps: u32,
     pub batch: u32,
-    pub rate: f64,
+    pub learning_rate: f64,
     pub floor: f64,
     pub smooth: f64,
-    pub printable: Drawn,
-    pub palette: Drawn,
+    pub printable: ColourPenalty,
+    pub palette: ColourPenalty,
     pub range: [u8; 2],
 }
 
 impl Settings {
-    pub fn config(self, on: &OnFrames, opened: &Opened) -> Config {
-        Config {
+    pub fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
+        AttackConfig {
             cells: on.cells,
             tile_mm: on.tile_mm,
             steps: self.steps,
             batch: self.batch,
-            rate: self.rate,
+            learning_rate: self.learning_rate,
             floor: self.floor,
             seed: on.seed,
-            laying: on.laying.into(),
-            eot: on.eot(),
+            mapping: on.mapping,
+            eot: on.mapping.usual_eot(),
             smooth: self.smooth,
             printable: self.printable,
             palette: self.palette,
             range: self.range,
-            frames_sha256: opened.frames_sha256.clone(),
-            detectors: opened.named.clone(),
+            frames_sha256: setup.frames_sha256.clone(),
+            detectors: setup.detector_names.clone(),
         }
     }
 }
@@ -143,7 +141,7 @@ impl RunArgs {
         Ok(Settings {
             steps: self.steps,
             batch: self.batch,
-            rate: self.rate,
+            learning_rate: self.rate,
             floor: self.floor,
             smooth: self.smooth,
             printable: self.printable()?,
@@ -152,9 +150,9 @@ impl RunArgs {
         })
     }
 
-    fn printable(&self) -> Result<Drawn, Box<dyn Error>> {
+    fn printable(&self) -> Result<ColourPenalty, Box<dyn Error>> {
         let Some(path) = &self.printer else {
-            return Ok(Drawn::default());
+            return Ok(ColourPenalty::default());
         };
         let Some(colours) = PrinterFile::load(path)?.colours else {
             return Err(format!(
@@ -163,17 +161,17 @@ impl RunArgs {
             )
             .into());
         };
-        Ok(Drawn {
+        Ok(ColourPenalty {
             weight: self.nps,
             rgb: colours.patches.iter().map(|patch| patch.measured_rgb).collect(),
         })
     }
 
-    fn palette(&self) -> Result<Drawn, Box<dyn Error>> {
+    fn palette(&self) -> Result<ColourPenalty, Box<dyn Error>> {
         let Some(path) = &self.palette else {
-            return Ok(Drawn::default());
+            return Ok(ColourPenalty::default());
         };
-        Ok(Drawn {
+        Ok(ColourPenalty {
             weight: self.palette_weight,
             rgb: Palette::load(path)?.paints().iter().map(|paint| paint.rgb).collect(),
         })

@@ -10,12 +10,11 @@ use super::device::OnDevice;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::frames::FrameSet;
-use crate::frames::light;
 use crate::frames::views;
 use crate::surrogate::dtn::data::TrainingSet;
-use crate::surrogate::dtn::run::{Budget, train};
-use crate::surrogate::dtn::training::{Plan, Trainer};
-use crate::surrogate::dtn::{Architecture, DtnError, Encoder, Transformer, file};
+use crate::surrogate::dtn::run::{TrainingBudget, train};
+use crate::surrogate::dtn::training::{Trainer, TrainingPlan};
+use crate::surrogate::dtn::{Architecture, Encoder, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
 #[derive(clap::Args)]
@@ -71,18 +70,7 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     let device = args.on.device.open()?;
     let set = frames(args)?;
     let plan = plan(args, &set)?;
-    let mut trainer = match known {
-        None => Trainer::new(plan, device)?,
-        Some(state) if state.plan == plan => Trainer::go_on(state, device)?,
-        Some(state) => {
-            return Err(DtnError::OtherTraining {
-                path: args.output.clone(),
-                found: described(&state.plan, &plan),
-                asked: described(&plan, &state.plan),
-            }
-            .into());
-        }
-    };
+    let mut trainer = Trainer::begin(plan, known, &args.output, device)?;
     let mut nowhere = std::io::sink();
     let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
     writeln!(
@@ -94,9 +82,9 @@ pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         set.split
     )?;
     let (budget, length) = match args.seconds {
-        Some(seconds) => (Budget::Seconds(seconds), seconds.ceil() as u64),
+        Some(seconds) => (TrainingBudget::Seconds(seconds), seconds.ceil() as u64),
         None => (
-            Budget::Epochs(args.epochs),
+            TrainingBudget::Epochs(args.epochs),
             args.epochs.saturating_mul(Trainer::steps_an_epoch(&set)),
         ),
     };
@@ -173,8 +161,8 @@ fn references(args: &TrainArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
     args.reference.iter().map(|text| hex(text)).collect()
 }
 
-fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<Plan, Box<dyn Error>> {
-    Ok(Plan {
+fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<TrainingPlan, Box<dyn Error>> {
+    Ok(TrainingPlan {
         architecture: Architecture {
             encoder: args.encoder,
             depth: usize::from(args.depth),
@@ -184,28 +172,6 @@ fn plan(args: &TrainArgs, set: &TrainingSet) -> Result<Plan, Box<dyn Error>> {
         seed: args.seed,
         data_sha256: set.sha256.clone(),
     })
-}
-
-/// What a plan says otherwise than another.
-fn described(plan: &Plan, other: &Plan) -> String {
-    let mut words = Vec::new();
-    if plan.architecture != other.architecture {
-        words.push(plan.architecture.name());
-    }
-    if plan.references != other.references {
-        let colours: Vec<String> = plan.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
-        words.push(format!("the reference {}", colours.join(" ")));
-    }
-    if plan.seed != other.seed {
-        words.push(format!("seed {}", plan.seed));
-    }
-    if plan.data_sha256 != other.data_sha256 {
-        words.push(format!(
-            "the frames {}",
-            &plan.data_sha256[..8.min(plan.data_sha256.len())]
-        ));
-    }
-    words.join(", ")
 }
 
 /// At most about ten lines, the last among them.

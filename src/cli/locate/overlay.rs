@@ -11,7 +11,7 @@ use super::words;
 use crate::camera::Camera;
 use crate::cli::copies::{self, CopiesError};
 use crate::draw::{self, Anchor, Colour, Lettering, Pen};
-use crate::envelope::Outline;
+use crate::envelope::EnvelopeShape;
 use crate::files::{self, FileError};
 use crate::geometry::Rigid;
 use crate::locate::{Ignored, Located, LocatedPhoto};
@@ -66,7 +66,7 @@ pub fn write(
     photo: &Path,
     examined: &LocatedPhoto,
     scene: &Scene,
-    outline: &Outline,
+    outline: &EnvelopeShape,
 ) -> Result<(), OverlayError> {
     let file = Photo::open(photo)?;
     let (mut picture, scale) = reduced(&file)?;
@@ -106,7 +106,7 @@ struct Sheet<'a> {
     scale: [f64; 2],
     examined: &'a LocatedPhoto,
     scene: &'a Scene,
-    outline: &'a Outline,
+    outline: &'a EnvelopeShape,
 }
 
 impl Sheet<'_> {

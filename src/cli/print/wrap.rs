@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
 use crate::cli::{progress, units};
-use crate::mesh::{Mesh, MeshError, Placement};
+use crate::mesh::{Mesh, MeshError, MeshPlacement};
 use crate::pattern::Pattern;
 use crate::print::lettering;
 use crate::print::template::check_scale;
@@ -128,9 +128,9 @@ impl ModelArgs {
     }
 
     /// How the mesh file lies in the model frame.
-    pub fn placement(&self) -> Result<Placement, MeshError> {
+    pub fn placement(&self) -> Result<MeshPlacement, MeshError> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
-        Ok(Placement {
+        Ok(MeshPlacement {
             front: axis(&self.mesh_front)?,
             up: axis(&self.mesh_up)?,
             length_mm: self.length_mm,
@@ -175,6 +175,14 @@ impl SheetArgs {
 }
 
 /// Runs `scaleproof print wrap`.
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        MeshError::NoModel { .. } | MeshError::LifeSize { .. } => Some(" (--length-mm)".into()),
+        _ => None,
+    }
+}
+
 pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let model = args.model.load()?;

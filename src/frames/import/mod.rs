@@ -4,7 +4,7 @@
 //! DIR/import.json     {"field_of_view_deg": 90, "object_rgb": [[0, 0, 142]], "paint_rgb": [[255, 0, 0]], "target_height_m": 0.7}
 //! DIR/poses.csv       name,place,light,paint,camera_x_m,…
 //! DIR/rgb/NAME.png    what the camera saw (PNG or JPEG: NAME.jpg)
-//! DIR/mask/NAME.png   the semantic or instance picture of the same view: colours name what is seen
+//! DIR/mask/NAME.png   the semantic or instance image of the same view: colours name what is seen
 //! ```
 //!
 //! `object_rgb` lists the mask's colours of the model with all its parts; `paint_rgb`, when given, those of its paint (else all of the
@@ -12,7 +12,7 @@
 //! (`808080`) or `original`; `light` and `place` as in [`frames`](crate::frames). The poses of camera and vehicle
 //! ([`carla::Transform`]) are those of CARLA's `get_transform()`: metres and degrees, x forward, y right, z up, left-handed.
 //!
-//! A semantic mask tells no part of a pixel, so coverage is 0 or 1. No linear light comes with such pictures.
+//! A semantic mask tells no part of a pixel, so coverage is 0 or 1. No linear light comes with such images.
 
 pub mod carla;
 
@@ -24,13 +24,15 @@ use serde::Deserialize;
 
 use crate::files::{self, FileError};
 use crate::frames::light;
-use crate::frames::{FORMAT, Frame, FrameList, FramesError, Paint, Pinhole, encode_grey, encode_rgb, outline, syntax};
+use crate::frames::{
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, outline, syntax,
+};
 use crate::geometry::rigid;
 use crate::photo::{Photo, PhotoError};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
-pub enum ImportError {
+pub enum FrameImportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -97,29 +99,29 @@ impl Row {
     }
 }
 
-/// Everything that a folder becomes: the list and the pictures, as files of `output`.
+/// Everything that a folder becomes: the list and the images, as files of `output`.
 ///
 /// # Errors
-/// Missing or damaged files, unknown keys or columns, pictures of different sizes, masks without the object.
-pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBuf, Vec<u8>)>, ImportError> {
+/// Missing or damaged files, unknown keys or columns, images of different sizes, masks without the object.
+pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBuf, Vec<u8>)>, FrameImportError> {
     let about = about(&folder.join("import.json"))?;
     let mut new = Vec::new();
     let mut list: Option<FrameList> = None;
     for (line, row) in rows(&folder.join("poses.csv"))? {
-        let paint = paint(&row.paint).map_err(|message| ImportError::Line {
+        let paint = paint(&row.paint).map_err(|message| FrameImportError::Line {
             path: folder.join("poses.csv"),
             line,
             message,
         })?;
         let pose = carla::pose(&row.camera(), &row.vehicle());
         if (pose * Point3::new(0.0, 0.0, 1000.0 * about.target_height_m)).z <= 0.0 {
-            return Err(ImportError::Line {
+            return Err(FrameImportError::Line {
                 path: folder.join("poses.csv"),
                 line,
                 message: "the camera looks away from the vehicle: check the poses of both".to_owned(),
             });
         }
-        let rgb = picture(folder, &row.name)?;
+        let rgb = image(folder, &row.name)?;
         let list = list.get_or_insert_with(|| start(&about, &rgb, made_by));
         if rgb.dimensions() != (list.size_px[0], list.size_px[1]) {
             return Err(content(
@@ -157,14 +159,14 @@ pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBu
     Ok(new)
 }
 
-fn content(path: &Path, message: String) -> ImportError {
-    ImportError::Content {
+fn content(path: &Path, message: String) -> FrameImportError {
+    FrameImportError::Content {
         path: path.to_owned(),
         message,
     }
 }
 
-fn about(path: &Path) -> Result<About, ImportError> {
+fn about(path: &Path) -> Result<About, FrameImportError> {
     let about: About = serde_json::from_str(&files::read_text(path)?).map_err(|e| syntax(path, &e))?;
     if !(1.0..=170.0).contains(&about.field_of_view_deg) {
         return Err(content(
@@ -188,7 +190,7 @@ fn about(path: &Path) -> Result<About, ImportError> {
 }
 
 /// The lines with their numbers, each frame once.
-fn rows(path: &Path) -> Result<Vec<(u64, Row)>, ImportError> {
+fn rows(path: &Path) -> Result<Vec<(u64, Row)>, FrameImportError> {
     let text = files::read_text(path)?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -197,7 +199,7 @@ fn rows(path: &Path) -> Result<Vec<(u64, Row)>, ImportError> {
     let mut rows = Vec::new();
     for (index, row) in reader.deserialize::<Row>().enumerate() {
         let number = index as u64 + 2;
-        let wrong = |line: u64, message: String| ImportError::Line {
+        let wrong = |line: u64, message: String| FrameImportError::Line {
             path: path.to_owned(),
             line,
             message,
@@ -231,16 +233,16 @@ fn rows(path: &Path) -> Result<Vec<(u64, Row)>, ImportError> {
     Ok(rows)
 }
 
-fn paint(text: &str) -> Result<Paint, String> {
+fn paint(text: &str) -> Result<FramePaint, String> {
     if text == "original" {
-        return Ok(Paint::Original);
+        return Ok(FramePaint::Original);
     }
     let rgb = light::of_hex(text);
-    rgb.map(Paint::FlatRgb)
+    rgb.map(FramePaint::FlatRgb)
         .ok_or_else(|| format!("the paint '{text}' is neither a hex colour, as in 808080, nor 'original'"))
 }
 
-fn picture(folder: &Path, name: &str) -> Result<RgbImage, ImportError> {
+fn image(folder: &Path, name: &str) -> Result<RgbImage, FrameImportError> {
     let names = ["png", "jpg", "jpeg"].map(|ending| folder.join(format!("rgb/{name}.{ending}")));
     let there = names.iter().find(|path| path.is_file()).unwrap_or(&names[0]);
     Ok(Photo::open(there)?.rgb(1)?)
@@ -265,14 +267,14 @@ fn start(about: &About, rgb: &RgbImage, made_by: &str) -> FrameList {
 }
 
 /// Object and paint.
-fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], ImportError> {
+fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], FrameImportError> {
     let mask = Photo::open(path)?.rgb(1)?;
     if mask.dimensions() != rgb.dimensions() {
         let (width, height) = mask.dimensions();
         return Err(content(
             path,
             format!(
-                "the mask has {width}×{height} pixels and its picture {}×{}",
+                "the mask has {width}×{height} pixels and its image {}×{}",
                 rgb.width(),
                 rgb.height()
             ),

@@ -1,12 +1,12 @@
-//! The pictures of one view: what the reference photo sees, in every colour.
+//! The images of one view: what the reference photo sees, in every colour.
 
 use image::{GrayImage, Luma, Rgb, RgbImage};
 use nalgebra::Point3;
 
-use super::picture::LightPicture;
+use super::light_image::LightImage;
 use super::raster::{Raster, outline, ray};
-use super::views::View;
-use super::{FACTOR, PhotosError, Request, Shot};
+use super::views::PhotoGroup;
+use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
 use crate::frames::Pinhole;
 use crate::frames::light;
 use crate::geometry::BoxPx;
@@ -19,22 +19,22 @@ const CLIPPED: f64 = 0.99;
 
 /// What all views of a folder share.
 pub struct Canvas<'a> {
-    pub request: &'a Request,
+    pub request: &'a PhotoFramesRequest,
     pub size_px: [u32; 2],
     pub pinhole: Pinhole,
     /// Of each triangle; `None` for what is no paint.
     pub sides: Vec<Option<Side>>,
 }
 
-/// The pictures of a view, and what was seen of it.
-pub struct Drawn {
+/// The images of a view, and what was seen of it.
+pub struct ViewImages {
     pub object_mask: GrayImage,
     pub paint_mask: GrayImage,
-    /// At [`FACTOR`]² places of each pixel, row by row of the finer picture.
+    /// At [`FACTOR`]² places of each pixel, row by row of the finer image.
     pub positions: Vec<[f64; 3]>,
     pub sides: GrayImage,
     /// The reference, then the others in the view's order.
-    pub pictures: Vec<RgbImage>,
+    pub images: Vec<RgbImage>,
     pub box_xyxy_px: Option<BoxPx>,
     /// The share of the paint that every photo sees.
     pub kept: f64,
@@ -42,13 +42,13 @@ pub struct Drawn {
 
 /// A photo that the reference's surface is looked up in.
 struct Source<'a> {
-    shot: &'a Shot,
+    photo: &'a FlatPhoto,
     raster: Raster<'a>,
-    light: LightPicture,
+    light: LightImage,
     gain: [f64; 3],
 }
 
-/// One place of the finer picture, with the light that the reference photo has there.
+/// One place of the finer image, with the light that the reference photo has there.
 enum Place {
     Beside([f64; 3]),
     /// The model, but not its paint.
@@ -60,7 +60,7 @@ enum Place {
 }
 
 impl<'a> Canvas<'a> {
-    pub fn new(request: &'a Request, size_px: [u32; 2], pinhole: Pinhole) -> Self {
+    pub fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
         let is_paint = |material: usize| request.materials.is_empty() || request.materials.contains(&material);
         let side = |t: &crate::mesh::Triangle| {
             is_paint(t.material).then(|| Side::of(&doubled_area(&request.mesh.corners_mm(t))))
@@ -77,23 +77,23 @@ impl<'a> Canvas<'a> {
     ///
     /// # Errors
     /// Photos that cannot be read.
-    pub fn draw(&self, view: &View) -> Result<Option<Drawn>, PhotosError> {
+    pub fn draw(&self, view: &PhotoGroup) -> Result<Option<ViewImages>, PhotosError> {
         let fine = self.size_px.map(|px| (px * FACTOR) as usize);
         let pinhole = self.fine_pinhole();
         let (mesh, reference) = (&self.request.mesh, view.reference);
-        let Some(raster) = Raster::picture(mesh, &reference.pose, &pinhole, fine) else {
+        let Some(raster) = Raster::image(mesh, &reference.pose, &pinhole, fine) else {
             return Ok(None);
         };
         let own = self.light(reference)?;
         let mut sources = Vec::new();
         for other in &view.others {
-            let Some(raster) = Raster::whole(mesh, &other.shot.pose, &pinhole, fine) else {
+            let Some(raster) = Raster::whole(mesh, &other.photo.pose, &pinhole, fine) else {
                 return Ok(None);
             };
             sources.push(Source {
-                shot: other.shot,
+                photo: other.photo,
                 raster,
-                light: self.light(other.shot)?,
+                light: self.light(other.photo)?,
                 gain: other.gain,
             });
         }
@@ -130,7 +130,7 @@ impl<'a> Canvas<'a> {
         if !source.raster.sees(point, triangle, centre, is_paint) {
             return None;
         }
-        let pixel = source.shot.camera.project(&(source.shot.pose * point))?;
+        let pixel = source.photo.camera.project(&(source.photo.pose * point))?;
         let light = source.light.at(pixel)?;
         let is_clipped = |c: usize| light[c] > CLIPPED && source.gain[c] < 1.0;
         if (0..3).any(is_clipped) {
@@ -139,7 +139,7 @@ impl<'a> Canvas<'a> {
         Some(std::array::from_fn(|c| source.gain[c] * light[c]))
     }
 
-    /// The camera of the finer picture.
+    /// The camera of the finer image.
     fn fine_pinhole(&self) -> Pinhole {
         let factor = f64::from(FACTOR);
         Pinhole {
@@ -148,24 +148,24 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// A photo, reduced to no less than the finer picture's resolution.
-    fn light(&self, shot: &Shot) -> Result<LightPicture, PhotosError> {
-        let photo = Photo::open(&shot.file)?;
-        let (width, height) = (shot.camera.width, shot.camera.height);
-        if (photo.width, photo.height) != (width, height) {
+    /// A photo, reduced to no less than the finer image's resolution.
+    fn light(&self, photo: &FlatPhoto) -> Result<LightImage, PhotosError> {
+        let decoded = Photo::open(&photo.file)?;
+        let (width, height) = (photo.camera.width, photo.camera.height);
+        if (decoded.width, decoded.height) != (width, height) {
             return Err(PhotosError::Changed {
-                photo: shot.file.clone(),
+                photo: photo.file.clone(),
             });
         }
-        let reduction = shot.camera.fx.min(shot.camera.fy) / self.fine_pinhole().focal_length_px;
-        Ok(LightPicture::new(
-            &photo.rgb(1)?,
+        let reduction = photo.camera.fx.min(photo.camera.fy) / self.fine_pinhole().focal_length_px;
+        Ok(LightImage::new(
+            &decoded.rgb(1)?,
             (reduction as usize).clamp(1, width.min(height) as usize),
         ))
     }
 }
 
-/// The pictures while they are added up.
+/// The images while they are added up.
 struct Sums {
     size_px: [usize; 2],
     pixels: Vec<Pixel>,
@@ -225,8 +225,8 @@ impl Sums {
                 let fine = y * self.size_px[0] * factor + x;
                 self.positions[fine] = point.coords.into();
                 self.sides[fine] = 1 + Side::ALL.iter().position(|s| *s == side).unwrap_or_default() as u8;
-                for (picture, light) in self.paint.iter_mut().zip(&lights) {
-                    add(&mut picture[index], light, 1.0);
+                for (image, light) in self.paint.iter_mut().zip(&lights) {
+                    add(&mut image[index], light, 1.0);
                 }
             }
         }
@@ -263,14 +263,14 @@ impl Sums {
     }
 
     /// `around`: the mesh's projected corners, from the middle of the first pixel.
-    fn finished(self, around: Option<BoxPx>) -> Drawn {
+    fn finished(self, around: Option<BoxPx>) -> ViewImages {
         let [width, height] = self.size_px.map(|px| px as u32);
         let index = |x: u32, y: u32| (y * width + x) as usize;
         let mask = |count: fn(&Pixel) -> u32| {
             let level = |count: u32| (255.0 * f64::from(count) / f64::from(FACTOR * FACTOR)).round() as u8;
             GrayImage::from_fn(width, height, |x, y| Luma([level(count(&self.pixels[index(x, y)]))]))
         };
-        let picture = |colour: usize| {
+        let image = |colour: usize| {
             RgbImage::from_fn(width, height, |x, y| {
                 Rgb(light::rgb_of(self.light(index(x, y), colour)))
             })
@@ -278,10 +278,10 @@ impl Sums {
         let total = |count: fn(&Pixel) -> u32| self.pixels.iter().map(count).sum::<u32>();
         let kept = f64::from(total(Pixel::painted)) / f64::from(total(|p| p.seen + p.hidden).max(1));
         let clipped = around.map(|b| b.clipped(f64::from(width), f64::from(height)));
-        Drawn {
+        ViewImages {
             object_mask: mask(|p| p.object),
             paint_mask: mask(Pixel::painted),
-            pictures: (0..self.paint.len()).map(picture).collect(),
+            images: (0..self.paint.len()).map(image).collect(),
             positions: self.positions,
             sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
             box_xyxy_px: clipped.filter(BoxPx::is_solid),

@@ -1,6 +1,6 @@
 //! One photo brought to the exposure and white balance of another: the tags' white paper is the same in both.
 
-use super::{Paper, Shot};
+use super::{FlatPhoto, TagPaper};
 use crate::frames::light;
 use crate::statistics::median;
 
@@ -38,12 +38,12 @@ pub enum Unmatched {
 ///
 /// # Errors
 /// Too few tags in both, their paper clipped or dark, light that changed from tag to tag.
-pub fn gain(photo: &Shot, reference: &Shot) -> Result<[f64; 3], Unmatched> {
-    let pairs: Vec<(&Paper, &Paper)> = photo
+pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatched> {
+    let pairs: Vec<(&TagPaper, &TagPaper)> = photo
         .papers
         .iter()
         .filter_map(|paper| {
-            let same = |p: &&Paper| (p.family, p.id) == (paper.family, paper.id);
+            let same = |p: &&TagPaper| (p.family, p.id) == (paper.family, paper.id);
             Some((paper, reference.papers.iter().find(same)?))
         })
         .collect();
@@ -55,7 +55,7 @@ pub fn gain(photo: &Shot, reference: &Shot) -> Result<[f64; 3], Unmatched> {
     }
     let kept: Vec<_> = pairs.iter().filter(|(a, b)| a.is_fine() && b.is_fine()).collect();
     if kept.len() < LEAST_TAGS {
-        let fine = |of: fn(&(&Paper, &Paper)) -> bool| pairs.iter().filter(|pair| of(pair)).count();
+        let fine = |of: fn(&(&TagPaper, &TagPaper)) -> bool| pairs.iter().filter(|pair| of(pair)).count();
         let own = fine(|(a, _)| !a.is_fine()) >= fine(|(_, b)| !b.is_fine());
         let photo = if own { photo } else { reference };
         let is_clipped = photo.papers.iter().any(|p| p.highest() >= CLIPPED);
@@ -67,7 +67,7 @@ pub fn gain(photo: &Shot, reference: &Shot) -> Result<[f64; 3], Unmatched> {
     }
     let mut gain = [1.0; 3];
     for (channel, gain) in gain.iter_mut().enumerate() {
-        let light = |paper: &Paper| light::decode(paper.level[channel] / 255.0);
+        let light = |paper: &TagPaper| light::decode(paper.level[channel] / 255.0);
         let logs: Vec<f64> = kept.iter().map(|(a, b)| (light(b) / light(a)).ln()).collect();
         let middle = median(&logs).unwrap_or(0.0);
         let off: Vec<f64> = logs.iter().map(|log| (log - middle).abs()).collect();
@@ -83,7 +83,7 @@ pub fn gain(photo: &Shot, reference: &Shot) -> Result<[f64; 3], Unmatched> {
     Ok(gain)
 }
 
-impl Paper {
+impl TagPaper {
     fn highest(&self) -> f64 {
         self.level.into_iter().fold(0.0, f64::max)
     }

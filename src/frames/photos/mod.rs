@@ -2,9 +2,9 @@
 //!
 //! Photos of one place and bin, one in each colour, are a view ([`views`]). Its frames have the camera of one of them, the reference,
 //! without its lens distortion (`pinhole.rs`). The others come to it through the mesh: the surface point that a place of the frame shows is looked
-//! up in the other photo, by that photo's own pose and lens, where it is seen there too ([`raster`]). So no tripod is needed. All this is reckoned in
-//! linear light, as far as a photo tells of it: its tone curve is taken for sRGB's, and what it really is, the renderer models fit. For that reason
-//! these frames have no `linear` pictures.
+//! up in the other photo, by that photo's own pose and lens, where it is seen there too ([`raster`]). So no tripod is needed. All this is computed in
+//! linear light, as far as a photo tells of it: its tone curve is taken for sRGB's, and what it really is, the surrogate renderers fit. For that reason
+//! these frames have no `linear` images.
 //!
 //! Outside the paint every frame of a view shows the reference photo. Paint that not every photo sees, or that lies so near to an edge that light
 //! from beside it has strayed in, looks like the paint beside it in the same pixel. Where that pixel has none it is taken out of the mask, and looks
@@ -12,9 +12,10 @@
 
 mod draw;
 pub mod exposure;
-mod picture;
+mod light_image;
 mod pinhole;
 pub mod raster;
+pub mod sessions;
 pub mod views;
 
 use std::path::{Path, PathBuf};
@@ -24,15 +25,15 @@ use nalgebra::{Point3, Vector3};
 use crate::camera::Camera;
 use crate::frames::light;
 use crate::frames::{
-    FORMAT, Frame, FrameList, FramesError, Paint, Positions, encode_grey, encode_positions, encode_rgb,
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb,
 };
 use crate::geometry::rigid::{self, Rigid};
 use crate::mesh::Mesh;
 use crate::photo::PhotoError;
 use crate::scene::{Bin, TagFamily};
 use crate::workers;
-use draw::{Canvas, Drawn};
-use views::View;
+use draw::{Canvas, ViewImages};
+use views::PhotoGroup;
 
 /// Places along each side of a pixel at which the surface is looked at.
 pub const FACTOR: u32 = 3;
@@ -46,7 +47,7 @@ pub enum PhotosError {
     Frames(#[from] FramesError),
     #[error("{photo} is of another size than it was a moment ago: leave the photos as they are", photo = photo.display())]
     Changed { photo: PathBuf },
-    #[error("no pinhole camera of {width}×{height} px lies inside the pictures of the camera; calibrate it again")]
+    #[error("no pinhole camera of {width}×{height} px lies inside the images of the camera; calibrate it again")]
     NoPinhole { width: u32, height: u32 },
     #[error("the mesh has no triangles of the paint's materials")]
     NoPaint,
@@ -54,7 +55,7 @@ pub enum PhotosError {
 
 /// The white paper of a tag in a photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Paper {
+pub struct TagPaper {
     pub family: TagFamily,
     pub id: u32,
     /// 8-bit level of each channel.
@@ -63,7 +64,7 @@ pub struct Paper {
 
 /// A located photo of the model in a flat colour.
 #[derive(Debug, Clone)]
-pub struct Shot {
+pub struct FlatPhoto {
     pub file: PathBuf,
     /// 8-bit sRGB of the paint's reflectance.
     pub flat_rgb: [u8; 3],
@@ -74,12 +75,12 @@ pub struct Shot {
     /// `T_camera_model`.
     pub pose: Rigid,
     /// Of the tags that the pose rests on.
-    pub papers: Vec<Paper>,
+    pub papers: Vec<TagPaper>,
 }
 
 /// What frames are made of, besides the photos.
 #[derive(Debug, Clone)]
-pub struct Request {
+pub struct PhotoFramesRequest {
     pub mesh: Mesh,
     /// Indices of the materials that are the paint; all when empty.
     pub materials: Vec<usize>,
@@ -94,14 +95,14 @@ pub struct Request {
 
 /// What makes no frames, and why.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
+pub struct LeftOutPhoto {
     pub what: String,
     pub reason: String,
 }
 
 /// A view that became frames, for people.
 #[derive(Debug, Clone)]
-pub struct MadeView {
+pub struct PhotoView {
     pub name: String,
     pub reference: String,
     /// Each other photo: its name, the angle between the cameras, the factors of its channels.
@@ -112,14 +113,14 @@ pub struct MadeView {
 
 /// Frames that are not yet written.
 #[derive(Debug, Default)]
-pub struct Made {
+pub struct PhotoFrames {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     pub frames: usize,
-    pub views: Vec<MadeView>,
-    pub left_out: Vec<LeftOut>,
+    pub views: Vec<PhotoView>,
+    pub left_out: Vec<LeftOutPhoto>,
 }
 
-impl Shot {
+impl FlatPhoto {
     /// The photo's file name.
     pub fn name(&self) -> String {
         self.file
@@ -153,36 +154,36 @@ impl Shot {
 /// # Errors
 /// A mesh without paint, photos that cannot be read.
 pub fn make(
-    request: &Request,
-    shots: &[Shot],
+    request: &PhotoFramesRequest,
+    photos: &[FlatPhoto],
     folder: &Path,
     on_view: impl Fn(usize) + Sync,
-) -> Result<Made, PhotosError> {
-    let mut made = Made::default();
-    let Some(first) = shots.first() else {
+) -> Result<PhotoFrames, PhotosError> {
+    let mut made = PhotoFrames::default();
+    let Some(first) = photos.first() else {
         return Ok(made);
     };
     let size_px = pinhole::size_px(&first.camera, request.width_px);
-    let (shared, shots, left_out) = common_pinhole(shots, size_px)?;
+    let (shared, photos, left_out) = common_pinhole(photos, size_px)?;
     let canvas = Canvas::new(request, size_px, shared);
     if canvas.sides.iter().all(Option::is_none) {
         return Err(PhotosError::NoPaint);
     }
-    let (views, without) = views::views(&shots, &request.flats, request.target_mm);
+    let (views, without) = views::views(&photos, &request.flats, request.target_mm);
     made.left_out = left_out.into_iter().chain(without).collect();
     let count = views.len();
-    let numbered: Vec<(usize, &View)> = views.iter().enumerate().collect();
-    let draw = |(): &mut (), (number, view): &(usize, &View)| pictures(&canvas, *number, view, folder);
+    let numbered: Vec<(usize, &PhotoGroup)> = views.iter().enumerate().collect();
+    let draw = |(): &mut (), (number, view): &(usize, &PhotoGroup)| images(&canvas, *number, view, folder);
     let drawn = workers::map(&numbered, || Ok(()), draw, || on_view(count))?;
     let mut list = empty_list(&canvas);
-    for (view, pictures) in views.iter().zip(drawn) {
-        match pictures {
+    for (view, images) in views.iter().zip(drawn) {
+        match images {
             Ok(done) => {
                 made.files.extend(done.files);
                 made.views.push(about(view, done.kept));
                 list.frames.extend(done.frames);
             }
-            Err(reason) => made.left_out.push(LeftOut {
+            Err(reason) => made.left_out.push(LeftOutPhoto {
                 what: view.reference.view_name(),
                 reason: reason.to_owned(),
             }),
@@ -195,26 +196,26 @@ pub fn make(
     Ok(made)
 }
 
-/// The pinhole inside all cameras' pictures, and the photos without those whose pictures are too different from the first one's.
+/// The pinhole inside all cameras' images, and the photos without those whose images are too different from the first one's.
 fn common_pinhole(
-    shots: &[Shot],
+    photos: &[FlatPhoto],
     size_px: [u32; 2],
-) -> Result<(crate::frames::Pinhole, Vec<Shot>, Vec<LeftOut>), PhotosError> {
+) -> Result<(crate::frames::Pinhole, Vec<FlatPhoto>, Vec<LeftOutPhoto>), PhotosError> {
     let [width, height] = size_px;
     let none = PhotosError::NoPinhole { width, height };
-    let mut shared = pinhole::inside(&shots[0].camera, size_px).ok_or(none)?;
+    let mut shared = pinhole::inside(&photos[0].camera, size_px).ok_or(none)?;
     let (mut kept, mut left_out) = (Vec::new(), Vec::new());
-    for shot in shots {
-        match pinhole::longer(shared, &shot.camera, size_px) {
+    for photo in photos {
+        match pinhole::longer(shared, &photo.camera, size_px) {
             Some(longer) => {
                 shared = longer;
-                kept.push(shot.clone());
+                kept.push(photo.clone());
             }
-            None => left_out.push(LeftOut {
-                what: shot.name(),
+            None => left_out.push(LeftOutPhoto {
+                what: photo.name(),
                 reason: format!(
-                    "its picture shows too little of what {} shows: hold the camera the same way, and do not zoom",
-                    shots[0].name()
+                    "its image shows too little of what {} shows: hold the camera the same way, and do not zoom",
+                    photos[0].name()
                 ),
             }),
         }
@@ -230,10 +231,10 @@ struct Done {
 }
 
 /// `Err` inside is why the view has no frames.
-fn pictures(
+fn images(
     canvas: &Canvas,
     number: usize,
-    view: &View,
+    view: &PhotoGroup,
     folder: &Path,
 ) -> Result<Result<Done, &'static str>, PhotosError> {
     let Some(drawn) = canvas.draw(view)? else {
@@ -256,22 +257,28 @@ fn pictures(
         (folder.join(below("positions")), positions),
         (folder.join(below("sides")), encode_grey(&drawn.sides)?),
     ];
-    let shots = std::iter::once(view.reference).chain(view.others.iter().map(|o| o.shot));
-    let mut coloured: Vec<(&Shot, &image::RgbImage)> = shots.zip(&drawn.pictures).collect();
+    let photos = std::iter::once(view.reference).chain(view.others.iter().map(|o| o.photo));
+    let mut coloured: Vec<(&FlatPhoto, &image::RgbImage)> = photos.zip(&drawn.images).collect();
     // The frames stand in the order of the colours, whichever is the reference.
-    coloured.sort_by_key(|(shot, _)| canvas.request.flats.iter().position(|rgb| *rgb == shot.flat_rgb));
+    coloured.sort_by_key(|(photo, _)| canvas.request.flats.iter().position(|rgb| *rgb == photo.flat_rgb));
     let mut frames = Vec::new();
-    for (shot, picture) in coloured {
-        let frame = frame(view, shot, &name, &below, &drawn);
-        files.push((folder.join(&frame.rgb), encode_rgb(picture)?));
+    for (photo, image) in coloured {
+        let frame = frame(view, photo, &name, &below, &drawn);
+        files.push((folder.join(&frame.rgb), encode_rgb(image)?));
         frames.push(frame);
     }
     let kept = drawn.kept;
     Ok(Ok(Done { files, frames, kept }))
 }
 
-fn frame(view: &View, shot: &Shot, name: &str, below: &dyn Fn(&str) -> String, drawn: &Drawn) -> Frame {
-    let name = format!("{name}_{}", light::to_hex(shot.flat_rgb));
+fn frame(
+    view: &PhotoGroup,
+    photo: &FlatPhoto,
+    name: &str,
+    below: &dyn Fn(&str) -> String,
+    drawn: &ViewImages,
+) -> Frame {
+    let name = format!("{name}_{}", light::to_hex(photo.flat_rgb));
     Frame {
         rgb: format!("rgb/{name}.png"),
         object_mask: below("object"),
@@ -280,7 +287,7 @@ fn frame(view: &View, shot: &Shot, name: &str, below: &dyn Fn(&str) -> String, d
         positions: Some(below("positions")),
         sides: Some(below("sides")),
         t_camera_model: rigid::rows(&view.reference.pose),
-        paint: Paint::FlatRgb(shot.flat_rgb),
+        paint: FramePaint::FlatRgb(photo.flat_rgb),
         light: view.reference.place.clone(),
         place: view.reference.place.clone(),
         box_xyxy_px: drawn.box_xyxy_px,
@@ -313,14 +320,14 @@ fn position_box_mm(canvas: &Canvas) -> ([f64; 3], [f64; 3]) {
     ((low - wider).coords.into(), (high + wider).coords.into())
 }
 
-fn about(view: &View, kept: f64) -> MadeView {
-    MadeView {
+fn about(view: &PhotoGroup, kept: f64) -> PhotoView {
+    PhotoView {
         name: view.reference.view_name(),
         reference: view.reference.name(),
         others: view
             .others
             .iter()
-            .map(|o| (o.shot.name(), o.turn_deg, o.gain))
+            .map(|o| (o.photo.name(), o.turn_deg, o.gain))
             .collect(),
         kept,
     }

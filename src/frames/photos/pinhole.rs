@@ -11,7 +11,7 @@ const MOST: f64 = 1.5;
 /// Places along each side of the frame that must lie in the photo.
 const PLACES: usize = 64;
 
-/// The pinhole of frames of this size that show nothing beyond the pictures of a camera: its lens without the distortion, and so much longer
+/// The pinhole of frames of this size that show nothing beyond the images of a camera: its lens without the distortion, and so much longer
 /// that no corner of the frame is empty. `None` when there is none.
 pub fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     let scale = f64::from(size_px[0]) / f64::from(camera.width);
@@ -23,7 +23,7 @@ pub fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     longer(start, camera, size_px)
 }
 
-/// The same pinhole, or a longer one, inside another camera's pictures as well.
+/// The same pinhole, or a longer one, inside another camera's images as well.
 pub fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     let steps = (MOST.ln() / STEP.ln()) as i32;
     (0..=steps)
@@ -34,7 +34,7 @@ pub fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Option<Pinh
         .find(|pinhole| is_inside(pinhole, camera, size_px))
 }
 
-/// The frame's height for the camera's pictures.
+/// The frame's height for the camera's images.
 pub fn size_px(camera: &Camera, width_px: u32) -> [u32; 2] {
     let height = f64::from(width_px) * f64::from(camera.height) / f64::from(camera.width);
     [width_px, (height.round() as u32).max(1)]

@@ -17,9 +17,9 @@ const BEHIND_PX: f64 = 3.0;
 /// Around the model where its outline is looked at.
 const MARGIN_PX: i64 = 2;
 
-/// Pixels of a picture, or of a part that reaches beyond it.
+/// Pixels of an image, or of a part that reaches beyond it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Window {
+pub struct RasterWindow {
     pub left: i64,
     pub top: i64,
     pub width: usize,
@@ -41,11 +41,11 @@ pub struct Raster<'a> {
     /// `T_camera_model`.
     pose: Rigid,
     pinhole: Pinhole,
-    window: Window,
+    window: RasterWindow,
     hits: Vec<Option<Hit>>,
 }
 
-/// The mesh's corners in a picture: pixel and depth.
+/// The mesh's corners in an image: pixel and depth.
 struct Seen(Vec<([f64; 2], f64)>);
 
 impl Seen {
@@ -83,9 +83,9 @@ pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
 }
 
 impl<'a> Raster<'a> {
-    /// What a picture of this size shows; `None` when part of the mesh is not before the camera.
-    pub fn picture(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, [width, height]: [usize; 2]) -> Option<Self> {
-        let window = Window {
+    /// What an image of this size shows; `None` when part of the mesh is not before the camera.
+    pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, [width, height]: [usize; 2]) -> Option<Self> {
+        let window = RasterWindow {
             left: 0,
             top: 0,
             width,
@@ -100,7 +100,7 @@ impl<'a> Raster<'a> {
         ))
     }
 
-    /// The whole mesh, also what lies beyond the picture, up to its width and height on each side.
+    /// The whole mesh, also what lies beyond the image, up to its width and height on each side.
     pub fn whole(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
         let seen = Seen::of(mesh, pose, pinhole)?;
         let around = seen.outline()?;
@@ -114,7 +114,7 @@ impl<'a> Raster<'a> {
         };
         let (left, width) = span(around.x1, around.x2, size[0]);
         let (top, height) = span(around.y1, around.y2, size[1]);
-        let window = Window {
+        let window = RasterWindow {
             left,
             top,
             width,
@@ -123,7 +123,7 @@ impl<'a> Raster<'a> {
         Some(Self::drawn(mesh, pose, pinhole, window, &seen))
     }
 
-    fn drawn(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, window: Window, seen: &Seen) -> Self {
+    fn drawn(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, window: RasterWindow, seen: &Seen) -> Self {
         let mut raster = Self {
             mesh,
             pose: *pose,
@@ -137,7 +137,7 @@ impl<'a> Raster<'a> {
         raster
     }
 
-    /// Draws one triangle where it is the nearest so far: 1/z is linear in the picture.
+    /// Draws one triangle where it is the nearest so far: 1/z is linear in the image.
     fn fill(&mut self, triangle: usize, corners: [([f64; 2], f64); 3]) {
         let [a, b, c] = corners.map(|(pixel, _)| pixel);
         let area = cross(a, b, c);
@@ -222,7 +222,7 @@ impl<'a> Raster<'a> {
     }
 }
 
-/// Twice the signed area of a triangle in the picture.
+/// Twice the signed area of a triangle in the image.
 fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::exposure::{self, Unmatched};
-use super::{LeftOut, Shot};
+use super::{FlatPhoto, LeftOutPhoto};
 use crate::frames::light;
 use crate::scene::Bin;
 
@@ -15,7 +15,7 @@ pub const MOST_CLOSER_PERCENT: f64 = 15.0;
 /// A photo that is brought to the reference's place and exposure.
 #[derive(Debug, Clone)]
 pub struct Other<'a> {
-    pub shot: &'a Shot,
+    pub photo: &'a FlatPhoto,
     /// Per channel of linear light.
     pub gain: [f64; 3],
     pub turn_deg: f64,
@@ -23,8 +23,8 @@ pub struct Other<'a> {
 
 /// One photo in each colour.
 #[derive(Debug, Clone)]
-pub struct View<'a> {
-    pub reference: &'a Shot,
+pub struct PhotoGroup<'a> {
+    pub reference: &'a FlatPhoto,
     pub others: Vec<Other<'a>>,
 }
 
@@ -56,16 +56,20 @@ enum NoView {
 }
 
 /// The views, in the order of their place and bin, and the groups of photos that make none. A view has every colour.
-pub fn views<'a>(shots: &'a [Shot], flats: &[[u8; 3]], target_mm: Point3<f64>) -> (Vec<View<'a>>, Vec<LeftOut>) {
-    let mut groups: std::collections::BTreeMap<(&str, Bin), Vec<&Shot>> = std::collections::BTreeMap::new();
-    for shot in shots {
-        groups.entry((&shot.place, shot.bin)).or_default().push(shot);
+pub fn views<'a>(
+    photos: &'a [FlatPhoto],
+    flats: &[[u8; 3]],
+    target_mm: Point3<f64>,
+) -> (Vec<PhotoGroup<'a>>, Vec<LeftOutPhoto>) {
+    let mut groups: std::collections::BTreeMap<(&str, Bin), Vec<&FlatPhoto>> = std::collections::BTreeMap::new();
+    for photo in photos {
+        groups.entry((&photo.place, photo.bin)).or_default().push(photo);
     }
     let (mut found, mut left_out) = (Vec::new(), Vec::new());
     for group in groups.values() {
         match best(group, flats, target_mm) {
             Ok(view) => found.push(view),
-            Err(reason) => left_out.push(LeftOut {
+            Err(reason) => left_out.push(LeftOutPhoto {
                 what: group[0].view_name(),
                 reason: reason.to_string(),
             }),
@@ -75,12 +79,12 @@ pub fn views<'a>(shots: &'a [Shot], flats: &[[u8; 3]], target_mm: Point3<f64>) -
 }
 
 /// The most central photo that has all others near it is the reference.
-fn best<'a>(group: &[&'a Shot], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<View<'a>, NoView> {
+fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotoGroup<'a>, NoView> {
     let missing = flats.iter().find(|rgb| !group.iter().any(|s| s.flat_rgb == **rgb));
     if let Some(rgb) = missing {
         return Err(NoView::Missing(light::to_hex(*rgb)));
     }
-    let mut candidates: Vec<(f64, &Shot, Vec<&Shot>)> = Vec::new();
+    let mut candidates: Vec<(f64, &FlatPhoto, Vec<&FlatPhoto>)> = Vec::new();
     for reference in group {
         let others = nearest(group, reference, flats, target_mm);
         let worst = others
@@ -102,50 +106,59 @@ fn best<'a>(group: &[&'a Shot], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Re
 }
 
 /// The photo of every other colour that was taken nearest to the reference, in the order of the colours.
-fn nearest<'a>(group: &[&'a Shot], reference: &Shot, flats: &[[u8; 3]], target_mm: Point3<f64>) -> Vec<&'a Shot> {
+fn nearest<'a>(
+    group: &[&'a FlatPhoto],
+    reference: &FlatPhoto,
+    flats: &[[u8; 3]],
+    target_mm: Point3<f64>,
+) -> Vec<&'a FlatPhoto> {
     let others = flats.iter().filter(|rgb| **rgb != reference.flat_rgb);
     others
         .filter_map(|rgb| {
             let of_colour = group.iter().filter(|s| s.flat_rgb == *rgb);
-            let turn = |s: &Shot| turn_deg(s, reference, target_mm);
+            let turn = |s: &FlatPhoto| turn_deg(s, reference, target_mm);
             of_colour.min_by(|a, b| turn(a).total_cmp(&turn(b))).copied()
         })
         .collect()
 }
 
-fn matched<'a>(reference: &'a Shot, others: &[&'a Shot], target_mm: Point3<f64>) -> Result<View<'a>, NoView> {
-    let mut view = View {
+fn matched<'a>(
+    reference: &'a FlatPhoto,
+    others: &[&'a FlatPhoto],
+    target_mm: Point3<f64>,
+) -> Result<PhotoGroup<'a>, NoView> {
+    let mut view = PhotoGroup {
         reference,
         others: Vec::new(),
     };
-    for shot in others {
-        let turn_deg = turn_deg(shot, reference, target_mm);
+    for photo in others {
+        let turn_deg = turn_deg(photo, reference, target_mm);
         if turn_deg > MOST_TURN_DEG {
             return Err(NoView::Aside {
-                photo: shot.name(),
+                photo: photo.name(),
                 reference: reference.name(),
                 turn_deg,
             });
         }
-        let (a, b) = (shot.from(target_mm).norm(), reference.from(target_mm).norm());
+        let (a, b) = (photo.from(target_mm).norm(), reference.from(target_mm).norm());
         let percent = 100.0 * (a.max(b) / a.min(b) - 1.0);
         if percent > MOST_CLOSER_PERCENT {
             return Err(NoView::Closer {
-                photo: shot.name(),
+                photo: photo.name(),
                 reference: reference.name(),
                 percent,
             });
         }
-        let gain = exposure::gain(shot, reference).map_err(|reason| NoView::Exposure {
-            photo: shot.name(),
+        let gain = exposure::gain(photo, reference).map_err(|reason| NoView::Exposure {
+            photo: photo.name(),
             reason,
         })?;
-        view.others.push(Other { shot, gain, turn_deg });
+        view.others.push(Other { photo, gain, turn_deg });
     }
     Ok(view)
 }
 
 /// The angle between two cameras, as the target sees them.
-fn turn_deg(a: &Shot, b: &Shot, target_mm: Point3<f64>) -> f64 {
+fn turn_deg(a: &FlatPhoto, b: &FlatPhoto, target_mm: Point3<f64>) -> f64 {
     a.from(target_mm).angle(&b.from(target_mm)).to_degrees()
 }

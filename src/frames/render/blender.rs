@@ -24,14 +24,14 @@ pub struct Python {
 
 /// What the script says.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Event {
+pub enum BlenderEvent {
     /// The masks and positions of this view are there.
     Geometry(String),
-    /// The picture of this frame is there.
+    /// The image of this frame is there.
     Frame(String),
 }
 
-/// Finds Python 3.11 and, in `cache`, Blender; installs Blender there when it is missing, after `say` was told so.
+/// Finds Python 3.11 and, in `cache`, Blender; installs Blender there when it is missing, after it has told `say`.
 ///
 /// # Errors
 /// No Python 3.11, or no way to install.
@@ -105,7 +105,7 @@ fn last_line(text: &str) -> String {
     line.unwrap_or("nothing").trim().to_owned()
 }
 
-/// Runs the script on a plan and calls `on_event` as pictures become whole. Returns whether Blender came to its end.
+/// Runs the script on a plan and calls `on_event` as images become whole. Returns whether Blender came to its end.
 ///
 /// # Errors
 /// What the script refuses, and whatever `on_event` refuses; Blender is then stopped.
@@ -113,7 +113,7 @@ pub fn run(
     python: &Python,
     plan: &Path,
     log: &Path,
-    mut on_event: impl FnMut(Event) -> Result<(), RenderError>,
+    mut on_event: impl FnMut(BlenderEvent) -> Result<(), RenderError>,
 ) -> Result<bool, RenderError> {
     let failed = |path: &Path, e: &std::io::Error| {
         RenderError::File(FileError::Write {
@@ -144,12 +144,15 @@ pub fn run(
 }
 
 /// Reads the script's lines; those of Blender itself are passed over.
-fn follow(out: impl Read, on_event: &mut impl FnMut(Event) -> Result<(), RenderError>) -> Result<(), RenderError> {
+fn follow(
+    out: impl Read,
+    on_event: &mut impl FnMut(BlenderEvent) -> Result<(), RenderError>,
+) -> Result<(), RenderError> {
     for line in BufReader::new(out).split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line);
         match line.trim_end().split_once(' ') {
-            Some(("geometry", view)) => on_event(Event::Geometry(view.to_owned()))?,
-            Some(("frame", name)) => on_event(Event::Frame(name.to_owned()))?,
+            Some(("geometry", view)) => on_event(BlenderEvent::Geometry(view.to_owned()))?,
+            Some(("frame", name)) => on_event(BlenderEvent::Frame(name.to_owned()))?,
             Some(("refused", sentence)) => return Err(RenderError::Refused(sentence.to_owned())),
             _ => {}
         }
@@ -172,7 +175,10 @@ mod tests {
         follow(text.as_bytes(), &mut keep).unwrap();
         assert_eq!(
             events,
-            [Event::Geometry("az0_p15_d500".into()), Event::Frame("a b".into())]
+            [
+                BlenderEvent::Geometry("az0_p15_d500".into()),
+                BlenderEvent::Frame("a b".into())
+            ]
         );
         let refused = follow(&b"refused the light is black\n"[..], &mut |_| Ok(())).unwrap_err();
         assert_eq!(refused.to_string(), "the light is black");

@@ -5,20 +5,20 @@ use std::path::{Path, PathBuf};
 use image::{GrayImage, RgbImage};
 
 use super::RenderError;
-use super::plan::{Missing, Plan, PlannedFrame};
+use super::plan::{Missing, PlannedFrame, RenderPlan};
 use crate::files;
 use crate::frames::light;
 use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb};
 
-/// Puts pictures into the folder of a plan.
+/// Puts images into the folder of a plan.
 pub struct Collector<'a> {
-    plan: &'a Plan,
+    plan: &'a RenderPlan,
     folder: &'a Path,
     raw: &'a Path,
 }
 
 impl<'a> Collector<'a> {
-    pub fn new(plan: &'a Plan, folder: &'a Path, raw: &'a Path) -> Self {
+    pub fn new(plan: &'a RenderPlan, folder: &'a Path, raw: &'a Path) -> Self {
         Self { plan, folder, raw }
     }
 
@@ -97,12 +97,12 @@ impl<'a> Collector<'a> {
     }
 }
 
-/// The pixels of a raw picture in linear light, row by row; the file is then removed.
+/// The pixels of a raw image in linear light, row by row; the file is then removed.
 pub(crate) fn triples(raw: &Path, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, RenderError> {
     Ok(values(raw, name, size, 3)?.as_chunks::<3>().0.to_vec())
 }
 
-/// The values of a raw picture, which is then removed.
+/// The values of a raw image, which is then removed.
 fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
     let path = raw.join(format!("{name}.f32"));
     let bytes = files::read(&path)?;
@@ -120,7 +120,7 @@ fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec
     Ok(values.map(|v| if v.is_finite() { v } else { 0.0 }).collect())
 }
 
-/// Linear light as the 8-bit sRGB picture that a detector gets.
+/// Linear light as the 8-bit sRGB image that a detector gets.
 pub(crate) fn srgb(linear: &[[f32; 3]], size: [u32; 2]) -> RgbImage {
     let pixels = linear.iter().flat_map(|p| light::rgb_of(p.map(f64::from))).collect();
     RgbImage::from_raw(size[0], size[1], pixels).unwrap_or_default()

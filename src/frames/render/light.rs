@@ -19,7 +19,7 @@ const OWN: [&str; 8] = [
 
 /// A panorama at infinity.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Light {
+pub struct Panorama {
     /// `None` for one of Blender's own, which `name` names.
     pub file: Option<PathBuf>,
     pub name: String,
@@ -27,7 +27,7 @@ pub struct Light {
     pub turn_deg: f64,
 }
 
-impl FromStr for Light {
+impl FromStr for Panorama {
     type Err = RenderError;
 
     /// `NAME` or `FILE`, and `@DEGREES`.
@@ -57,7 +57,7 @@ impl FromStr for Light {
     }
 }
 
-impl Light {
+impl Panorama {
     /// How frames call it, as the light and as the place: another turn is another place under the same light.
     pub fn place(&self) -> String {
         format!("{}@{}", self.name, self.turn_deg)

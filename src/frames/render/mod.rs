@@ -11,9 +11,9 @@ mod request;
 mod surface;
 
 pub(crate) use collect::{srgb, triples};
-pub use light::Light;
-pub use plan::{Missing, Plan, PlannedFrame};
-pub use request::{Colour, RenderRequest};
+pub use light::Panorama;
+pub use plan::{Missing, PlannedFrame, RenderPlan};
+pub use request::{RenderPaint, RenderRequest};
 
 use std::path::{Path, PathBuf};
 
@@ -58,8 +58,8 @@ pub enum RenderError {
         distance_mm: f64,
     },
     #[error(
-        "the model is not whole in the picture at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm, so it would be judged by a part; move \
-         the camera away, or widen --field-of-view-deg"
+        "the model is not whole in the image at azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm, so it would be judged by a part; move \
+         the camera away, or widen the field of view"
     )]
     CutOff {
         azimuth_deg: f64,
@@ -96,7 +96,7 @@ pub enum RenderError {
 /// # Errors
 /// A folder of another render, no Blender, and whatever Blender cannot do. Frames that are whole stay, and the next call goes on after them.
 pub fn render(
-    plan: &Plan,
+    plan: &RenderPlan,
     folder: &Path,
     python: &blender::Python,
     mut on_frame: impl FnMut(usize),
@@ -118,8 +118,8 @@ pub fn render(
         let log = work.join("blender.log");
         let finished = blender::run(python, &job, &log, |event| {
             match event {
-                blender::Event::Geometry(view) => collector.take_geometry(&view)?,
-                blender::Event::Frame(name) => {
+                blender::BlenderEvent::Geometry(view) => collector.take_geometry(&view)?,
+                blender::BlenderEvent::Frame(name) => {
                     collector.take_frame(&name)?;
                     done += 1;
                     on_frame(done);
@@ -139,10 +139,10 @@ pub fn render(
 }
 
 /// Writes what the folder is for, or refuses a folder that is for something else.
-fn claim(plan: &Plan, folder: &Path) -> Result<(), RenderError> {
+fn claim(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
     let note = folder.join("render.json");
     let own = plan.identity();
-    // What was refused before its first picture leaves the folder free.
+    // What was refused before its first image leaves the folder free.
     let is_begun = folder.join("views").is_dir() || folder.join("rgb").is_dir();
     if note.is_file() && is_begun {
         return if files::read_text(&note)? == own {

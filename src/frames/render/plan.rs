@@ -5,23 +5,23 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use super::request::{Colour, RenderRequest};
+use super::request::{RenderPaint, RenderRequest};
 use super::surface::surface;
-use super::{Light, RenderError};
+use super::{Panorama, RenderError};
 use crate::files;
 use crate::frames::{FORMAT, Frame, FrameList, FramesError, Pinhole, Positions};
 use crate::geometry::BoxPx;
 use crate::geometry::rigid::{self, Rigid};
 use crate::simulate::looking_at;
 
-/// The linear light that the highest level of a linear picture stands for: two stops above white.
+/// The linear light that the highest level of a linear image stands for: two stops above white.
 const LINEAR_MAX: f64 = 4.0;
 /// How often light may be reflected on its way.
 const BOUNCES: u32 = 4;
 
 /// A checked request, with everything derived from it.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct RenderPlan {
     request: RenderRequest,
     mesh_sha256: String,
     /// Of each light's file.
@@ -52,13 +52,13 @@ impl Missing {
     }
 }
 
-impl Plan {
+impl RenderPlan {
     /// # Errors
     /// Nothing to render, numbers out of range, cameras inside the model, a mesh without paint or files that cannot be read.
     pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
         check(&request)?;
         let mesh_sha256 = files::sha256_hex(&files::read(&request.mesh_file)?);
-        let hash = |light: &Light| {
+        let hash = |light: &Panorama| {
             light
                 .file
                 .as_deref()
@@ -165,7 +165,7 @@ impl Plan {
     /// What decides about the pixels: two plans of one identity render the same.
     pub fn identity(&self) -> String {
         let mut identity = self.view_identity();
-        identity["paints"] = self.request.colours.iter().map(Colour::identity).collect();
+        identity["paints"] = self.request.colours.iter().map(RenderPaint::identity).collect();
         format!("{identity:#}\n")
     }
 
@@ -177,7 +177,7 @@ impl Plan {
             "script_sha256": files::sha256_hex(super::blender::SCRIPT.as_bytes()),
             "mesh_sha256": self.mesh_sha256,
             "surface_sha256": files::sha256_hex(self.surface.to_string().as_bytes()),
-            "lights": r.lights.iter().map(Light::place).collect::<Vec<_>>(),
+            "lights": r.lights.iter().map(Panorama::place).collect::<Vec<_>>(),
             "lights_sha256": self.lights_sha256,
             "viewpoints": r.viewpoints,
             "size_px": r.size_px,
@@ -193,7 +193,7 @@ impl Plan {
     pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
         let mut new = Vec::new();
         for colour in &self.request.colours {
-            if let (Colour::Pattern(_, pattern, _), Some(file)) = (colour, colour.file()) {
+            if let (RenderPaint::Pattern(_, pattern, _), Some(file)) = (colour, colour.file()) {
                 new.push((folder.join(file), pattern.to_png().map_err(FramesError::from)?));
             }
         }
@@ -203,7 +203,7 @@ impl Plan {
     /// What `render_frames.py` gets: only what is missing.
     pub fn to_script(&self, missing: &Missing, raw: &Path) -> Value {
         let r = &self.request;
-        let colour = |c: &Colour| (c.name(), c.to_script());
+        let colour = |c: &RenderPaint| (c.name(), c.to_script());
         let lights = r.lights.iter().map(|l| {
             let absolute = l
                 .file
@@ -303,7 +303,7 @@ impl Plan {
         }
     }
 
-    /// The box of the whole mesh, exactly: of its projected corners, clipped to the picture.
+    /// The box of the whole mesh, exactly: of its projected corners, clipped to the image.
     fn outline(&self, viewpoint: usize, list: &FrameList) -> Option<BoxPx> {
         let [width, height] = list.size_px.map(f64::from);
         let clipped = self.projected(viewpoint)?.clipped(width, height);
@@ -323,7 +323,7 @@ impl Plan {
     /// The box of the whole mesh as scoring counts, from the corner of the top-left pixel.
     ///
     /// # Errors
-    /// The mesh is not whole in the picture, so that its box would be that of a part.
+    /// The mesh is not whole in the image, so that its box would be that of a part.
     pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
         let [width, height] = self.request.size_px.map(f64::from);
         let whole = self
@@ -407,7 +407,7 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
         )?;
     }
     for colour in &request.colours {
-        if let Colour::Pattern(name, _, tile) = colour {
+        if let RenderPaint::Pattern(name, _, tile) = colour {
             // Names become file names, and lines of what Blender says.
             if name.trim() != name || name.is_empty() || name.chars().any(char::is_control) {
                 return Err(RenderError::BadName { name: name.clone() });

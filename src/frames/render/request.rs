@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
 
-use super::Light;
-use crate::frames::{Paint, PatternPaint, light};
+use super::Panorama;
+use crate::frames::{FramePaint, PatternPaint, light};
 use crate::mesh::Mesh;
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
@@ -20,20 +20,20 @@ pub struct RenderRequest {
     pub turn: Matrix3<f64>,
     /// Indices of the materials that are the paint; all when empty.
     pub materials: Vec<usize>,
-    pub lights: Vec<Light>,
+    pub lights: Vec<Panorama>,
     pub viewpoints: Vec<Viewpoint>,
-    pub colours: Vec<Colour>,
+    pub colours: Vec<RenderPaint>,
     pub size_px: [u32; 2],
     /// Horizontal.
     pub field_of_view_deg: f64,
     /// Light paths a pixel.
     pub samples: u32,
-    /// Clean the noise of few light paths away (Intel Open Image Denoise). Such pictures no longer add up as light does.
+    /// Clean the noise of few light paths away (Intel Open Image Denoise). Such images no longer add up as light does.
     pub denoise: bool,
     pub seed: u32,
     /// Positions are taken at this many points along each side of a pixel.
     pub factor: u32,
-    /// Threads; 0 is all cores. The same pictures come out.
+    /// Threads; 0 is all cores. The same images come out.
     pub threads: u32,
     /// How the frames say they were made.
     pub made_by: String,
@@ -41,7 +41,7 @@ pub struct RenderRequest {
 
 /// What is on the model.
 #[derive(Debug, Clone)]
-pub enum Colour {
+pub enum RenderPaint {
     /// 8-bit sRGB of the diffuse reflectance.
     Flat([u8; 3]),
     /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
@@ -50,7 +50,7 @@ pub enum Colour {
     Original,
 }
 
-impl Colour {
+impl RenderPaint {
     pub(super) fn name(&self) -> String {
         match self {
             Self::Flat(rgb) => light::to_hex(*rgb),
@@ -59,14 +59,14 @@ impl Colour {
         }
     }
 
-    pub(super) fn paint(&self) -> Paint {
+    pub(super) fn paint(&self) -> FramePaint {
         match self {
-            Self::Flat(rgb) => Paint::FlatRgb(*rgb),
-            Self::Pattern(_, _, tile_mm) => Paint::Pattern(PatternPaint {
+            Self::Flat(rgb) => FramePaint::FlatRgb(*rgb),
+            Self::Pattern(_, _, tile_mm) => FramePaint::Pattern(PatternPaint {
                 file: self.file().unwrap_or_default(),
                 tile_mm: *tile_mm,
             }),
-            Self::Original => Paint::Original,
+            Self::Original => FramePaint::Original,
         }
     }
 

@@ -10,7 +10,7 @@ use super::{TagPrintError, image_of};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use crate::print::shapes::{Outline, Placement, black_modules, overlap, stroke, stroked};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Rgb};
-use crate::scene::{Model, Scene, Tag};
+use crate::scene::{ScaleModel, Scene, Tag};
 
 pub const GREY: Rgb = [110, 110, 110];
 /// Free paper around everything.
@@ -89,7 +89,7 @@ impl Mat {
             .map(|((a, _), (b, _))| [a.clone(), b.clone()])
     }
 
-    fn add_model(&mut self, model: &Model) {
+    fn add_model(&mut self, model: &ScaleModel) {
         let [length, width, _] = model.size_mm;
         let level = Placement {
             centre: PointMm::new(0.0, 0.0),

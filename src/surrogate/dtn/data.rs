@@ -10,7 +10,7 @@ use super::{Architecture, DtnError};
 use crate::files;
 use crate::frames::light;
 use crate::frames::views;
-use crate::frames::{Coverage, Frame, FrameSet, LIST};
+use crate::frames::{Coverage, Frame, FrameSet};
 use crate::surrogate::additive::Additive;
 
 /// Between the paint and the window's edge, where the convolutions see the padding.
@@ -51,23 +51,23 @@ impl PaintPixels {
     }
 }
 
-/// What the network sees: a part of the picture, or more than it.
+/// What the network sees: a part of the image, or more than it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Window {
+pub(super) struct PaintWindow {
     pub width: usize,
     pub height: usize,
 }
 
 /// Where the corner of the paint's box lies in a window.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placement {
+pub(super) struct CropPlacement {
     x: usize,
     y: usize,
     /// Left and right exchanged.
     mirrored: bool,
 }
 
-impl Window {
+impl PaintWindow {
     /// Holds any of these with a margin.
     pub fn around(all: &[&PaintPixels]) -> Self {
         let side = |axis: usize| {
@@ -84,17 +84,17 @@ impl Window {
         self.width * self.height
     }
 
-    pub fn middle(self, paint: &PaintPixels) -> Placement {
-        Placement {
+    pub fn middle(self, paint: &PaintPixels) -> CropPlacement {
+        CropPlacement {
             x: (self.width - paint.size[0]) / 2,
             y: (self.height - paint.size[1]) / 2,
             mirrored: false,
         }
     }
 
-    pub fn anywhere(self, paint: &PaintPixels, rng: &mut impl Rng) -> Placement {
+    pub fn anywhere(self, paint: &PaintPixels, rng: &mut impl Rng) -> CropPlacement {
         let mut place = |space: usize| rng.random_range(MARGIN_PX..=space - MARGIN_PX);
-        Placement {
+        CropPlacement {
             x: place(self.width - paint.size[0]),
             y: place(self.height - paint.size[1]),
             mirrored: rng.random(),
@@ -102,7 +102,7 @@ impl Window {
     }
 
     /// Where each paint pixel is in the window, which is stored row by row.
-    pub fn places(self, paint: &PaintPixels, placement: Placement) -> impl Iterator<Item = usize> {
+    pub fn places(self, paint: &PaintPixels, placement: CropPlacement) -> impl Iterator<Item = usize> {
         let low = paint.low;
         paint.at.iter().map(move |[x, y]| {
             let x = (x - low[0]) as usize + placement.x;
@@ -111,11 +111,11 @@ impl Window {
         })
     }
 
-    /// Writes the paint's values into a picture of the window, channel by channel.
-    pub fn fill(self, picture: &mut [f32], paint: &PaintPixels, placement: Placement, values: &[[f32; 3]]) {
+    /// Writes the paint's values into an image of the window, channel by channel.
+    pub fn fill(self, image: &mut [f32], paint: &PaintPixels, placement: CropPlacement, values: &[[f32; 3]]) {
         for (place, value) in self.places(paint, placement).zip(values) {
             for (channel, v) in value.iter().enumerate() {
-                picture[channel * self.pixels() + place] = *v;
+                image[channel * self.pixels() + place] = *v;
             }
         }
     }
@@ -135,7 +135,7 @@ enum Source {
     /// Linear light, from which any colour is made.
     Light(Additive),
     /// sRGB 0 to 1 of the paint's pixels in these colours and no other.
-    Pictures(Vec<([u8; 3], Vec<[f32; 3]>)>),
+    Images(Vec<([u8; 3], Vec<[f32; 3]>)>),
 }
 
 /// Each channel of all light by a factor.
@@ -179,8 +179,8 @@ impl<'a> NewLight<'a> {
 }
 
 impl TrainingView {
-    /// sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Pictures without linear light keep their exposure.
-    pub(super) fn picture(&self, rgb: [u8; 3], new: &NewLight) -> Option<Vec<[f32; 3]>> {
+    /// sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Images without linear light keep their exposure.
+    pub(super) fn image(&self, rgb: [u8; 3], new: &NewLight) -> Option<Vec<[f32; 3]>> {
         match &self.source {
             Source::Light(additive) => {
                 let mut light = exposed(additive, rgb, new.own);
@@ -191,11 +191,11 @@ impl TrainingView {
                 }
                 Some(light.iter().map(|p| p.map(|v| light::encode(v) as f32)).collect())
             }
-            Source::Pictures(all) => all.iter().find(|(colour, _)| *colour == rgb).map(|(_, p)| p.clone()),
+            Source::Images(all) => all.iter().find(|(colour, _)| *colour == rgb).map(|(_, p)| p.clone()),
         }
     }
 
-    /// Another picture from the same place, whose light can be added to this one's.
+    /// Another image from the same place, whose light can be added to this one's.
     fn is_same_pose(&self, other: &Self) -> bool {
         let (Source::Light(_), Source::Light(_)) = (&self.source, &other.source) else {
             return false;
@@ -207,7 +207,7 @@ impl TrainingView {
     pub(super) fn colour(&self, set: &TrainingSet, rng: &mut impl Rng) -> [u8; 3] {
         match &self.source {
             Source::Light(_) => std::array::from_fn(|_| rng.random()),
-            Source::Pictures(all) => {
+            Source::Images(all) => {
                 let seen: Vec<[u8; 3]> = all
                     .iter()
                     .map(|(c, _)| *c)
@@ -230,7 +230,7 @@ impl TrainingView {
                     .map(|_| std::array::from_fn(|_| rng.random()))
                     .collect()
             }
-            Source::Pictures(all) => all.iter().map(|(c, _)| *c).filter(|c| set.unseen.contains(c)).collect(),
+            Source::Images(all) => all.iter().map(|(c, _)| *c).filter(|c| set.unseen.contains(c)).collect(),
         }
     }
 }
@@ -270,7 +270,7 @@ impl TrainingSet {
         let mut known = String::new();
         let mut all = Vec::new();
         for set in folders.iter().chain(validation) {
-            known += &files::sha256_hex(&files::read(&set.folder.join(LIST))?);
+            known += &set.sha256()?;
         }
         for set in folders {
             all.extend(read(set, width_px, references, &on_view)?);
@@ -341,8 +341,8 @@ fn training_view(
     .unwrap_or_default();
     let paint = PaintPixels::of(&mask);
     let of_paint = |linear: &[[f32; 3]]| -> Vec<[f32; 3]> {
-        let picture = reduced(linear, width as usize, factor as usize);
-        let pixel = |[x, y]: &[u32; 2]| picture[(y * (width / factor) + x) as usize];
+        let image = reduced(linear, width as usize, factor as usize);
+        let pixel = |[x, y]: &[u32; 2]| image[(y * (width / factor) + x) as usize];
         paint.at.iter().map(pixel).collect()
     };
     let has_linear = view
@@ -361,15 +361,15 @@ fn training_view(
             let mut all = Vec::new();
             for frame in view {
                 let Some(rgb) = frame.flat_rgb() else { continue };
-                let picture = of_paint(&linear_of(&set.rgb(frame)?));
+                let image = of_paint(&linear_of(&set.rgb(frame)?));
                 let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
-                all.push((rgb, picture.iter().map(srgb).collect()));
+                all.push((rgb, image.iter().map(srgb).collect()));
             }
             let has = |rgb: &[u8; 3]| all.iter().any(|(colour, _)| colour == rgb);
             if all.len() < 2 || !references.iter().all(has) {
                 return Ok(None);
             }
-            Source::Pictures(all)
+            Source::Images(all)
         }
     };
     Ok((!paint.at.is_empty()).then(|| TrainingView {
@@ -380,19 +380,19 @@ fn training_view(
     }))
 }
 
-fn linear_of(picture: &RgbImage) -> Vec<[f32; 3]> {
-    picture
+fn linear_of(image: &RgbImage) -> Vec<[f32; 3]> {
+    image
         .pixels()
         .map(|p| light::linear_of(p.0).map(|v| v as f32))
         .collect()
 }
 
 /// The mean of each square of pixels: what a camera with fewer pixels would see, in linear light.
-fn reduced(picture: &[[f32; 3]], width: usize, factor: usize) -> Vec<[f32; 3]> {
-    let (columns, rows) = (width / factor, picture.len() / width / factor);
+fn reduced(image: &[[f32; 3]], width: usize, factor: usize) -> Vec<[f32; 3]> {
+    let (columns, rows) = (width / factor, image.len() / width / factor);
     let mut small = vec![[0.0; 3]; columns * rows];
     let share = 1.0 / (factor * factor) as f32;
-    for (i, pixel) in picture.iter().enumerate() {
+    for (i, pixel) in image.iter().enumerate() {
         let (x, y) = (i % width / factor, i / width / factor);
         if x < columns && y < rows {
             for (sum, v) in small[y * columns + x].iter_mut().zip(pixel) {
@@ -447,7 +447,7 @@ fn azimuth_key(view: &TrainingView) -> i64 {
 fn unseen(training: &[TrainingView], validation: &[TrainingView], references: &[[u8; 3]]) -> BTreeSet<[u8; 3]> {
     let mut colours = BTreeSet::new();
     for view in training.iter().chain(validation) {
-        if let Source::Pictures(all) = &view.source {
+        if let Source::Images(all) = &view.source {
             colours.extend(all.iter().map(|(c, _)| *c).filter(|c| !references.contains(c)));
         }
     }

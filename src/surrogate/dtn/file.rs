@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use super::DtnError;
-use super::training::State;
+use super::training::TrainingState;
 use crate::files;
 
 const MAGIC: &str = "scaleproof dtn 1\n";
 
 /// # Errors
 /// A file that cannot be written.
-pub fn save(state: &State, path: &Path) -> Result<(), DtnError> {
+pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
     let content = postcard::to_allocvec(state).map_err(|e| DtnError::Tensor(e.to_string()))?;
     let head = format!("{MAGIC}{}\n", files::sha256_hex(&content));
     files::write_atomically(path, &[head.into_bytes(), content].concat())?;
@@ -19,7 +19,7 @@ pub fn save(state: &State, path: &Path) -> Result<(), DtnError> {
 
 /// # Errors
 /// A file that cannot be read, is of another kind, or damaged.
-pub fn load(path: &Path) -> Result<State, DtnError> {
+pub fn load(path: &Path) -> Result<TrainingState, DtnError> {
     let bytes = files::read(path)?;
     let path = || path.to_owned();
     let rest = bytes
@@ -30,6 +30,6 @@ pub fn load(path: &Path) -> Result<State, DtnError> {
     whole
         .filter(|(sum, content)| *sum == files::sha256_hex(content).as_bytes())
         .and_then(|(_, content)| postcard::from_bytes(content).ok())
-        .filter(State::is_whole)
+        .filter(TrainingState::is_whole)
         .ok_or_else(|| DtnError::Damaged { path: path() })
 }

@@ -1,16 +1,16 @@
 //! DTN, the Differentiable Transformation Network (Suryanto et al., CVPR 2022): it learns what a renderer does to a texture.
 //!
-//! `x = f(x_ref, η)`: from one picture of the view in a reference colour, a convolutional auto-encoder (the Transformation Feature Extractor)
+//! `x = f(x_ref, η)`: from one image of the view in a reference colour, a convolutional auto-encoder (the Transformation Feature Extractor)
 //! makes maps `TF`, and a formula per pixel and channel (the Expected Texture Transformer) applies them to the texture η. `TF` does not see
 //! η, so that it cannot learn colours by heart, and it is computed once for all textures of a view.
 //!
 //! - [`transformer`]: the formula, and NTR's, which only multiplies and adds;
 //! - [`network`]: the encoders and the decoder;
 //! - [`data`]: training views from frames;
-//! - [`training`]: Adam, the loss, what is measured on the way;
-//! - [`run`]: training within a budget, saved on the way;
+//! - [`training`]: Adam, the loss, the history of its measurements;
+//! - [`run`]: training within a budget, saved every half minute;
 //! - [`mod@file`]: a network and the state of its training, whole or absent;
-//! - [`view`]: a trained network as a renderer model of one view.
+//! - [`trained`]: a trained network as a surrogate renderer of one view.
 //!
 //! Outside the paint the network's input is 0 and nothing is asked of it, so it only ever sees a window around the paint. That costs no accuracy
 //! and most of the time less than half.
@@ -19,9 +19,9 @@ pub mod data;
 pub mod file;
 pub mod network;
 pub mod run;
+pub mod trained;
 pub mod training;
 pub mod transformer;
-pub mod view;
 
 pub use network::{Architecture, Encoder};
 pub use transformer::Transformer;
@@ -42,26 +42,26 @@ pub enum DtnError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(
-        "{folder}: no view has paint, the reference colour {colour} and another flat colour; render flat colours (attack render --flat), or name \
-         another reference with --reference", folder = folder.display()
+        "{folder}: no view has paint, the reference colour {colour} and another flat colour; render flat colours, or name another \
+         reference", folder = folder.display()
     )]
     NoViews { folder: PathBuf, colour: String },
     #[error(
-        "{folder}: its pictures are {found} pixels wide, and {asked} is not a whole part of that; give another --width-px", folder = folder.display()
+        "{folder}: its images are {found} pixels wide, and {asked} is not a whole part of that; give another width", folder = folder.display()
     )]
     Width { folder: PathBuf, found: u32, asked: u32 },
     #[error("{path} is no network of this program; give a file that attack train-dtn wrote", path = path.display())]
     NotANetwork { path: PathBuf },
     #[error("{path} is damaged: delete it and train again", path = path.display())]
     Damaged { path: PathBuf },
-    #[error("{path} was trained with {found}, and {asked} is asked for: give the same again, or another file", path = path.display())]
+    #[error("{path} was trained with {found}, and not with {asked}: give the same again, or another file", path = path.display())]
     OtherTraining {
         path: PathBuf,
         found: String,
         asked: String,
     },
     #[error(
-        "training broke down at step {step}: the loss is no number any more; what was saved before stands. Train again with another --seed, and \
+        "training broke down at step {step}: the loss is no number any more; what was saved before stands. Train again with another seed, and \
          look at the frames with attack check"
     )]
     NotFinite { step: u64 },

@@ -1,9 +1,9 @@
-//! The Transformation Feature Extractor: a convolutional auto-encoder of k halvings, from the masked reference picture to the maps TF.
+//! The Transformation Feature Extractor: a convolutional auto-encoder of k halvings, from the masked reference image to the maps TF.
 //!
-//! The paper draws its parts and gives no widths. Here: each stage of the encoder halves the picture by a convolution of stride 2 and adds two
+//! The paper draws its parts and gives no widths. Here: each stage of the encoder halves the image by a convolution of stride 2 and adds two
 //! 3×3 convolutions, plain (`ConvNet`), around which the input is added (`ResNet`), or each of which sees all before it (`DenseNet`). The decoder
-//! is the same for all three: it doubles the picture and sees the encoder's features of that size beside it, as seams and panel
-//! gaps of a pixel's width would otherwise have to pass through a picture 2^k times smaller. There is no normalisation: batches are a few views, and a
+//! is the same for all three: it doubles the image and sees the encoder's features of that size beside it, as seams and panel
+//! gaps of a pixel's width would otherwise have to pass through an image 2^k times smaller. There is no normalisation: batches are a few views, and a
 //! view must not depend on the others of its batch.
 
 use burn::tensor::activation::relu;
@@ -42,7 +42,7 @@ impl Encoder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Architecture {
     pub encoder: Encoder,
-    /// k, 1 to [`Architecture::MAX_DEPTH`]: how often the picture is halved.
+    /// k, 1 to [`Architecture::MAX_DEPTH`]: how often the image is halved.
     pub depth: usize,
     pub transformer: Transformer,
 }
@@ -103,7 +103,7 @@ struct Stage {
 
 /// The convolutions of an architecture. Its weights are kept apart, in one list: kernel and bias of each convolution in turn.
 #[derive(Debug, Clone)]
-pub(super) struct Layout {
+pub(super) struct LayerShapes {
     architecture: Architecture,
     convs: Vec<Conv>,
     stages: Vec<Stage>,
@@ -111,7 +111,7 @@ pub(super) struct Layout {
     out: Conv,
 }
 
-impl Layout {
+impl LayerShapes {
     pub fn new(architecture: Architecture) -> Self {
         let mut convs = Vec::new();
         let mut conv = |ins: usize, outs: usize, kernel: usize, stride: usize, gain: f32| {
@@ -167,7 +167,7 @@ impl Layout {
         self.convs.iter().flat_map(both).collect()
     }
 
-    /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference picture where η is the reference, both ReLUs open for
+    /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference image where η is the reference, both ReLUs open for
     /// every η ([`Transformer::open`]). A ReLU that is shut everywhere learns nothing any more, and this is the best guess
     /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
     pub fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {

@@ -1,4 +1,4 @@
-//! Training within a budget, saved on the way.
+//! Training within a budget, saved every half minute.
 
 use std::path::Path;
 use std::time::Instant;
@@ -12,14 +12,14 @@ const SAVE_EVERY_SECONDS: f64 = 30.0;
 
 /// When training ends, over all its runs together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Budget {
+pub enum TrainingBudget {
     /// So many times all training views.
     Epochs(u64),
     /// So much time: then the result depends on the machine.
     Seconds(f64),
 }
 
-impl Budget {
+impl TrainingBudget {
     fn is_spent(self, trainer: &Trainer, set: &TrainingSet) -> bool {
         match self {
             Self::Epochs(epochs) => trainer.steps >= epochs.saturating_mul(Trainer::steps_an_epoch(set)),
@@ -35,7 +35,7 @@ impl Budget {
 pub fn train(
     trainer: &mut Trainer,
     set: &TrainingSet,
-    budget: Budget,
+    budget: TrainingBudget,
     path: &Path,
     mut on_step: impl FnMut(&Trainer, f64),
 ) -> Result<(), DtnError> {

@@ -1,11 +1,13 @@
 //! Training: Adam on the binary cross-entropy over the paint (CVPR 2022, algorithm 2).
 //!
-//! A batch is eight views in four colours each: TF does not depend on the colour, so that one pass of the network serves four pictures. Views are
+//! A batch is eight views in four colours each: TF does not depend on the colour, so that one pass of the network serves four images. Views are
 //! mirrored, moved within the window, and put under brighter, darker, tinted and mixed light, which is exact in linear light: frames come from a
 //! few lights, and the network is asked about others. What is kept as the network is the running mean of the weights, which is smoother than the
 //! weights of any one step.
 //!
 //! Every step draws its random numbers from the seed and its own number, so that training that was interrupted goes on as if it had not been.
+
+use std::path::Path;
 
 use burn::optim::{Adam, AdamConfig, AdamState, AdaptiveMomentumState, Optimizer};
 use burn::tensor::{Device, Tensor, TensorData};
@@ -14,10 +16,11 @@ use rand::{Rng, RngExt};
 use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
-use super::data::{NewLight, Placement, TrainingSet, TrainingView, Window};
-use super::network::{Layout, tensors, values};
-use super::view::Network;
+use super::data::{CropPlacement, NewLight, PaintWindow, TrainingSet, TrainingView};
+use super::network::{LayerShapes, tensors, values};
+use super::trained::DtnNetwork;
 use super::{Architecture, DtnError, Transformer};
+use crate::frames::light;
 
 const LEARNING_RATE: f64 = 1e-3;
 const BATCH_VIEWS: usize = 8;
@@ -26,23 +29,23 @@ const COLOURS_A_VIEW: usize = 4;
 const MEAN_KEEPS: f64 = 0.998;
 /// Steps between two validations.
 pub const VALIDATE_EVERY: u64 = 100;
-/// Cross-entropy is infinite at 0 and 1; its slope is cut to what it is so far from them.
+/// Cross-entropy is infinite at 0 and 1; its derivative is cut to what it is so far from them.
 const EDGE: f64 = 0.01;
 
 /// What must be the same for training to go on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Plan {
+pub struct TrainingPlan {
     pub architecture: Architecture,
-    /// Each view of a batch takes its reference picture in one of them at random.
+    /// Each view of a batch takes its reference image in one of them at random.
     pub references: Vec<[u8; 3]>,
     pub seed: u64,
     /// Of the frames.
     pub data_sha256: String,
 }
 
-/// What was measured on the way.
+/// A measurement during training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
+pub struct TrainingProgress {
     pub step: u64,
     /// Time spent on training.
     pub seconds: f64,
@@ -54,11 +57,11 @@ pub struct Progress {
 
 /// Training that can be saved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    pub plan: Plan,
+pub struct TrainingState {
+    pub plan: TrainingPlan,
     pub steps: u64,
     pub seconds: f64,
-    pub history: Vec<Progress>,
+    pub history: Vec<TrainingProgress>,
     /// Sum and number of the losses since the last entry of the history.
     losses: (f64, u64),
     weights: Vec<Vec<f32>>,
@@ -69,12 +72,12 @@ pub struct State {
 
 /// Training under way.
 pub struct Trainer {
-    plan: Plan,
+    plan: TrainingPlan,
     pub steps: u64,
     pub seconds: f64,
-    pub history: Vec<Progress>,
+    pub history: Vec<TrainingProgress>,
     losses: (f64, u64),
-    layout: Layout,
+    layout: LayerShapes,
     weights: Vec<Tensor<4>>,
     mean: Vec<Tensor<4>>,
     moments: Vec<Option<AdamState<4>>>,
@@ -85,19 +88,62 @@ pub struct Trainer {
 /// One view of a batch.
 struct Sample<'a> {
     view: &'a TrainingView,
-    placement: Placement,
+    placement: CropPlacement,
     reference: Vec<[f32; 3]>,
     /// Colours and what they look like.
     targets: Vec<([u8; 3], Vec<[f32; 3]>)>,
 }
 
+impl TrainingPlan {
+    /// What it says otherwise than another.
+    fn differences(&self, other: &Self) -> String {
+        let mut words = Vec::new();
+        if self.architecture != other.architecture {
+            words.push(self.architecture.name());
+        }
+        if self.references != other.references {
+            let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
+            words.push(format!("the reference {}", colours.join(" ")));
+        }
+        if self.seed != other.seed {
+            words.push(format!("seed {}", self.seed));
+        }
+        if self.data_sha256 != other.data_sha256 {
+            let sha256 = &self.data_sha256;
+            words.push(format!("the frames {}", sha256.get(..8).unwrap_or(sha256)));
+        }
+        words.join(", ")
+    }
+}
+
 impl Trainer {
+    /// Begins, or resumes what `path` holds.
+    ///
+    /// # Errors
+    /// Training by another plan, and a state that does not fit its own architecture.
+    pub fn begin(
+        plan: TrainingPlan,
+        known: Option<TrainingState>,
+        path: &Path,
+        device: Device,
+    ) -> Result<Self, DtnError> {
+        match known {
+            None => Self::new(plan, device),
+            Some(state) if state.plan == plan => Self::go_on(state, device),
+            Some(state) => Err(DtnError::OtherTraining {
+                path: path.to_owned(),
+                found: state.plan.differences(&plan),
+                asked: plan.differences(&state.plan),
+            }),
+        }
+    }
+
     /// # Errors
     /// Only for a state that does not fit its own architecture.
-    pub fn new(plan: Plan, device: Device) -> Result<Self, DtnError> {
-        let first = Layout::new(plan.architecture).first_weights(plan.seed, &plan.references);
+    pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
+        let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
         Self::go_on(
-            State {
+            TrainingState {
                 plan,
                 steps: 0,
                 seconds: 0.0,
@@ -113,8 +159,8 @@ impl Trainer {
 
     /// # Errors
     /// A state whose weights do not fit its architecture.
-    pub fn go_on(state: State, device: Device) -> Result<Self, DtnError> {
-        let layout = Layout::new(state.plan.architecture);
+    pub fn go_on(state: TrainingState, device: Device) -> Result<Self, DtnError> {
+        let layout = LayerShapes::new(state.plan.architecture);
         let shapes = layout.shapes();
         let broken = || DtnError::Tensor("its weights do not fit its architecture".to_owned());
         let load = |lists: &[Vec<f32>]| tensors(lists, &shapes, &device).ok_or_else(broken);
@@ -143,10 +189,10 @@ impl Trainer {
 
     /// # Errors
     /// Weights that are no numbers any more.
-    pub fn state(&self) -> Result<State, DtnError> {
+    pub fn state(&self) -> Result<TrainingState, DtnError> {
         let lists = |tensors: &[Tensor<4>]| tensors.iter().map(|t| self.list(t)).collect::<Result<Vec<_>, _>>();
         let moments = self.moments.iter().flatten();
-        Ok(State {
+        Ok(TrainingState {
             plan: self.plan.clone(),
             steps: self.steps,
             seconds: self.seconds,
@@ -195,14 +241,14 @@ impl Trainer {
         let maps = self.layout.forward(&leaves, input);
         let known = values(maps.clone().inner())?;
         let transformer = self.plan.architecture.transformer;
-        let (loss, pulls) = loss(transformer, &batch, window, &known);
+        let (loss, map_gradients) = loss(transformer, &batch, window, &known);
         // A ReLU makes 0 of what is no number, so the loss alone does not tell.
         if !loss.is_finite() || known.iter().any(|v| !v.is_finite()) {
             return Err(DtnError::NotFinite { step: self.steps });
         }
-        // The formula's derivatives are closed forms; from TF on, the framework follows them back.
-        let pulls = Tensor::<4>::from_data(TensorData::new(pulls, maps.dims()), &autodiff);
-        let mut gradients = (maps * pulls).sum().backward();
+        // The formula's derivatives are closed forms; from TF on, the framework computes the backward pass.
+        let map_gradients = Tensor::<4>::from_data(TensorData::new(map_gradients, maps.dims()), &autodiff);
+        let mut gradients = (maps * map_gradients).sum().backward();
         let keeps = MEAN_KEEPS.min((1.0 + self.steps as f64) / (10.0 + self.steps as f64));
         for (i, leaf) in leaves.iter().enumerate() {
             let Some(gradient) = leaf.grad_remove(&mut gradients) else {
@@ -221,7 +267,7 @@ impl Trainer {
 
     /// The views of this step: those of an epoch in random order, every one once, in batches of like size, so that a window is no larger than
     /// its views need.
-    fn batch<'a>(&self, set: &'a TrainingSet) -> (Window, Vec<Sample<'a>>) {
+    fn batch<'a>(&self, set: &'a TrainingSet) -> (PaintWindow, Vec<Sample<'a>>) {
         let (epoch, number) = (
             self.steps / Self::steps_an_epoch(set),
             self.steps % Self::steps_an_epoch(set),
@@ -229,12 +275,12 @@ impl Trainer {
         let mut rng = Pcg32::new(self.plan.seed, 2 * epoch);
         let mut order: Vec<&TrainingView> = set.training.iter().collect();
         order.shuffle(&mut rng);
-        order.sort_by_key(|view| Window::around(&[&view.paint]).pixels());
+        order.sort_by_key(|view| PaintWindow::around(&[&view.paint]).pixels());
         let mut batches: Vec<&[&TrainingView]> = order.chunks(BATCH_VIEWS).collect();
         batches.shuffle(&mut rng);
         let batch = batches.get(number as usize).copied().unwrap_or_default();
         let paints: Vec<_> = batch.iter().map(|v| &v.paint).collect();
-        let window = Window::around(&paints);
+        let window = PaintWindow::around(&paints);
         let mut rng = Pcg32::new(self.plan.seed, 2 * self.steps + 1);
         let samples = batch.iter().filter_map(|view| self.sample(set, view, window, &mut rng));
         (window, samples.collect())
@@ -244,18 +290,18 @@ impl Trainer {
         &self,
         set: &TrainingSet,
         view: &'a TrainingView,
-        window: Window,
+        window: PaintWindow,
         rng: &mut impl Rng,
     ) -> Option<Sample<'a>> {
         let placement = window.anywhere(&view.paint, rng);
         let light = NewLight::random(set, view, rng);
         let reference = self.plan.references[rng.random_range(0..self.plan.references.len())];
         let colours: Vec<[u8; 3]> = (0..COLOURS_A_VIEW).map(|_| view.colour(set, rng)).collect();
-        let target = |rgb: [u8; 3]| Some((rgb, view.picture(rgb, &light)?));
+        let target = |rgb: [u8; 3]| Some((rgb, view.image(rgb, &light)?));
         Some(Sample {
             view,
             placement,
-            reference: view.picture(reference, &light)?,
+            reference: view.image(reference, &light)?,
             targets: colours.into_iter().map(target).collect::<Option<_>>()?,
         })
     }
@@ -264,9 +310,9 @@ impl Trainer {
     ///
     /// # Errors
     /// Only if the tensors cannot be computed.
-    pub fn validate(&mut self, set: &TrainingSet) -> Result<Progress, DtnError> {
+    pub fn validate(&mut self, set: &TrainingSet) -> Result<TrainingProgress, DtnError> {
         let (sum, count) = std::mem::take(&mut self.losses);
-        let progress = Progress {
+        let progress = TrainingProgress {
             step: self.steps,
             seconds: self.seconds,
             loss: sum / count.max(1) as f64,
@@ -281,12 +327,12 @@ impl Trainer {
         let transformer = self.plan.architecture.transformer;
         let (mut sum, mut count) = (0.0, 0);
         for view in &set.validation {
-            let Some(reference) = view.picture(self.plan.references[0], &NewLight::NONE) else {
+            let Some(reference) = view.image(self.plan.references[0], &NewLight::NONE) else {
                 continue;
             };
             let maps = network.maps(&view.paint, &reference)?;
             for rgb in view.validation_colours(set) {
-                let Some(truth) = view.picture(rgb, &NewLight::NONE) else {
+                let Some(truth) = view.image(rgb, &NewLight::NONE) else {
                     continue;
                 };
                 let mut error = 0.0;
@@ -305,8 +351,8 @@ impl Trainer {
     }
 
     /// The network as it stands: the running mean of its weights.
-    pub fn network(&self) -> Network {
-        Network {
+    pub fn network(&self) -> DtnNetwork {
+        DtnNetwork {
             architecture: self.plan.architecture,
             references: self.plan.references.clone(),
             training_seconds: self.seconds,
@@ -317,13 +363,13 @@ impl Trainer {
     }
 }
 
-impl State {
+impl TrainingState {
     /// Whether there is a network in it: its weights are those of its architecture.
     pub(super) fn is_whole(&self) -> bool {
         if !self.plan.architecture.is_possible() || self.plan.references.is_empty() {
             return false;
         }
-        let shapes = Layout::new(self.plan.architecture).shapes();
+        let shapes = LayerShapes::new(self.plan.architecture).shapes();
         let fits = |lists: &[Vec<f32>]| {
             lists
                 .iter()
@@ -337,22 +383,22 @@ impl State {
     ///
     /// # Errors
     /// Weights that do not fit the architecture.
-    pub fn network(self, device: Device) -> Result<Network, DtnError> {
+    pub fn network(self, device: Device) -> Result<DtnNetwork, DtnError> {
         Ok(Trainer::go_on(self, device)?.network())
     }
 }
 
-/// The mean cross-entropy over pictures, each the mean over its paint's pixels and channels; and how it depends on TF.
-fn loss(transformer: Transformer, batch: &[Sample], window: Window, maps: &[f32]) -> (f64, Vec<f32>) {
+/// The mean cross-entropy over images, each the mean over its paint's pixels and channels; and how it depends on TF.
+fn loss(transformer: Transformer, batch: &[Sample], window: PaintWindow, maps: &[f32]) -> (f64, Vec<f32>) {
     let (pixels, channels) = (window.pixels(), transformer.channels());
-    let mut pulls = vec![0.0; maps.len()];
+    let mut map_gradients = vec![0.0; maps.len()];
     let mut sum = 0.0;
     let parts = maps
         .chunks_exact(channels * pixels)
-        .zip(pulls.chunks_exact_mut(channels * pixels));
-    for (sample, (maps, pulls)) in batch.iter().zip(parts) {
-        let pictures = sample.targets.len() * batch.len();
-        let share = 1.0 / (3 * sample.view.paint.at.len() * pictures) as f64;
+        .zip(map_gradients.chunks_exact_mut(channels * pixels));
+    for (sample, (maps, map_gradients)) in batch.iter().zip(parts) {
+        let images = sample.targets.len() * batch.len();
+        let share = 1.0 / (3 * sample.view.paint.at.len() * images) as f64;
         for (rgb, truth) in &sample.targets {
             for (place, truth) in window.places(&sample.view.paint, sample.placement).zip(truth) {
                 for channel in 0..3 {
@@ -361,15 +407,15 @@ fn loss(transformer: Transformer, batch: &[Sample], window: Window, maps: &[f32]
                     let x = transformer.value(found, eta);
                     let target = f64::from(truth[channel]);
                     sum += share * cross_entropy(x, target);
-                    let pull = share * cross_entropy_slope(x, target);
-                    transformer.spread(channel, transformer.pulls(found, eta, pull), |i, v| {
-                        pulls[i * pixels + place] += v as f32;
+                    let cotangent = share * cross_entropy_slope(x, target);
+                    transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
+                        map_gradients[i * pixels + place] += v as f32;
                     });
                 }
             }
         }
     }
-    (sum, pulls)
+    (sum, map_gradients)
 }
 
 /// Of a prediction and a value from 0 to 1.
@@ -393,7 +439,7 @@ mod tests {
 
     /// Nothing a user gives makes a number break down, so weights are broken here.
     #[test]
-    fn what_is_no_number_is_neither_followed_nor_saved() -> Result<(), DtnError> {
+    fn what_is_no_number_is_neither_stepped_along_nor_saved() -> Result<(), DtnError> {
         let frames = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline_frames");
         let references = vec![[128; 3]];
         let set = TrainingSet::read(&[FrameSet::open(&frames)?], None, 48, &references, || ())?;
@@ -402,7 +448,7 @@ mod tests {
             depth: 1,
             transformer: Transformer::Texture,
         };
-        let plan = Plan {
+        let plan = TrainingPlan {
             architecture,
             references,
             seed: 1,

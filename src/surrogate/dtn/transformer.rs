@@ -15,7 +15,7 @@ pub struct Maps {
     pub bias: f64,
 }
 
-/// The formula between texture and picture; η and x are sRGB, 0 to 1.
+/// The formula between texture and image; η and x are sRGB, 0 to 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transformer {
@@ -112,18 +112,18 @@ impl Transformer {
     }
 
     /// dx/dη; 0 where a ReLU is shut.
-    pub fn slope(self, maps: Maps, eta: f64) -> f64 {
+    pub fn derivative(self, maps: Maps, eta: f64) -> f64 {
         match self {
             Self::Texture if eta <= maps.subtract || self.value(maps, eta) <= 0.0 => 0.0,
             _ => maps.multiply,
         }
     }
 
-    /// How the loss depends on the maps, given how it depends on x (`pull`).
+    /// How the loss depends on the maps, given how it depends on x (`cotangent`).
     ///
-    /// Where a ReLU is shut the derivative is 0, and a pixel could never leave it. So a shut ReLU passes a pull that would open it, and no other:
-    /// what is learnt is the formula as it stands, only the way there differs.
-    pub fn pulls(self, maps: Maps, eta: f64, pull: f64) -> Maps {
+    /// Where a ReLU is shut the derivative is 0, and a pixel could never leave it. So a shut ReLU passes a cotangent that would open it, and no other:
+    /// the formula that is learnt stays as it stands, only the steps of its training differ.
+    pub fn vjp(self, maps: Maps, eta: f64, cotangent: f64) -> Maps {
         let none = Maps {
             subtract: 0.0,
             add: 0.0,
@@ -132,22 +132,22 @@ impl Transformer {
         };
         let Self::Texture = self else {
             return Maps {
-                multiply: pull * eta,
-                bias: pull,
+                multiply: cotangent * eta,
+                bias: cotangent,
                 ..none
             };
         };
         let inner = (eta - maps.subtract).max(0.0) + maps.add;
-        if inner * maps.multiply + maps.bias <= 0.0 && pull >= 0.0 {
+        if inner * maps.multiply + maps.bias <= 0.0 && cotangent >= 0.0 {
             return none;
         }
-        let on_inner = pull * maps.multiply;
-        let passes = eta > maps.subtract || on_inner < 0.0;
+        let inner_cotangent = cotangent * maps.multiply;
+        let passes = eta > maps.subtract || inner_cotangent < 0.0;
         Maps {
-            subtract: if passes { -on_inner } else { 0.0 },
-            add: on_inner,
-            multiply: pull * inner,
-            bias: pull,
+            subtract: if passes { -inner_cotangent } else { 0.0 },
+            add: inner_cotangent,
+            multiply: cotangent * inner,
+            bias: cotangent,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where a pattern's cells lie in a picture: a sparse linear map from cells to pixels, forward and transposed.
+//! Where a pattern's cells lie in an image: a sparse linear map from cells to pixels, forward and transposed.
 //!
 //! Two makers: [`repeated`] (Repeated Texture Projection of DTA) and [`world`] (world-aligned, as the printed panels are). Colours are linear
 //! reflectance, since a pixel that sees several cells sees the mean of their light.
@@ -40,7 +40,7 @@ pub enum Sampling {
     Bilinear,
 }
 
-/// A linear map from the cells of a pattern (row by row from the top) to the pixels of a picture (likewise).
+/// A linear map from the cells of a pattern (row by row from the top) to the pixels of an image (likewise).
 ///
 /// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +76,7 @@ impl Projection {
         }
     }
 
-    /// Pixels of the picture.
+    /// Pixels of the image.
     pub fn pixels(&self) -> usize {
         self.starts.len() - 1
     }

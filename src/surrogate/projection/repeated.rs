@@ -2,8 +2,8 @@
 //! over a plane that is seen as the camera sees the model.
 //!
 //! The paper leaves the plane open; here it goes through the target point and faces as that side of the model does which looks to the camera
-//! most (of equals the later in [`Side::ALL`]), with the axes and the phase of [`crate::pattern::world_aligned`]. So the tile has its true
-//! size at the model's middle, whatever the pose. `M_scale` and `M_shift` are the tile's size and phase times the random φ_rd.
+//! most (of equals the later in [`Side::ALL`]), with the axes and the origin of [`crate::pattern::world_aligned`]. So the tile has its true
+//! size at the model's middle, whatever the pose. `M_scale` and `M_shift` are the tile's size and origin with the random scale and shift φ_rd.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use rand::{Rng, RngExt};
@@ -50,7 +50,7 @@ pub fn project(
     sampling: Sampling,
     jitter: &Jitter,
 ) -> Projection {
-    let to_plane = plane_to_picture(list, frame).try_inverse();
+    let to_plane = plane_to_image(list, frame).try_inverse();
     let see = |x: f64, y: f64| {
         let at = to_plane? * Vector3::new(x, y, 1.0);
         // Behind the camera the plane is not seen.
@@ -81,7 +81,7 @@ fn jittered(grid: &Grid, [column, row]: [f64; 2], jitter: &Jitter) -> [f64; 2] {
 }
 
 /// The homography from the plane's (u, v, 1), mm, to homogeneous pixels, positive in front of the camera.
-fn plane_to_picture(list: &FrameList, frame: &Frame) -> Matrix3<f64> {
+fn plane_to_image(list: &FrameList, frame: &Frame) -> Matrix3<f64> {
     let (pose, target) = (frame.pose(), Point3::from(list.target_mm));
     let to_camera = pose.inverse().translation.vector - target.coords;
     let facing = |side: &Side| side.outward().dot(&to_camera);

@@ -6,7 +6,7 @@ use crate::frames::{Frame, FrameSet, FramesError};
 /// The projection for a frame; `None` for a frame without positions.
 ///
 /// # Errors
-/// Pictures that cannot be read.
+/// Images that cannot be read.
 pub fn project(
     set: &FrameSet,
     frame: &Frame,
@@ -35,7 +35,7 @@ pub fn project(
     )))
 }
 
-/// (u, v) of a side in mm as columns and rows: the phase is that of [`crate::pattern::world_aligned`].
+/// (u, v) of a side in mm as columns and rows: the origin is that of [`crate::pattern::world_aligned`].
 pub(super) fn in_cells(grid: &Grid, [u_mm, v_mm]: [f64; 2]) -> [f64; 2] {
     [u_mm / grid.cell_mm, -v_mm / grid.cell_mm]
 }

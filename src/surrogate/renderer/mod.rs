@@ -1,14 +1,14 @@
-//! Models of one view that predict its picture for any paint, behind one interface.
+//! Models of one view that predict its image for any paint, behind one interface.
 //!
-//! All are closed forms: fitted per pixel and channel to a few pictures in flat colours by least squares, rendered or photographed, without
+//! All are closed forms: fitted per pixel and channel to a few images in flat colours by least squares, rendered or photographed, without
 //! training. DTN (`x = relu((relu(η − s) + a)·m + b)`, CVPR 2022, fig. 4) is affine per pixel where its ReLUs are open, so these are its
 //! rivals by construction. They work channel by channel: a camera that mixes channels is beyond them.
 //!
-//! | model | picture x of reflectance ρ |
+//! | model | image x of reflectance ρ |
 //! |---|---|
 //! | `affine` | x = a + b·η, both as sRGB |
 //! | `quadratic` | x = a + b·η + c·η², both as sRGB |
-//! | `affine-curve` | T⁻¹(x) = a + b·ρ, in light, with the picture's tone curve T fitted ([`Tone`]) |
+//! | `affine-curve` | T⁻¹(x) = a + b·ρ, in light, with the image's tone curve T fitted ([`Tone`]) |
 //! | `quadratic-curve` | T⁻¹(x) = a + b·ρ + c·ρ²: light that goes to and fro between the paint's parts as well |
 
 mod per_pixel;
@@ -21,34 +21,34 @@ use image::RgbImage;
 
 use crate::frames::Coverage;
 
-/// A picture of the view in a flat colour.
+/// An image of the view in a flat colour.
 #[derive(Debug, Clone)]
-pub struct Shot {
+pub struct FlatImage {
     /// 8-bit sRGB of the paint's reflectance.
     pub flat_rgb: [u8; 3],
-    pub picture: RgbImage,
+    pub image: RgbImage,
 }
 
-/// Predicts the picture of one view.
+/// Predicts the image of one view.
 pub trait Renderer {
     /// `paint`: linear reflectance of the paint in each pixel, row by row. The result is sRGB, 0 to 1.
     fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;
 
     /// The derivative of each predicted value with respect to the reflectance in the same pixel and channel; it depends on no other. 0 where
     /// the prediction is clipped.
-    fn slope(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;
+    fn derivative(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;
 }
 
-/// A model that was trained beforehand, and needs one picture of a view.
-pub trait Learned {
+/// A model that was trained beforehand, and needs one image of a view.
+pub trait NeuralRenderer {
     fn name(&self) -> String;
 
-    /// 8-bit sRGB reflectances: the picture must be in one of them.
+    /// 8-bit sRGB reflectances: the image must be in one of them.
     fn references(&self) -> &[[u8; 3]];
 
     fn training_seconds(&self) -> f64;
 
-    /// The model of a view, from its picture in a reference colour and the paint's coverage, of one size.
+    /// The model of a view, from its image in a reference colour and the paint's coverage, of one size.
     ///
     /// # Errors
     /// A sentence, when it cannot be computed.
@@ -58,7 +58,7 @@ pub trait Learned {
 /// Which model. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum ClosedForm {
     Affine,
     Quadratic,
     AffineCurve,
@@ -66,7 +66,7 @@ pub enum Kind {
     QuadraticCurve,
 }
 
-impl Kind {
+impl ClosedForm {
     pub const ALL: [Self; 4] = [Self::Affine, Self::Quadratic, Self::AffineCurve, Self::QuadraticCurve];
 
     pub fn name(self) -> &'static str {
@@ -79,7 +79,7 @@ impl Kind {
     }
 
     /// Fewest colours, different in all three channels.
-    pub fn least_shots(self) -> usize {
+    pub fn least_colours(self) -> usize {
         self.degree() + 1
     }
 
@@ -99,14 +99,14 @@ impl Kind {
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
     #[error(
-        "the {model} model needs pictures in {needed} flat colours that differ in every channel, and there are {found}"
+        "the {model} model needs images in {needed} flat colours that differ in every channel, and there are {found}"
     )]
     TooFew {
         model: &'static str,
         needed: usize,
         found: usize,
     },
-    #[error("the pictures of a view have different sizes; take them with the same camera")]
+    #[error("the images of a view have different sizes; take them with the same camera")]
     Sizes,
     #[error("more than {most} flat colours of a view are of no use; give fewer")]
     TooMany { most: usize },

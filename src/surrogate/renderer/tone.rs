@@ -1,4 +1,4 @@
-//! The tone curve of a picture: what it does to light.
+//! The tone curve of an image: what it does to light.
 
 use crate::frames::light;
 
@@ -14,7 +14,7 @@ impl Tone {
     pub const POWERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
     pub const SRGB: Self = Self { power: 1.0 };
 
-    /// Light of a picture's value.
+    /// Light of an image's value.
     pub fn light(self, x: f64) -> f64 {
         light::decode(x).powf(self.power)
     }
@@ -25,13 +25,13 @@ impl Tone {
     }
 
     /// The derivative of [`Tone::value`]; 0 where it clips.
-    pub fn value_slope(self, light: f64) -> f64 {
+    pub fn value_derivative(self, light: f64) -> f64 {
         if !(light > 0.0 && light < 1.0) {
             return 0.0;
         }
         let inner = light.powf(1.0 / self.power);
-        let inner_slope = inner / (light * self.power);
-        inner_slope / light::decode_slope(light::encode(inner))
+        let inner_derivative = inner / (light * self.power);
+        inner_derivative / light::decode_derivative(light::encode(inner))
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use onnx_ir::Node;
 
 use super::operator::{AnyOperator, Inputs, Operator};
-use super::value::{Floats, Value, Whole, broadcast};
+use super::value::{Floats, Integers, Value, broadcast};
 use crate::whitebox::NetworkFault;
 
 #[derive(Debug, Clone, Copy)]
@@ -58,12 +58,12 @@ impl Arithmetic {
     fn of_two(self, a: Value, b: Value) -> Result<Value, NetworkFault> {
         match (a, b) {
             (Value::Floats(a), Value::Floats(b)) => self.of_floats(a, b).map(Value::Floats),
-            (Value::Whole(a), Value::Whole(b)) => {
+            (Value::Integers(a), Value::Integers(b)) => {
                 let apply = |a, b| {
                     self.of_whole(a, b)
                         .ok_or(NetworkFault::Malformed("a result of it is no whole number of 64 bits"))
                 };
-                pairwise(&a, &b, apply).map(Value::Whole)
+                pairwise(&a, &b, apply).map(Value::Integers)
             }
             _ => Err("it mixes fractions with whole numbers".into()),
         }
@@ -71,10 +71,14 @@ impl Arithmetic {
 }
 
 /// Two arrays of whole numbers, broadcast.
-fn pairwise(a: &Whole, b: &Whole, f: impl Fn(i64, i64) -> Result<i64, NetworkFault>) -> Result<Whole, NetworkFault> {
+fn pairwise(
+    a: &Integers,
+    b: &Integers,
+    f: impl Fn(i64, i64) -> Result<i64, NetworkFault>,
+) -> Result<Integers, NetworkFault> {
     let shape = broadcast(&a.shape, &b.shape)?;
     let count: usize = shape.iter().product();
-    let at = |v: &Whole, i: usize| {
+    let at = |v: &Integers, i: usize| {
         let (mut rest, mut index, mut step) = (i, 0, 1);
         for (k, side) in shape.iter().enumerate().rev() {
             let own = (k + v.shape.len()).checked_sub(shape.len()).map_or(1, |k| v.shape[k]);
@@ -85,7 +89,7 @@ fn pairwise(a: &Whole, b: &Whole, f: impl Fn(i64, i64) -> Result<i64, NetworkFau
         v.data[index]
     };
     let data: Result<Vec<i64>, NetworkFault> = (0..count).map(|i| f(at(a, i), at(b, i))).collect();
-    Ok(Whole { shape, data: data? })
+    Ok(Integers { shape, data: data? })
 }
 
 impl Operator for Arithmetic {

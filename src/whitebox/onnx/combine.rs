@@ -6,7 +6,7 @@ use burn::tensor::activation;
 use onnx_ir::Node;
 use onnx_ir::reduce::{ReduceAxes, ReduceConfig};
 
-use super::operator::{AnyOperator, Inputs, Numbers, Operator, axis_of};
+use super::operator::{AnyOperator, Inputs, IntegerSetting, Operator, axis_of};
 use super::value::{Floats, RANK, Value};
 use crate::whitebox::NetworkFault;
 
@@ -32,7 +32,7 @@ enum Kind {
 struct Reduce {
     kind: Kind,
     /// All when none is named.
-    axes: Numbers,
+    axes: IntegerSetting,
     keeps_axes: bool,
     none_means_none: bool,
 }
@@ -42,8 +42,8 @@ impl Reduce {
         Reduce {
             kind,
             axes: match &config.axes {
-                ReduceAxes::Static(v) => Numbers::known(v),
-                ReduceAxes::Runtime(r) => Numbers::input(r),
+                ReduceAxes::Static(v) => IntegerSetting::known(v),
+                ReduceAxes::Runtime(r) => IntegerSetting::input(r),
             },
             keeps_axes: config.keepdims,
             none_means_none: config.noop_with_empty_axes,

@@ -1,4 +1,4 @@
-//! Convolution and pooling of pictures (rank 4: 1 × channels × rows × columns).
+//! Convolution and pooling of images (rank 4: 1 × channels × rows × columns).
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::operator::{AnyOperator, Inputs, Operator};
 use super::value::{Floats, Value, bounded};
 use crate::whitebox::NetworkFault;
 
-/// How a window walks over a picture; rows first.
+/// How a window walks over an image; rows first.
 struct Window {
     kernel: [usize; 2],
     stride: [usize; 2],
@@ -22,7 +22,7 @@ struct Window {
 }
 
 impl Window {
-    /// Pixels added before and after, for rows and for columns, to a picture of so many channels, rows and columns.
+    /// Pixels added before and after, for rows and for columns, to an image of so many channels, rows and columns.
     fn padding(&self, [channels, rows, columns]: [usize; 3]) -> Result<[(usize, usize); 2], NetworkFault> {
         let size = [rows, columns];
         let same = |axis: usize| {

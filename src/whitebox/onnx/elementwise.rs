@@ -6,8 +6,8 @@ use burn::tensor::{Tensor, activation};
 use onnx_ir::Node;
 use onnx_ir::node::clip::ClipInput;
 
-use super::operator::{AnyOperator, Inputs, Moves, Operator};
-use super::value::{Floats, RANK, Value, Whole};
+use super::operator::{AnyOperator, Inputs, Operator, Rearranged};
+use super::value::{Floats, Integers, RANK, Value};
 use crate::whitebox::NetworkFault;
 
 type Function = dyn Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync;
@@ -44,8 +44,8 @@ impl Operator for Identity {
         Ok(vec![inputs.value(0)?])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
@@ -57,15 +57,15 @@ struct Cast {
 impl Operator for Cast {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let value = inputs.value(0)?;
-        if value.is_followed() && !self.to_fractions {
+        if value.requires_grad() && !self.to_fractions {
             return Err("it turns what it sees into whole numbers, and no gradient passes there".into());
         }
         Ok(vec![match (value, self.to_fractions) {
             (Value::Floats(v), false) => {
                 let data = v.values()?.iter().map(|x| *x as i64).collect();
-                Value::Whole(Whole { shape: v.shape(), data })
+                Value::Integers(Integers { shape: v.shape(), data })
             }
-            (Value::Whole(v), true) => {
+            (Value::Integers(v), true) => {
                 let values = v.data.iter().map(|x| *x as f32).collect();
                 Value::Floats(Floats::new(values, &v.shape, inputs.device)?)
             }
@@ -73,11 +73,11 @@ impl Operator for Cast {
         }])
     }
 
-    fn moves(&self) -> Moves {
+    fn rearranged(&self) -> Rearranged {
         if self.to_fractions {
-            Moves::First
+            Rearranged::First
         } else {
-            Moves::Nothing
+            Rearranged::Nothing
         }
     }
 }
@@ -128,14 +128,14 @@ impl Operator for Clip {
     }
 }
 
-/// A slope per channel for what is below zero.
+/// A derivative per channel for what is below zero.
 struct PRelu;
 
 impl Operator for PRelu {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let Floats { x, rank } = inputs.floats(0)?;
-        let slope = inputs.floats(1)?;
-        let x = activation::relu(x.clone()) - activation::relu(x.neg()) * slope.x;
+        let derivative = inputs.floats(1)?;
+        let x = activation::relu(x.clone()) - activation::relu(x.neg()) * derivative.x;
         Ok(vec![Value::Floats(Floats { x, rank })])
     }
 }
@@ -155,8 +155,8 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
         Node::PRelu(_) => Some(Arc::new(PRelu)),
         Node::Relu(_) => each(Box::new(activation::relu)),
         Node::LeakyRelu(n) => {
-            let slope = n.config.alpha;
-            each(Box::new(move |x| activation::leaky_relu(x, slope)))
+            let derivative = n.config.alpha;
+            each(Box::new(move |x| activation::leaky_relu(x, derivative)))
         }
         Node::Elu(n) => {
             let alpha = n.config.alpha;

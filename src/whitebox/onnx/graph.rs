@@ -1,4 +1,4 @@
-//! A network as steps between numbered places.
+//! A network as steps between numbered slots.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,69 +8,69 @@ use super::operator::{AnyOperator, Inputs};
 use super::value::Value;
 use crate::whitebox::NetworkFault;
 
-pub(super) type Place = usize;
+pub(super) type Slot = usize;
 
 #[derive(Clone)]
-pub(super) struct Step {
+pub(super) struct GraphStep {
     /// For messages: the node's name in the file.
     pub name: String,
     pub operator: AnyOperator,
-    pub inputs: Vec<Option<Place>>,
-    pub outputs: Vec<Place>,
+    pub inputs: Vec<Option<Slot>>,
+    pub outputs: Vec<Slot>,
 }
 
 /// In the order they are to be run.
 pub(super) struct Graph {
     pub device: Device,
-    pub steps: Vec<Step>,
-    pub constants: BTreeMap<Place, Value>,
-    pub input: Place,
-    /// Name and place.
-    pub outputs: Vec<(String, Place)>,
-    /// How many places there are.
-    pub places: usize,
+    pub steps: Vec<GraphStep>,
+    pub constants: BTreeMap<Slot, Value>,
+    pub input: Slot,
+    /// Name and slot.
+    pub outputs: Vec<(String, Slot)>,
+    /// How many slots there are.
+    pub slots: usize,
 }
 
 impl Graph {
-    /// Every place's value, for a picture.
-    pub(super) fn run_all(&self, picture: Value) -> Result<Vec<Option<Value>>, NetworkFault> {
-        let mut values = self.start(picture);
+    /// Every slot's value, for an image.
+    pub(super) fn run_all(&self, image: Value) -> Result<Vec<Option<Value>>, NetworkFault> {
+        let mut values = self.start(image);
         for step in &self.steps {
-            let inputs = step.inputs.iter().map(|place| values[(*place)?].clone()).collect();
+            let inputs = step.inputs.iter().map(|slot| values[(*slot)?].clone()).collect();
             step.run(self.inputs(inputs), &mut values)?;
         }
         Ok(values)
     }
 
-    /// The outputs for a picture, in order; what no later step needs is given up on the way.
-    pub(super) fn run(&self, picture: Value) -> Result<Vec<Value>, NetworkFault> {
-        let mut values = self.start(picture);
+    /// The outputs for an image, in order; what no later step needs is dropped at once.
+    pub(super) fn run(&self, image: Value) -> Result<Vec<Value>, NetworkFault> {
+        let mut values = self.start(image);
         let last_uses = self.last_uses();
         for (step, last_uses) in self.steps.iter().zip(last_uses) {
-            let inputs = step.inputs.iter().map(|place| match last_uses.contains(&(*place)?) {
-                true => values[(*place)?].take(),
-                false => values[(*place)?].clone(),
+            let inputs = step.inputs.iter().map(|slot| match last_uses.contains(&(*slot)?) {
+                true => values[(*slot)?].take(),
+                false => values[(*slot)?].clone(),
             });
             let inputs = self.inputs(inputs.collect());
             step.run(inputs, &mut values)?;
         }
-        let outputs = self.outputs.iter().map(|(name, place)| {
-            let value = values[*place].clone();
+        let outputs = self.outputs.iter().map(|(name, slot)| {
+            let value = values[*slot].clone();
             value.ok_or_else(|| NetworkFault::NotComputed(name.clone()))
         });
         outputs.collect()
     }
 
-    /// For each step, the places no later step or output reads, read once by the step itself.
-    fn last_uses(&self) -> Vec<BTreeSet<Place>> {
-        let mut needed: BTreeSet<Place> = self.outputs.iter().map(|(_, place)| *place).collect();
-        let mut uses: Vec<BTreeSet<Place>> = Vec::new();
+    /// For each step, the slots no later step or output reads, read once by the step itself.
+    fn last_uses(&self) -> Vec<BTreeSet<Slot>> {
+        let mut needed: BTreeSet<Slot> = self.outputs.iter().map(|(_, slot)| *slot).collect();
+        let mut uses: Vec<BTreeSet<Slot>> = Vec::new();
         for step in self.steps.iter().rev() {
             let read = step.inputs.iter().flatten();
             let once = read
                 .clone()
                 .filter(|p| step.inputs.iter().flatten().filter(|q| q == p).count() == 1);
-            uses.push(once.filter(|place| !needed.contains(place)).copied().collect());
+            uses.push(once.filter(|slot| !needed.contains(slot)).copied().collect());
             needed.extend(read);
         }
         uses.reverse();
@@ -84,60 +84,61 @@ impl Graph {
         }
     }
 
-    fn start(&self, picture: Value) -> Vec<Option<Value>> {
-        let mut values = vec![None; self.places];
-        for (place, value) in &self.constants {
-            values[*place] = Some(value.clone());
+    fn start(&self, image: Value) -> Vec<Option<Value>> {
+        let mut values = vec![None; self.slots];
+        for (slot, value) in &self.constants {
+            values[*slot] = Some(value.clone());
         }
-        values[self.input] = Some(picture);
+        values[self.input] = Some(image);
         values
     }
 
-    /// Turns into constants what does not follow the picture, and drops what leads to no output. `values`: of [`Graph::run_all`] on a
-    /// picture that is followed.
-    pub(super) fn settle(&mut self, values: &[Option<Value>]) {
+    /// Turns into constants what does not depend on the image, and drops what leads to no output. `values`: of [`Graph::run_all`] on a
+    /// image that requires a gradient.
+    pub(super) fn fold_constants(&mut self, values: &[Option<Value>]) {
         let steps = std::mem::take(&mut self.steps);
-        let is_followed = |place: &Place| values[*place].as_ref().is_some_and(Value::is_followed);
-        let (followed, fixed): (Vec<Step>, Vec<Step>) =
-            steps.into_iter().partition(|step| step.outputs.iter().any(is_followed));
-        for place in fixed.iter().flat_map(|step| &step.outputs) {
-            if let Some(value) = &values[*place] {
-                self.constants.insert(*place, value.clone());
+        let requires_grad = |slot: &Slot| values[*slot].as_ref().is_some_and(Value::requires_grad);
+        let (differentiated, constant): (Vec<GraphStep>, Vec<GraphStep>) = steps
+            .into_iter()
+            .partition(|step| step.outputs.iter().any(requires_grad));
+        for slot in constant.iter().flat_map(|step| &step.outputs) {
+            if let Some(value) = &values[*slot] {
+                self.constants.insert(*slot, value.clone());
             }
         }
-        self.steps = followed;
+        self.steps = differentiated;
         self.prune();
     }
 
     fn prune(&mut self) {
-        let mut needed: BTreeSet<Place> = self.outputs.iter().map(|(_, place)| *place).collect();
+        let mut needed: BTreeSet<Slot> = self.outputs.iter().map(|(_, slot)| *slot).collect();
         let mut kept = Vec::new();
         for step in std::mem::take(&mut self.steps).into_iter().rev() {
-            if step.outputs.iter().any(|place| needed.contains(place)) {
+            if step.outputs.iter().any(|slot| needed.contains(slot)) {
                 needed.extend(step.inputs.iter().flatten());
                 kept.push(step);
             }
         }
         kept.reverse();
         self.steps = kept;
-        self.constants.retain(|place, _| needed.contains(place));
+        self.constants.retain(|slot, _| needed.contains(slot));
     }
 
-    /// A place of its own.
-    pub(super) fn new_place(&mut self) -> Place {
-        self.places += 1;
-        self.places - 1
+    /// A slot of its own.
+    pub(super) fn new_slot(&mut self) -> Slot {
+        self.slots += 1;
+        self.slots - 1
     }
 }
 
-impl Step {
+impl GraphStep {
     fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), NetworkFault> {
         let outputs = self.operator.run(inputs).map_err(|fault| NetworkFault::At {
             node: self.name.clone(),
             fault: fault.into(),
         })?;
-        for (place, value) in self.outputs.iter().zip(outputs) {
-            values[*place] = Some(value);
+        for (slot, value) in self.outputs.iter().zip(outputs) {
+            values[*slot] = Some(value);
         }
         Ok(())
     }

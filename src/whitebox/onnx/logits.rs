@@ -8,14 +8,14 @@ use std::collections::BTreeMap;
 
 use burn::tensor::Device;
 
-use super::graph::{Graph, Place, Step};
-use super::operator::{Inputs, Moves};
+use super::graph::{Graph, GraphStep, Slot};
+use super::operator::{Inputs, Rearranged};
 use super::value::{Floats, Value};
 use crate::whitebox::NetworkFault;
 
 /// Leads the outputs past the last sigmoids. Answers, for each output, which of its numbers are logits now. `values`: of
 /// [`Graph::run_all`].
-pub(super) fn uncover(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec<Vec<bool>>, NetworkFault> {
+pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec<Vec<bool>>, NetworkFault> {
     let mut twins = Twins {
         makers: makers(graph),
         known: BTreeMap::new(),
@@ -24,7 +24,7 @@ pub(super) fn uncover(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec
     let mut masks = Vec::new();
     for i in 0..graph.outputs.len() {
         let twin = twins.of(graph, graph.outputs[i].1)?;
-        graph.outputs[i].1 = twin.place;
+        graph.outputs[i].1 = twin.slot;
         masks.push(match twin.is_logit {
             Some(Value::Floats(mask)) => mask.values()?.iter().map(|v| *v > 0.5).collect(),
             _ => Vec::new(),
@@ -33,14 +33,14 @@ pub(super) fn uncover(graph: &mut Graph, values: &[Option<Value>]) -> Result<Vec
     Ok(masks)
 }
 
-/// Which step makes a place, and which of its outputs that is.
-fn makers(graph: &Graph) -> BTreeMap<Place, (usize, usize)> {
+/// Which step makes a slot, and which of its outputs that is.
+fn makers(graph: &Graph) -> BTreeMap<Slot, (usize, usize)> {
     let outputs = |i: usize| {
         graph.steps[i]
             .outputs
             .iter()
             .enumerate()
-            .map(move |(k, place)| (*place, (i, k)))
+            .map(move |(k, slot)| (*slot, (i, k)))
     };
     (0..graph.steps.len()).flat_map(outputs).collect()
 }
@@ -48,40 +48,40 @@ fn makers(graph: &Graph) -> BTreeMap<Place, (usize, usize)> {
 /// A value with the logits in place of their sigmoids.
 #[derive(Clone)]
 struct Twin {
-    place: Place,
+    slot: Slot,
     /// 1 where it holds a logit, 0 elsewhere; `None` when it holds none.
     is_logit: Option<Value>,
 }
 
 struct Twins<'a> {
-    makers: BTreeMap<Place, (usize, usize)>,
-    known: BTreeMap<Place, Twin>,
+    makers: BTreeMap<Slot, (usize, usize)>,
+    known: BTreeMap<Slot, Twin>,
     values: &'a [Option<Value>],
 }
 
 impl Twins<'_> {
-    fn of(&mut self, graph: &mut Graph, place: Place) -> Result<Twin, NetworkFault> {
-        if let Some(known) = self.known.get(&place) {
+    fn of(&mut self, graph: &mut Graph, slot: Slot) -> Result<Twin, NetworkFault> {
+        if let Some(known) = self.known.get(&slot) {
             return Ok(known.clone());
         }
-        let itself = Twin { place, is_logit: None };
-        let twin = match self.makers.get(&place) {
+        let itself = Twin { slot, is_logit: None };
+        let twin = match self.makers.get(&slot) {
             None => itself,
             Some(&(step, output)) => {
                 let step = graph.steps[step].clone();
-                match (step.operator.is_sigmoid(), step.operator.moves()) {
-                    (true, _) => self.before(graph, &step, place)?,
-                    (false, Moves::Nothing) => itself,
-                    (false, moves) => self.moved(graph, &step, output, moves)?.unwrap_or(itself),
+                match (step.operator.is_sigmoid(), step.operator.rearranged()) {
+                    (true, _) => self.before(graph, &step, slot)?,
+                    (false, Rearranged::Nothing) => itself,
+                    (false, rearranged) => self.moved(graph, &step, output, rearranged)?.unwrap_or(itself),
                 }
             }
         };
-        self.known.insert(place, twin.clone());
+        self.known.insert(slot, twin.clone());
         Ok(twin)
     }
 
     /// A sigmoid's input.
-    fn before(&self, graph: &Graph, sigmoid: &Step, place: Place) -> Result<Twin, NetworkFault> {
+    fn before(&self, graph: &Graph, sigmoid: &GraphStep, slot: Slot) -> Result<Twin, NetworkFault> {
         let logits = sigmoid
             .inputs
             .first()
@@ -89,8 +89,8 @@ impl Twins<'_> {
             .flatten()
             .ok_or("a sigmoid has no input")?;
         Ok(Twin {
-            place: logits,
-            is_logit: Some(self.filled(place, 1.0, &graph.device)?),
+            slot: logits,
+            is_logit: Some(self.filled(slot, 1.0, &graph.device)?),
         })
     }
 
@@ -98,24 +98,28 @@ impl Twins<'_> {
     fn moved(
         &mut self,
         graph: &mut Graph,
-        step: &Step,
+        step: &GraphStep,
         output: usize,
-        moves: Moves,
+        rearranged: Rearranged,
     ) -> Result<Option<Twin>, NetworkFault> {
-        let moved = if moves == Moves::All { step.inputs.len() } else { 1 };
+        let moved = if rearranged == Rearranged::All {
+            step.inputs.len()
+        } else {
+            1
+        };
         let (mut inputs, mut masks, mut has_logits) = (step.inputs.clone(), Vec::new(), false);
         for (i, input) in step.inputs.iter().enumerate() {
             masks.push(match input {
-                Some(place) if i < moved => {
-                    let twin = self.of(graph, *place)?;
-                    inputs[i] = Some(twin.place);
+                Some(slot) if i < moved => {
+                    let twin = self.of(graph, *slot)?;
+                    inputs[i] = Some(twin.slot);
                     has_logits |= twin.is_logit.is_some();
                     Some(match twin.is_logit {
                         Some(mask) => mask,
-                        None => self.filled(*place, 0.0, &graph.device)?,
+                        None => self.filled(*slot, 0.0, &graph.device)?,
                     })
                 }
-                Some(place) => self.values[*place].clone(),
+                Some(slot) => self.values[*slot].clone(),
                 None => None,
             });
         }
@@ -126,20 +130,20 @@ impl Twins<'_> {
             values: masks,
             device: &graph.device,
         })?;
-        let outputs: Vec<Place> = step.outputs.iter().map(|_| graph.new_place()).collect();
-        let place = outputs[output];
-        graph.steps.push(Step {
+        let outputs: Vec<Slot> = step.outputs.iter().map(|_| graph.new_slot()).collect();
+        let slot = outputs[output];
+        graph.steps.push(GraphStep {
             inputs,
             outputs,
             ..step.clone()
         });
         let is_logit = Some(masks.swap_remove(output));
-        Ok(Some(Twin { place, is_logit }))
+        Ok(Some(Twin { slot, is_logit }))
     }
 
-    /// A constant in the shape of a place's value.
-    fn filled(&self, place: Place, with: f32, device: &Device) -> Result<Value, NetworkFault> {
-        let shape = self.values[place].as_ref().ok_or("a value is never computed")?.shape();
+    /// A constant in the shape of a slot's value.
+    fn filled(&self, slot: Slot, with: f32, device: &Device) -> Result<Value, NetworkFault> {
+        let shape = self.values[slot].as_ref().ok_or("a value is never computed")?.shape();
         let count = shape.iter().product();
         Floats::new(vec![with; count], &shape, device).map(Value::Floats)
     }

@@ -1,7 +1,7 @@
-//! ONNX files as networks that can be followed backwards, on the tensors of `burn`.
+//! ONNX files as differentiable networks, on the tensors of `burn`.
 //!
 //! `onnx-ir` parses the file; each of its nodes becomes one of our own operators (`operator`), one file a group. All shapes are fixed when a
-//! file is opened, for one picture: what does not follow the picture is then a constant. Weights carry no gradient.
+//! file is opened, for one image: what does not depend on the image is then a constant. Weights carry no gradient.
 
 mod arithmetic;
 mod combine;
@@ -24,8 +24,8 @@ use value::{Floats, RANK, Value, full};
 use crate::whitebox::quietly::quietly;
 use crate::whitebox::{NetworkFault, WhiteBoxError};
 
-/// A network for pictures of one shape.
-pub struct Network {
+/// A network for images of one shape.
+pub struct OnnxNetwork {
     file: String,
     graph: Graph,
     shape: Vec<usize>,
@@ -53,62 +53,62 @@ impl Output {
     }
 }
 
-/// The outputs for one picture, and the way back.
-pub struct Answer {
+/// The outputs for one image, with their autodiff graph.
+pub struct NetworkPass {
     pub outputs: Vec<Output>,
     tensors: Vec<Tensor<RANK>>,
-    picture: Tensor<RANK>,
+    image: Tensor<RANK>,
     device: Device,
 }
 
-impl Network {
-    /// Reads an ONNX file's bytes for pictures of this shape, such as [1, 3, 416, 416]; `file` is only named in errors.
+impl OnnxNetwork {
+    /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors.
     ///
     /// # Errors
     /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
-    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, WhiteBoxError> {
+    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<OnnxNetwork, WhiteBoxError> {
         // The parser and the tensors panic on graphs whose parts do not go together.
         quietly(|| Self::try_read(bytes, file, shape, device)).unwrap_or_else(|| {
-            Err(WhiteBoxError::Network {
+            Err(WhiteBoxError::OnnxNetwork {
                 file: file.to_owned(),
                 reason: NetworkFault::Malformed("its graph makes no sense"),
             })
         })
     }
 
-    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<Network, WhiteBoxError> {
+    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<OnnxNetwork, WhiteBoxError> {
         let device = device.clone().autodiff();
         let graph = read::read(bytes, file, &device)?;
-        let mut network = Network {
+        let mut network = OnnxNetwork {
             file: file.to_owned(),
             graph,
             shape: shape.to_vec(),
             device,
             logits: Vec::new(),
         };
-        network.settle().map_err(|reason| WhiteBoxError::Network {
+        network.fold_constants().map_err(|reason| WhiteBoxError::OnnxNetwork {
             file: file.to_owned(),
             reason,
         })?;
         Ok(network)
     }
 
-    /// Runs once on black, and keeps what every picture will meet.
-    fn settle(&mut self) -> Result<(), NetworkFault> {
+    /// Runs once on black, and keeps what every image will meet.
+    fn fold_constants(&mut self) -> Result<(), NetworkFault> {
         let black = vec![0.0; self.shape.iter().product()];
-        let (_, picture) = self.picture(black, true)?;
-        let values = self.graph.run_all(picture)?;
-        let logits = logits::uncover(&mut self.graph, &values)?;
+        let (_, image) = self.image(black, true)?;
+        let values = self.graph.run_all(image)?;
+        let logits = logits::expose_logits(&mut self.graph, &values)?;
         self.logits = logits;
-        let (_, picture) = self.picture(vec![0.0; self.shape.iter().product()], true)?;
-        let values = self.graph.run_all(picture)?;
-        self.graph.settle(&values);
+        let (_, image) = self.image(vec![0.0; self.shape.iter().product()], true)?;
+        let values = self.graph.run_all(image)?;
+        self.graph.fold_constants(&values);
         Ok(())
     }
 
-    fn picture(&self, numbers: Vec<f32>, is_followed: bool) -> Result<(Tensor<RANK>, Value), NetworkFault> {
+    fn image(&self, numbers: Vec<f32>, requires_grad: bool) -> Result<(Tensor<RANK>, Value), NetworkFault> {
         let leaf = Tensor::from_data(TensorData::new(numbers, full(&self.shape)?), &self.device);
-        let leaf = if is_followed { leaf.require_grad() } else { leaf };
+        let leaf = if requires_grad { leaf.require_grad() } else { leaf };
         let value = Floats {
             x: leaf.clone(),
             rank: self.shape.len(),
@@ -116,19 +116,19 @@ impl Network {
         Ok((leaf, Value::Floats(value)))
     }
 
-    /// The outputs for a picture's numbers, row-major; only what `is_followed` can be pulled back, and must be, or its record stays in memory.
+    /// The outputs for an image's numbers, row-major. With `requires_grad` the autodiff graph stays in memory until [`NetworkPass::vjp`] consumes it.
     ///
     /// # Errors
     /// A number of numbers that is not the shape's.
-    pub fn answer(&self, picture: Vec<f32>, is_followed: bool) -> Result<Answer, WhiteBoxError> {
-        self.try_answer(picture, is_followed)
+    pub fn forward(&self, image: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, WhiteBoxError> {
+        self.try_forward(image, requires_grad)
             .map_err(|reason| WhiteBoxError::Run {
                 file: self.file.clone(),
                 reason,
             })
     }
 
-    fn try_answer(&self, numbers: Vec<f32>, is_followed: bool) -> Result<Answer, NetworkFault> {
+    fn try_forward(&self, numbers: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, NetworkFault> {
         if numbers.len() != self.shape.iter().product::<usize>() {
             return Err(NetworkFault::Count {
                 what: "numbers",
@@ -136,7 +136,7 @@ impl Network {
                 found: numbers.len(),
             });
         }
-        let (picture, value) = self.picture(numbers, is_followed)?;
+        let (image, value) = self.image(numbers, requires_grad)?;
         let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
         for (i, value) in self.graph.run(value)?.into_iter().enumerate() {
             let Value::Floats(value) = value else {
@@ -153,34 +153,34 @@ impl Network {
             });
             tensors.push(value.x);
         }
-        Ok(Answer {
+        Ok(NetworkPass {
             outputs,
             tensors,
-            picture,
+            image,
             device: self.device.clone(),
         })
     }
 }
 
-impl Answer {
-    /// The derivative of `Σ slope · raw` with respect to the picture's numbers: one slope for each number of each output. NaN where the
+impl NetworkPass {
+    /// The derivative of `Σ derivative · raw` with respect to the image's numbers: one derivative for each number of each output. NaN where the
     /// device fails to hand it over.
-    pub fn pull_back(self, slopes: Vec<Vec<f32>>) -> Vec<f32> {
+    pub fn vjp(self, derivatives: Vec<Vec<f32>>) -> Vec<f32> {
         let mut sum: Option<Tensor<1>> = None;
-        for (tensor, slopes) in self.tensors.into_iter().zip(slopes) {
+        for (tensor, derivatives) in self.tensors.into_iter().zip(derivatives) {
             // Backwards costs as much for zeros.
-            if !tensor.is_tracked() || slopes.iter().all(|slope| *slope == 0.0) {
+            if !tensor.is_tracked() || derivatives.iter().all(|derivative| *derivative == 0.0) {
                 continue;
             }
-            let slopes = Tensor::from_data(TensorData::new(slopes, tensor.dims()), &self.device);
-            let part = (tensor * slopes).sum();
+            let derivatives = Tensor::from_data(TensorData::new(derivatives, tensor.dims()), &self.device);
+            let part = (tensor * derivatives).sum();
             sum = Some(match sum {
                 Some(sum) => sum + part,
                 None => part,
             });
         }
-        let count = self.picture.shape().num_elements();
-        match sum.and_then(|sum| self.picture.grad(&sum.backward())) {
+        let count = self.image.shape().num_elements();
+        match sum.and_then(|sum| self.image.grad(&sum.backward())) {
             Some(gradient) => gradient
                 .try_into_vec_as::<f32>()
                 .unwrap_or_else(|_| vec![f32::NAN; count]),

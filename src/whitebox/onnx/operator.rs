@@ -5,7 +5,7 @@ use std::sync::Arc;
 use burn::tensor::Device;
 use onnx_ir::RuntimeInputRef;
 
-use super::value::{Floats, Value, Whole};
+use super::value::{Floats, Integers, Value};
 use crate::whitebox::NetworkFault;
 
 /// An operator with its settings, its tensors not included.
@@ -14,8 +14,8 @@ pub(super) trait Operator: Send + Sync {
     fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault>;
 
     /// Which inputs' numbers come out unchanged, only elsewhere.
-    fn moves(&self) -> Moves {
-        Moves::Nothing
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::Nothing
     }
 
     fn is_sigmoid(&self) -> bool {
@@ -26,7 +26,7 @@ pub(super) trait Operator: Send + Sync {
 pub(super) type AnyOperator = Arc<dyn Operator>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Moves {
+pub(super) enum Rearranged {
     Nothing,
     /// The first input's; the others say where to.
     First,
@@ -58,7 +58,7 @@ impl Inputs<'_> {
     pub(super) fn floats(&mut self, i: usize) -> Result<Floats, NetworkFault> {
         match self.value(i)? {
             Value::Floats(v) => Ok(v),
-            Value::Whole(_) => Err(NetworkFault::WholeInput(i)),
+            Value::Integers(_) => Err(NetworkFault::WholeInput(i)),
         }
     }
 
@@ -69,9 +69,9 @@ impl Inputs<'_> {
         }
     }
 
-    pub(super) fn whole(&self, i: usize) -> Result<&Whole, NetworkFault> {
+    pub(super) fn whole(&self, i: usize) -> Result<&Integers, NetworkFault> {
         match self.values.get(i) {
-            Some(Some(Value::Whole(v))) => Ok(v),
+            Some(Some(Value::Integers(v))) => Ok(v),
             Some(Some(Value::Floats(_))) => Err(NetworkFault::FractionInput(i)),
             _ => Err(NetworkFault::MissingInput(i)),
         }
@@ -80,24 +80,24 @@ impl Inputs<'_> {
 
 /// Settings that older files state and newer ones compute.
 #[derive(Debug, Clone)]
-pub(super) enum Numbers {
+pub(super) enum IntegerSetting {
     Known(Vec<i64>),
     Input(usize),
 }
 
-impl Numbers {
-    pub(super) fn input(of: &RuntimeInputRef) -> Numbers {
-        Numbers::Input(of.input_index)
+impl IntegerSetting {
+    pub(super) fn input(of: &RuntimeInputRef) -> IntegerSetting {
+        IntegerSetting::Input(of.input_index)
     }
 
-    pub(super) fn known<T: Copy + TryInto<i64>>(values: &[T]) -> Numbers {
-        Numbers::Known(values.iter().map(|v| (*v).try_into().unwrap_or(i64::MAX)).collect())
+    pub(super) fn known<T: Copy + TryInto<i64>>(values: &[T]) -> IntegerSetting {
+        IntegerSetting::Known(values.iter().map(|v| (*v).try_into().unwrap_or(i64::MAX)).collect())
     }
 
     pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>, NetworkFault> {
         match self {
-            Numbers::Known(values) => Ok(values.clone()),
-            Numbers::Input(i) => Ok(inputs.whole(*i)?.data.clone()),
+            IntegerSetting::Known(values) => Ok(values.clone()),
+            IntegerSetting::Input(i) => Ok(inputs.whole(*i)?.data.clone()),
         }
     }
 }

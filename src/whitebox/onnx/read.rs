@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use burn::tensor::Device;
 use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
 
-use super::graph::{Graph, Place, Step};
+use super::graph::{Graph, GraphStep, Slot};
 use super::operator::AnyOperator;
 use super::value::Value;
 use super::{arithmetic, combine, convolution, elementwise, rearrange, resize, shapes};
@@ -13,7 +13,7 @@ use crate::whitebox::{NetworkFault, WhiteBoxError};
 
 /// Reads a file's bytes; `file` is only named in errors.
 pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, WhiteBoxError> {
-    let unreadable = |reason: NetworkFault| WhiteBoxError::Network {
+    let unreadable = |reason: NetworkFault| WhiteBoxError::OnnxNetwork {
         file: file.to_owned(),
         reason,
     };
@@ -65,9 +65,9 @@ fn kind(node: &Node) -> String {
 
 struct Builder<'a> {
     device: &'a Device,
-    named: BTreeMap<String, Place>,
-    constants: BTreeMap<Place, Value>,
-    places: usize,
+    named: BTreeMap<String, Slot>,
+    constants: BTreeMap<Slot, Value>,
+    slots: usize,
 }
 
 impl<'a> Builder<'a> {
@@ -76,26 +76,25 @@ impl<'a> Builder<'a> {
             device,
             named: BTreeMap::new(),
             constants: BTreeMap::new(),
-            places: 0,
+            slots: 0,
         }
     }
 
     fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, NetworkFault> {
-        let [picture] = &parsed.inputs[..] else {
+        let [image] = &parsed.inputs[..] else {
             return Err(NetworkFault::Count {
                 what: "inputs",
                 expected: parsed.inputs.len(),
                 found: 1,
             });
         };
-        let input = self.named_place(&picture.name);
+        let input = self.named_slot(&image.name);
         let mut steps = Vec::new();
         for (node, operator) in parsed.nodes.iter().zip(operators) {
             let Some(operator) = operator else { continue };
-            let inputs: Result<Vec<Option<Place>>, NetworkFault> =
-                node.inputs().iter().map(|a| self.place(a)).collect();
-            let outputs = node.outputs().iter().map(|a| self.named_place(&a.name)).collect();
-            steps.push(Step {
+            let inputs: Result<Vec<Option<Slot>>, NetworkFault> = node.inputs().iter().map(|a| self.slot(a)).collect();
+            let outputs = node.outputs().iter().map(|a| self.named_slot(&a.name)).collect();
+            steps.push(GraphStep {
                 name: node.name().to_owned(),
                 operator,
                 inputs: inputs?,
@@ -104,8 +103,8 @@ impl<'a> Builder<'a> {
         }
         let mut outputs = Vec::new();
         for output in &parsed.outputs {
-            let place = self.place(output)?.ok_or("an output has no name")?;
-            outputs.push((output.name.clone(), place));
+            let slot = self.slot(output)?.ok_or("an output has no name")?;
+            outputs.push((output.name.clone(), slot));
         }
         Ok(Graph {
             device: self.device.clone(),
@@ -113,40 +112,40 @@ impl<'a> Builder<'a> {
             constants: self.constants,
             input,
             outputs,
-            places: self.places,
+            slots: self.slots,
         })
     }
 
     /// Where an argument's value will be; its constant is put there.
-    fn place(&mut self, argument: &Argument) -> Result<Option<Place>, NetworkFault> {
+    fn slot(&mut self, argument: &Argument) -> Result<Option<Slot>, NetworkFault> {
         if argument.is_optional() {
             return Ok(None);
         }
         match argument.value() {
             Some(data) => {
                 let value = Value::constant(&data, self.device)?;
-                let place = match argument.name.as_str() {
-                    "" => self.new_place(),
-                    name => self.named_place(name),
+                let slot = match argument.name.as_str() {
+                    "" => self.new_slot(),
+                    name => self.named_slot(name),
                 };
-                self.constants.insert(place, value);
-                Ok(Some(place))
+                self.constants.insert(slot, value);
+                Ok(Some(slot))
             }
-            None => Ok(Some(self.named_place(&argument.name))),
+            None => Ok(Some(self.named_slot(&argument.name))),
         }
     }
 
-    fn named_place(&mut self, name: &str) -> Place {
-        if let Some(place) = self.named.get(name) {
-            return *place;
+    fn named_slot(&mut self, name: &str) -> Slot {
+        if let Some(slot) = self.named.get(name) {
+            return *slot;
         }
-        let place = self.new_place();
-        self.named.insert(name.to_owned(), place);
-        place
+        let slot = self.new_slot();
+        self.named.insert(name.to_owned(), slot);
+        slot
     }
 
-    fn new_place(&mut self) -> Place {
-        self.places += 1;
-        self.places - 1
+    fn new_slot(&mut self) -> Slot {
+        self.slots += 1;
+        self.slots - 1
     }
 }

@@ -12,76 +12,76 @@ use onnx_ir::squeeze::SqueezeInput;
 use onnx_ir::tile::TileInput;
 use onnx_ir::unsqueeze::UnsqueezeConfig;
 
-use super::operator::{AnyOperator, Inputs, Moves, Numbers, Operator, axis_of};
-use super::value::{Floats, RANK, Value, Whole, bounded, broadcast, full};
+use super::operator::{AnyOperator, Inputs, IntegerSetting, Operator, Rearranged, axis_of};
+use super::value::{Floats, Integers, RANK, Value, bounded, broadcast, full};
 use crate::whitebox::NetworkFault;
 
 impl Value {
     fn reshaped(self, shape: &[usize]) -> Result<Value, NetworkFault> {
         match self {
             Value::Floats(v) => v.reshaped(shape).map(Value::Floats),
-            Value::Whole(v) if v.data.len() == shape.iter().product::<usize>() => Ok(Value::Whole(Whole {
+            Value::Integers(v) if v.data.len() == shape.iter().product::<usize>() => Ok(Value::Integers(Integers {
                 shape: shape.to_vec(),
                 data: v.data,
             })),
-            Value::Whole(v) => Err(NetworkFault::Reshape {
+            Value::Integers(v) => Err(NetworkFault::Reshape {
                 from: v.shape,
                 to: shape.to_vec(),
             }),
         }
     }
 
-    /// Some places of an axis, in an order of their own.
-    fn taken(self, axis: usize, places: &[usize]) -> Result<Value, NetworkFault> {
+    /// Some indices of an axis, in an order of their own.
+    fn taken(self, axis: usize, indices: &[usize]) -> Result<Value, NetworkFault> {
         let side = self.shape().get(axis).copied().unwrap_or(0);
-        if places.is_empty() || places.iter().any(|p| *p >= side) {
+        if indices.is_empty() || indices.iter().any(|p| *p >= side) {
             return Err(NetworkFault::Indices {
-                indices: places.to_vec(),
+                indices: indices.to_vec(),
                 length: side,
             });
         }
         Ok(match self {
-            Value::Floats(v) => Value::Floats(v.taken(axis, places)?),
-            Value::Whole(v) => Value::Whole(v.taken(axis, places)),
+            Value::Floats(v) => Value::Floats(v.taken(axis, indices)?),
+            Value::Integers(v) => Value::Integers(v.taken(axis, indices)),
         })
     }
 }
 
 impl Floats {
-    fn taken(self, axis: usize, places: &[usize]) -> Result<Floats, NetworkFault> {
+    fn taken(self, axis: usize, indices: &[usize]) -> Result<Floats, NetworkFault> {
         let (rank, axis) = (self.rank, self.axis(axis)?);
-        let (first, last) = (places[0], places[places.len() - 1]);
-        let step = places.get(1).map_or(1, |second| second.saturating_sub(first)).max(1);
-        let is_even = places.iter().enumerate().all(|(i, p)| *p == first + i * step);
+        let (first, last) = (indices[0], indices[indices.len() - 1]);
+        let step = indices.get(1).map_or(1, |second| second.saturating_sub(first)).max(1);
+        let is_even = indices.iter().enumerate().all(|(i, p)| *p == first + i * step);
         let x = if is_even {
             let slice = Slice::new(first as isize, Some(last as isize + 1), step as isize);
             self.x.slice_dim(axis, slice)
         } else {
-            let data: Vec<i64> = places.iter().map(|p| *p as i64).collect();
-            let indices = Tensor::<1, Int>::from_data(TensorData::new(data, [places.len()]), &self.x.device());
+            let data: Vec<i64> = indices.iter().map(|p| *p as i64).collect();
+            let indices = Tensor::<1, Int>::from_data(TensorData::new(data, [indices.len()]), &self.x.device());
             self.x.select(axis, indices)
         };
         Ok(Floats { x, rank })
     }
 }
 
-impl Whole {
-    fn taken(&self, axis: usize, places: &[usize]) -> Whole {
+impl Integers {
+    fn taken(&self, axis: usize, indices: &[usize]) -> Integers {
         let after: usize = self.shape[axis + 1..].iter().product();
         let block = self.shape[axis] * after;
         let data = self.data.chunks(block.max(1)).flat_map(|block| {
-            let rows = places.iter().map(|p| &block[p * after..(p + 1) * after]);
+            let rows = indices.iter().map(|p| &block[p * after..(p + 1) * after]);
             rows.flatten().copied().collect::<Vec<_>>()
         });
         let data = data.collect();
         let mut shape = self.shape.clone();
-        shape[axis] = places.len();
-        Whole { shape, data }
+        shape[axis] = indices.len();
+        Integers { shape, data }
     }
 }
 
 /// To a shape in which −1 stands for the rest, 0 for the side as it is.
-struct Reshape(Numbers);
+struct Reshape(IntegerSetting);
 
 impl Operator for Reshape {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
@@ -110,8 +110,8 @@ impl Operator for Reshape {
         Ok(vec![value.reshaped(&shape)?])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
@@ -133,13 +133,13 @@ impl Operator for Flatten {
         Ok(vec![value.reshaped(&shape)?])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
 /// Axes of length 1 go; all of them when none is named.
-struct Squeeze(Option<Numbers>);
+struct Squeeze(Option<IntegerSetting>);
 
 impl Operator for Squeeze {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
@@ -158,13 +158,13 @@ impl Operator for Squeeze {
         Ok(vec![value.reshaped(&left)?])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
 /// Axes of length 1 come in, numbered as in the result.
-struct Unsqueeze(Numbers);
+struct Unsqueeze(IntegerSetting);
 
 impl Operator for Unsqueeze {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
@@ -187,8 +187,8 @@ impl Operator for Unsqueeze {
         Ok(vec![value.reshaped(&shape)?])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
@@ -213,8 +213,8 @@ impl Operator for Transpose {
         })])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
@@ -241,7 +241,7 @@ impl Operator for Concat {
         if !inputs.values.iter().flatten().all(fits) {
             return Err("its inputs do not go together along its axis".into());
         }
-        if matches!(first, Value::Whole(_)) {
+        if matches!(first, Value::Integers(_)) {
             return self.whole(&inputs);
         }
         let rank = shape.len();
@@ -250,14 +250,14 @@ impl Operator for Concat {
         Ok(vec![Value::Floats(Floats { x, rank })])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::All
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::All
     }
 }
 
 impl Concat {
     fn whole(&self, inputs: &Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let parts: Result<Vec<&Whole>, NetworkFault> = (0..inputs.count()).map(|i| inputs.whole(i)).collect();
+        let parts: Result<Vec<&Integers>, NetworkFault> = (0..inputs.count()).map(|i| inputs.whole(i)).collect();
         let parts = parts?;
         let mut shape = parts[0].shape.clone();
         shape[self.0] = parts.iter().map(|p| p.shape[self.0]).sum();
@@ -270,16 +270,16 @@ impl Concat {
             blocks.flatten().copied()
         });
         let data = data.collect();
-        Ok(vec![Value::Whole(Whole { shape, data })])
+        Ok(vec![Value::Integers(Integers { shape, data })])
     }
 }
 
 /// Parts of some axes, with steps. Ends may lie beyond, and count from the end when negative.
 struct Cut {
-    starts: Numbers,
-    ends: Numbers,
-    axes: Option<Numbers>,
-    steps: Option<Numbers>,
+    starts: IntegerSetting,
+    ends: IntegerSetting,
+    axes: Option<IntegerSetting>,
+    steps: Option<IntegerSetting>,
 }
 
 impl Operator for Cut {
@@ -300,38 +300,38 @@ impl Operator for Cut {
         for (i, axis) in axes.iter().enumerate() {
             let shape = value.shape();
             let axis = axis_of(*axis, shape.len())?;
-            let places = places(starts[i], ends[i], steps[i], shape[axis]);
-            if places.len() < shape[axis] || steps[i] < 0 {
-                value = value.taken(axis, &places)?;
+            let indices = indices(starts[i], ends[i], steps[i], shape[axis]);
+            if indices.len() < shape[axis] || steps[i] < 0 {
+                value = value.taken(axis, &indices)?;
             }
         }
         Ok(vec![value])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
-/// The places a slice names, as NumPy counts.
-fn places(start: i64, end: i64, step: i64, side: usize) -> Vec<usize> {
+/// The indices a slice names, as NumPy counts.
+fn indices(start: i64, end: i64, step: i64, side: usize) -> Vec<usize> {
     let side = side as i64;
     let from_start = |v: i64| if v < 0 { v.saturating_add(side) } else { v };
     let (low, high) = if step < 0 { (-1, side - 1) } else { (0, side) };
     let (mut at, end) = (from_start(start).clamp(low, high), from_start(end).clamp(low, high));
-    // An end further left than the first place, counted from the end, means "to the first".
-    let mut places = Vec::new();
+    // An end further left than the first index, counted from the end, means "to the first".
+    let mut indices = Vec::new();
     while (step > 0 && at < end) || (step < 0 && at > end) {
-        places.push(at as usize);
+        indices.push(at as usize);
         at += step;
     }
-    places
+    indices
 }
 
 /// Into parts along an axis: of given sizes, or as even as can be, the last one the smallest.
 struct Split {
     axis: usize,
-    sizes: Option<Numbers>,
+    sizes: Option<IntegerSetting>,
     parts: usize,
 }
 
@@ -350,19 +350,19 @@ impl Operator for Split {
         let mut at = 0;
         let parts = sizes.iter().map(|size| {
             let end = (at + size).min(side);
-            let places: Vec<usize> = (at..end).collect();
+            let indices: Vec<usize> = (at..end).collect();
             at = end;
-            value.clone().taken(self.axis, &places)
+            value.clone().taken(self.axis, &indices)
         });
         parts.collect()
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
-/// Named places of an axis; the places' own shape takes the axis' place.
+/// Indices along an axis; the indices' own shape takes the axis' place.
 struct Gather(usize);
 
 impl Operator for Gather {
@@ -371,19 +371,19 @@ impl Operator for Gather {
         let value = inputs.value(0)?;
         let shape = value.shape();
         let side = *shape.get(self.0).ok_or("it selects from an axis that is not there")?;
-        let places: Result<Vec<usize>, NetworkFault> = named.data.iter().map(|place| axis_of(*place, side)).collect();
-        let taken = value.taken(self.0, &places?)?;
+        let indices: Result<Vec<usize>, NetworkFault> = named.data.iter().map(|index| axis_of(*index, side)).collect();
+        let taken = value.taken(self.0, &indices?)?;
         let shape = [&shape[..self.0], &named.shape, &shape[self.0 + 1..]].concat();
         Ok(vec![taken.reshaped(&shape)?])
     }
 
-    fn moves(&self) -> Moves {
-        Moves::First
+    fn rearranged(&self) -> Rearranged {
+        Rearranged::First
     }
 }
 
 /// Repeated along axes of length 1 until a shape is met.
-struct Expand(Numbers);
+struct Expand(IntegerSetting);
 
 impl Operator for Expand {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
@@ -399,7 +399,7 @@ impl Operator for Expand {
 }
 
 /// Repeated as often as said along each axis.
-struct Tile(Numbers);
+struct Tile(IntegerSetting);
 
 impl Operator for Tile {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
@@ -421,27 +421,27 @@ impl Operator for Tile {
     }
 }
 
-fn cut_numbers(input: &SliceInput) -> Numbers {
+fn cut_numbers(input: &SliceInput) -> IntegerSetting {
     match input {
-        SliceInput::Static(v) => Numbers::Known(v.clone()),
-        SliceInput::Runtime(r) => Numbers::input(r),
+        SliceInput::Static(v) => IntegerSetting::Known(v.clone()),
+        SliceInput::Runtime(r) => IntegerSetting::input(r),
     }
 }
 
 pub(super) fn read(node: &Node) -> Option<AnyOperator> {
     Some(match node {
         Node::Reshape(n) => Arc::new(Reshape(match &n.config.shape {
-            ReshapeInput::Static(v) => Numbers::Known(v.clone()),
-            ReshapeInput::Runtime(r) => Numbers::input(r),
+            ReshapeInput::Static(v) => IntegerSetting::Known(v.clone()),
+            ReshapeInput::Runtime(r) => IntegerSetting::input(r),
         })),
         Node::Flatten(n) => Arc::new(Flatten(n.config.axis)),
         Node::Squeeze(n) => Arc::new(Squeeze(n.config.axes.as_ref().map(|axes| match axes {
-            SqueezeInput::Static(v) => Numbers::Known(v.clone()),
-            SqueezeInput::Runtime(r) => Numbers::input(r),
+            SqueezeInput::Static(v) => IntegerSetting::Known(v.clone()),
+            SqueezeInput::Runtime(r) => IntegerSetting::input(r),
         }))),
         Node::Unsqueeze(n) => Arc::new(Unsqueeze(match &n.config {
-            UnsqueezeConfig::Static(v) => Numbers::Known(v.clone()),
-            UnsqueezeConfig::Runtime(r) => Numbers::input(r),
+            UnsqueezeConfig::Static(v) => IntegerSetting::Known(v.clone()),
+            UnsqueezeConfig::Runtime(r) => IntegerSetting::input(r),
         })),
         Node::Transpose(n) => Arc::new(Transpose(
             n.config
@@ -460,19 +460,19 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
         Node::Split(n) => Arc::new(Split {
             axis: n.config.axis,
             sizes: n.config.split_sizes.as_ref().map(|sizes| match sizes {
-                SplitSizesInput::Static(v) => Numbers::known(v),
-                SplitSizesInput::Runtime(r) => Numbers::input(r),
+                SplitSizesInput::Static(v) => IntegerSetting::known(v),
+                SplitSizesInput::Runtime(r) => IntegerSetting::input(r),
             }),
             parts: n.outputs.len(),
         }),
         Node::Gather(n) => Arc::new(Gather(n.config.axis)),
         Node::Expand(n) => Arc::new(Expand(match &n.config {
-            ExpandConfig::Static(v) => Numbers::Known(v.clone()),
-            ExpandConfig::Runtime(r) => Numbers::input(r),
+            ExpandConfig::Static(v) => IntegerSetting::Known(v.clone()),
+            ExpandConfig::Runtime(r) => IntegerSetting::input(r),
         })),
         Node::Tile(n) => Arc::new(Tile(match &n.config.repeats {
-            TileInput::Static(v) => Numbers::known(v),
-            TileInput::Runtime(r) => Numbers::input(r),
+            TileInput::Static(v) => IntegerSetting::known(v),
+            TileInput::Runtime(r) => IntegerSetting::input(r),
         })),
         _ => return None,
     })

@@ -7,7 +7,7 @@ use onnx_ir::Node;
 use onnx_ir::pad::{AxesInput, ConstantValueInput, PadInput, PadMode};
 use onnx_ir::resize::{CoordinateTransformMode, NearestMode, ResizeConfig, ResizeMode, ResizeScales, ResizeSizes};
 
-use super::operator::{AnyOperator, Inputs, Numbers, Operator, axis_of};
+use super::operator::{AnyOperator, Inputs, IntegerSetting, Operator, axis_of};
 use super::value::{Floats, RANK, Value, bounded};
 use crate::whitebox::NetworkFault;
 
@@ -67,7 +67,7 @@ impl Resize {
         }
     }
 
-    /// Which old place a new one looks at (ONNX: Resize, coordinate_transformation_mode).
+    /// Which old index a new one looks at (ONNX: Resize, coordinate_transformation_mode).
     fn source(&self, at: usize, scale: f32, old: usize, new: usize) -> f32 {
         let at = at as f32;
         match self.coordinates {
@@ -91,13 +91,13 @@ impl Resize {
                 row[low as usize] += 1.0 - (source - low);
                 row[(low as usize + 1).min(old - 1)] += source - low;
             } else {
-                let place = match self.nearest {
+                let index = match self.nearest {
                     NearestMode::RoundPreferFloor => (source - 0.5).ceil(),
                     NearestMode::RoundPreferCeil => (source + 0.5).floor(),
                     NearestMode::Floor => source.floor(),
                     NearestMode::Ceil => source.ceil(),
                 };
-                row[place.clamp(0.0, old as f32 - 1.0) as usize] = 1.0;
+                row[index.clamp(0.0, old as f32 - 1.0) as usize] = 1.0;
             }
         }
         weights
@@ -119,15 +119,15 @@ impl Operator for Resize {
         if new_rows == 0 || new_columns == 0 || rows == 0 || columns == 0 {
             return Err("it resizes to or from nothing".into());
         }
-        let Floats { x: picture, rank } = inputs.floats(0)?;
+        let Floats { x: image, rank } = inputs.floats(0)?;
         let sides = [shape[0], shape[1], new_rows.max(rows), new_columns.max(columns)];
         bounded(sides)?;
         bounded([new_rows, rows])?;
         bounded([new_columns, columns])?;
-        let device = picture.device();
+        let device = image.device();
         let left = Floats::new(self.weights(rows, new_rows, y), &[new_rows, rows], &device)?;
         let right = Floats::new(self.weights(columns, new_columns, x), &[new_columns, columns], &device)?;
-        let resized = left.x.matmul(picture).matmul(right.x.swap_dims(RANK - 2, RANK - 1));
+        let resized = left.x.matmul(image).matmul(right.x.swap_dims(RANK - 2, RANK - 1));
         Ok(vec![Value::Floats(Floats { x: resized, rank })])
     }
 }
@@ -135,8 +135,8 @@ impl Operator for Resize {
 /// A border around a tensor.
 struct Pad {
     /// All befores, then all afters, as ONNX writes them; of the named axes.
-    pads: Numbers,
-    axes: Option<Numbers>,
+    pads: IntegerSetting,
+    axes: Option<IntegerSetting>,
     mode: PadMode,
     value: Border,
 }
@@ -199,14 +199,14 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
             let (pads, axes) = match &n.config.pads {
                 PadInput::Static(pairs) => {
                     let all: Vec<usize> = pairs.iter().map(|p| p.0).chain(pairs.iter().map(|p| p.1)).collect();
-                    (Numbers::known(&all), None)
+                    (IntegerSetting::known(&all), None)
                 }
                 PadInput::Runtime { input, axes } => {
                     let axes = axes.as_ref().map(|axes| match axes {
-                        AxesInput::Static(v) => Numbers::known(v),
-                        AxesInput::Runtime(r) => Numbers::input(r),
+                        AxesInput::Static(v) => IntegerSetting::known(v),
+                        AxesInput::Runtime(r) => IntegerSetting::input(r),
                     });
-                    (Numbers::input(input), axes)
+                    (IntegerSetting::input(input), axes)
                 }
             };
             let value = match &n.config.constant_value {

@@ -1,4 +1,4 @@
-//! Operators that reckon with shapes.
+//! Operators that compute shapes.
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use onnx_ir::constant_of_shape::ConstantOfShapeShape;
 use onnx_ir::range::RangeInput;
 use onnx_ir::{Node, TensorData, TensorDataExt};
 
-use super::operator::{AnyOperator, Inputs, Numbers, Operator};
-use super::value::{Floats, Value, Whole, bounded};
+use super::operator::{AnyOperator, Inputs, IntegerSetting, Operator};
+use super::value::{Floats, Integers, Value, bounded};
 use crate::whitebox::NetworkFault;
 
 /// The sides of a tensor, from one axis to another.
@@ -21,7 +21,7 @@ impl Operator for Shape {
         let shape = inputs.value(0)?.shape();
         let end = self.end.min(shape.len());
         let sides = shape.get(self.start..end).unwrap_or_default();
-        Ok(vec![Value::Whole(Whole {
+        Ok(vec![Value::Integers(Integers {
             shape: vec![sides.len()],
             data: sides.iter().map(|side| *side as i64).collect(),
         })])
@@ -30,7 +30,7 @@ impl Operator for Shape {
 
 /// One number everywhere; 0 when none is named.
 struct ConstantOfShape {
-    shape: Numbers,
+    shape: IntegerSetting,
     value: Option<TensorData>,
 }
 
@@ -42,7 +42,7 @@ impl Operator for ConstantOfShape {
         Ok(vec![match &self.value {
             Some(value) if !value.dtype().is_float() => {
                 let value = value.iter::<i64>().next().unwrap_or(0);
-                Value::Whole(Whole {
+                Value::Integers(Integers {
                     shape,
                     data: vec![value; count],
                 })
@@ -55,8 +55,8 @@ impl Operator for ConstantOfShape {
     }
 }
 
-/// Whole numbers from start up to limit in steps.
-struct Range([Numbers; 3]);
+/// Integers numbers from start up to limit in steps.
+struct Range([IntegerSetting; 3]);
 
 impl Operator for Range {
     fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
@@ -76,7 +76,7 @@ impl Operator for Range {
             data.push(at);
             at += step;
         }
-        Ok(vec![Value::Whole(Whole {
+        Ok(vec![Value::Integers(Integers {
             shape: vec![data.len()],
             data,
         })])
@@ -91,15 +91,15 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
         }),
         Node::ConstantOfShape(n) => Arc::new(ConstantOfShape {
             shape: match &n.config.shape {
-                ConstantOfShapeShape::Static(v) => Numbers::Known(v.clone()),
-                ConstantOfShapeShape::Runtime(r) => Numbers::input(r),
+                ConstantOfShapeShape::Static(v) => IntegerSetting::Known(v.clone()),
+                ConstantOfShapeShape::Runtime(r) => IntegerSetting::input(r),
             },
             value: n.config.value.clone(),
         }),
         Node::Range(n) => {
             let bound = |input: &RangeInput| match input {
-                RangeInput::Static(v) => Some(Numbers::Known(vec![*v])),
-                RangeInput::Runtime(r) => Some(Numbers::input(r)),
+                RangeInput::Static(v) => Some(IntegerSetting::Known(vec![*v])),
+                RangeInput::Runtime(r) => Some(IntegerSetting::input(r)),
                 _ => None,
             };
             Arc::new(Range([

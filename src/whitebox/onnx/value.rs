@@ -1,4 +1,4 @@
-//! What flows along the edges of a network: tensors, and the whole numbers that shapes are reckoned with.
+//! What flows along the edges of a network: tensors, and the whole numbers that shapes are computed with.
 
 use crate::whitebox::NetworkFault;
 use burn::tensor::{Tensor, TensorData};
@@ -15,7 +15,7 @@ pub(super) const RANK: usize = 6;
 #[derive(Debug, Clone)]
 pub(super) enum Value {
     Floats(Floats),
-    Whole(Whole),
+    Integers(Integers),
 }
 
 #[derive(Debug, Clone)]
@@ -25,23 +25,23 @@ pub(super) struct Floats {
     pub rank: usize,
 }
 
-/// Whole numbers, row-major; truth values are 0 and 1.
+/// Integers numbers, row-major; truth values are 0 and 1.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Whole {
+pub(super) struct Integers {
     pub shape: Vec<usize>,
     pub data: Vec<i64>,
 }
 
 impl Value {
-    /// Does it change with the picture?
-    pub(super) fn is_followed(&self) -> bool {
+    /// Does it change with the image?
+    pub(super) fn requires_grad(&self) -> bool {
         matches!(self, Value::Floats(v) if v.x.is_tracked())
     }
 
     pub(super) fn shape(&self) -> Vec<usize> {
         match self {
             Value::Floats(v) => v.shape(),
-            Value::Whole(v) => v.shape.clone(),
+            Value::Integers(v) => v.shape.clone(),
         }
     }
 
@@ -55,7 +55,7 @@ impl Value {
             return Floats::new(values, &shape, device).map(Value::Floats);
         }
         let data = data.iter::<i64>().collect();
-        Ok(Value::Whole(Whole { shape, data }))
+        Ok(Value::Integers(Integers { shape, data }))
     }
 }
 

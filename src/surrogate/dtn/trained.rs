@@ -1,33 +1,33 @@
-//! A trained network as a renderer model of one view.
+//! A trained network as a surrogate renderer of one view.
 
 use burn::tensor::{Device, Tensor, TensorData};
 use image::RgbImage;
 
-use super::data::{PaintPixels, Window};
-use super::network::{Architecture, Layout, values};
+use super::data::{PaintPixels, PaintWindow};
+use super::network::{Architecture, LayerShapes, values};
 use super::transformer::Maps;
 use super::{DtnError, Transformer};
 use crate::frames::Coverage;
 use crate::frames::light;
-use crate::surrogate::renderer::{Learned, Renderer};
+use crate::surrogate::renderer::{NeuralRenderer, Renderer};
 
 /// A network that is trained.
 #[derive(Debug, Clone)]
-pub struct Network {
+pub struct DtnNetwork {
     pub architecture: Architecture,
-    /// Colours it was trained to start from; it takes a picture in any of them.
+    /// Colours it was trained to start from; it takes an image in any of them.
     pub references: Vec<[u8; 3]>,
     /// Time spent on its training.
     pub training_seconds: f64,
-    pub(super) layout: Layout,
+    pub(super) layout: LayerShapes,
     pub(super) weights: Vec<Tensor<4>>,
     pub(super) device: Device,
 }
 
-impl Network {
-    /// TF of each paint pixel, `channels` values each, from the sRGB of those pixels in the reference picture.
+impl DtnNetwork {
+    /// TF of each paint pixel, `channels` values each, from the sRGB of those pixels in the reference image.
     pub(super) fn maps(&self, paint: &PaintPixels, reference: &[[f32; 3]]) -> Result<Vec<f32>, DtnError> {
-        let window = Window::around(&[paint]);
+        let window = PaintWindow::around(&[paint]);
         let mut input = vec![0.0; 3 * window.pixels()];
         let at = window.middle(paint);
         window.fill(&mut input, paint, at, reference);
@@ -47,35 +47,35 @@ impl Network {
             .collect())
     }
 
-    /// The renderer model of a view, from its picture in a reference colour.
+    /// The surrogate renderer of a view, from its image in a reference colour.
     ///
     /// # Errors
     /// Only if the tensors cannot be computed.
-    pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<View, DtnError> {
+    pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<DtnView, DtnError> {
         let paint = PaintPixels::of(mask);
-        let picture: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
+        let image: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
         let width = mask.width() as usize;
         let index: Vec<usize> = paint
             .at
             .iter()
             .map(|[x, y]| *y as usize * width + *x as usize)
             .collect();
-        let seen: Vec<[f32; 3]> = index.iter().map(|i| picture[*i].map(|v| v as f32)).collect();
+        let seen: Vec<[f32; 3]> = index.iter().map(|i| image[*i].map(|v| v as f32)).collect();
         let maps = if index.is_empty() {
             Vec::new()
         } else {
             self.maps(&paint, &seen)?
         };
-        Ok(View {
+        Ok(DtnView {
             transformer: self.architecture.transformer,
-            picture,
+            image,
             index,
             maps,
         })
     }
 }
 
-impl Learned for Network {
+impl NeuralRenderer for DtnNetwork {
     fn name(&self) -> String {
         self.architecture.name()
     }
@@ -96,50 +96,50 @@ impl Learned for Network {
     }
 }
 
-/// The maps of one view. Outside the paint the picture is the reference's.
+/// The maps of one view. Outside the paint the image is the reference's.
 #[derive(Debug, Clone)]
-pub struct View {
+pub struct DtnView {
     transformer: Transformer,
-    picture: Vec<[f64; 3]>,
-    /// Of the paint's pixels in the picture.
+    image: Vec<[f64; 3]>,
+    /// Of the paint's pixels in the image.
     index: Vec<usize>,
     maps: Vec<f32>,
 }
 
-impl View {
+impl DtnView {
     fn maps_of(&self, pixel: usize, channel: usize) -> Maps {
         let first = pixel * self.transformer.channels();
         self.transformer.maps(channel, |i| f64::from(self.maps[first + i]))
     }
 }
 
-impl Renderer for View {
+impl Renderer for DtnView {
     fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut picture = self.picture.clone();
+        let mut image = self.image.clone();
         for (pixel, &at) in self.index.iter().enumerate() {
-            picture[at] = std::array::from_fn(|channel| {
+            image[at] = std::array::from_fn(|channel| {
                 let eta = light::encode(paint[at][channel]);
                 self.transformer
                     .value(self.maps_of(pixel, channel), eta)
                     .clamp(0.0, 1.0)
             });
         }
-        picture
+        image
     }
 
-    fn slope(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut slopes = vec![[0.0; 3]; self.picture.len()];
+    fn derivative(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut derivatives = vec![[0.0; 3]; self.image.len()];
         for (pixel, &at) in self.index.iter().enumerate() {
-            slopes[at] = std::array::from_fn(|channel| {
+            derivatives[at] = std::array::from_fn(|channel| {
                 let (maps, eta) = (self.maps_of(pixel, channel), light::encode(paint[at][channel]));
                 let value = self.transformer.value(maps, eta);
                 if value <= 0.0 || value >= 1.0 {
                     return 0.0;
                 }
                 // The chain through η, the sRGB of the reflectance.
-                self.transformer.slope(maps, eta) / light::decode_slope(eta)
+                self.transformer.derivative(maps, eta) / light::decode_derivative(eta)
             });
         }
-        slopes
+        derivatives
     }
 }

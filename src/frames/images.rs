@@ -1,4 +1,4 @@
-//! The pictures of frames: PNG in, PNG out.
+//! The images of frames: PNG in, PNG out.
 
 use std::path::Path;
 
@@ -14,12 +14,12 @@ pub type Linear16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
 /// The share of each pixel that something covers, 255 is all of it.
 pub type Coverage = GrayImage;
 
-pub fn encode_rgb(picture: &RgbImage) -> Result<Vec<u8>, FramesError> {
-    png(picture.as_raw(), picture.dimensions(), ExtendedColorType::Rgb8)
+pub fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>, FramesError> {
+    png(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8)
 }
 
-pub fn encode_grey(picture: &GrayImage) -> Result<Vec<u8>, FramesError> {
-    png(picture.as_raw(), picture.dimensions(), ExtendedColorType::L8)
+pub fn encode_grey(image: &GrayImage) -> Result<Vec<u8>, FramesError> {
+    png(image.as_raw(), image.dimensions(), ExtendedColorType::L8)
 }
 
 /// `linear`: RGB in linear light, 1 is white, row by row.
@@ -68,7 +68,7 @@ pub fn read_png(path: &Path, key: &str, size_px: [u32; 2], kind: ColorType) -> R
         return Err(content(format!("the {key} is no PNG: make the frame again")));
     }
     let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
-    // The size stands in the header: a huge picture is refused before its pixels take memory.
+    // The size stands in the header: a huge image is refused before its pixels take memory.
     let (found, wanted) = (decoder.dimensions(), (size_px[0], size_px[1]));
     if found != wanted {
         return Err(content(format!(

@@ -1,27 +1,27 @@
-//! The views an attack works on: each with its renderer model, and where the pattern lies in it.
+//! The views an attack works on, each with its surrogate renderer and its texture projection.
 
 use std::borrow::Cow;
 
 use serde::Serialize;
 
-use super::eot::{Draw, Taken, rolled};
+use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
 use super::{Rgb, RunError};
 use crate::frames::light;
 use crate::frames::views;
 use crate::frames::{Coverage, Frame, FrameList, FrameSet, outline};
 use crate::geometry::BoxPx;
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
-use crate::surrogate::renderer::{Kind, PerPixel, Renderer, Shot};
+use crate::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use crate::workers;
 
 /// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`]; fewer views than that are all trained on.
 const HELD_OUT_EVERY: usize = 6;
 const FIRST_HELD_OUT: usize = 3;
 
-/// How the pattern is laid on the model.
+/// How the pattern is mapped onto the model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Laying {
+pub enum TextureMapping {
     /// As the printed panels are.
     #[default]
     World,
@@ -29,12 +29,35 @@ pub enum Laying {
     Repeated,
 }
 
+impl TextureMapping {
+    pub const ALL: [Self; 2] = [Self::World, Self::Repeated];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::World => "world",
+            Self::Repeated => "repeated",
+        }
+    }
+
+    /// The usual augmentation, with the shift and size of the texture where this mapping leaves them open.
+    pub fn usual_eot(self) -> Eot {
+        match self {
+            Self::World => Eot::USUAL,
+            Self::Repeated => Eot {
+                shift_tiles: 0.5,
+                tile_scale: 0.25,
+                ..Eot::USUAL
+            },
+        }
+    }
+}
+
 /// One pose in one light.
 #[derive(Debug)]
-pub struct View {
+pub struct SurrogateView {
     /// Of its first frame.
     pub frame: Frame,
-    /// Around the object's mask, corner to corner of the picture's pixels.
+    /// Around the object's mask, corner to corner of the image's pixels.
     pub outline: BoxPx,
     model: PerPixel,
     place: Place,
@@ -48,39 +71,44 @@ enum Place {
 
 /// All views, and which are held out.
 #[derive(Debug)]
-pub struct Stage {
+pub struct ViewSet {
     pub list: FrameList,
     pub grid: Grid,
-    pub views: Vec<View>,
+    pub views: Vec<SurrogateView>,
     /// Views in which the model or its paint is not seen.
     pub unseen: usize,
 }
 
-/// A view with the pattern on, after everything, and the way back to the cells.
-pub struct Laid<'a> {
-    view: &'a View,
+/// A view with the pattern on it, augmented; its vector–Jacobian product leads back to the cells.
+pub struct TexturedView<'a> {
+    view: &'a SurrogateView,
     projection: Cow<'a, Projection>,
     columns: usize,
     shift_tiles: [f64; 2],
     paint: Vec<Rgb>,
-    pub taken: Taken,
-    /// Where the model is in the taken picture.
+    pub augmented: AugmentedImage,
+    /// Where the model is in the augmented image.
     pub outline: BoxPx,
 }
 
-impl Stage {
-    /// Fits the default renderer model to the flat colours of every view. `on_view` is called after each, from any
+impl ViewSet {
+    /// Fits the default surrogate renderer to the flat colours of every view. `on_view` is called after each, from any
     /// thread.
     ///
     /// # Errors
-    /// Too few flat colours, no positions for the world-aligned laying, pictures that cannot be read, no view with the
+    /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
     /// model in it.
-    pub fn open(set: &FrameSet, grid: Grid, laying: Laying, on_view: impl Fn() + Sync) -> Result<Self, RunError> {
+    pub fn open(
+        set: &FrameSet,
+        grid: Grid,
+        mapping: TextureMapping,
+        on_view: impl Fn() + Sync,
+    ) -> Result<Self, RunError> {
         let all = views(&set.list.frames);
-        let load = |(): &mut (), frames: &Vec<&Frame>| load(set, frames, &grid, laying);
+        let load = |(): &mut (), frames: &Vec<&Frame>| load(set, frames, &grid, mapping);
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
         let count = loaded.len();
-        let views: Vec<View> = loaded.into_iter().flatten().collect();
+        let views: Vec<SurrogateView> = loaded.into_iter().flatten().collect();
         if views.is_empty() {
             return Err(RunError::NothingSeen);
         }
@@ -114,7 +142,7 @@ impl Stage {
     }
 
     /// A view with a pattern on. `cells`: sRGB, 0 to 1, row by row from the top.
-    pub fn lay(&self, view: usize, cells: &[Rgb], draw: &Draw) -> Laid<'_> {
+    pub fn textured(&self, view: usize, cells: &[Rgb], draw: &Augmentation) -> TexturedView<'_> {
         let view = &self.views[view];
         let columns = self.grid.columns as usize;
         let light: Vec<Rgb> = cells.iter().map(|cell| cell.map(light::decode)).collect();
@@ -123,20 +151,20 @@ impl Stage {
             // The shift is the projection's own there.
             Place::Repeated(mask) => {
                 let (list, frame, nearest) = (&self.list, &view.frame, Sampling::Nearest);
-                let laid = repeated::project(list, frame, mask, &self.grid, nearest, &draw.jitter);
-                (Cow::Owned(laid), [0.0, 0.0])
+                let textured = repeated::project(list, frame, mask, &self.grid, nearest, &draw.jitter);
+                (Cow::Owned(textured), [0.0, 0.0])
             }
         };
         let paint = projection.forward(&rolled(&light, columns, shift_tiles));
-        let taken = draw.apply(&view.model.predict(&paint), self.list.size_px);
-        Laid {
+        let augmented = draw.apply(&view.model.predict(&paint), self.list.size_px);
+        TexturedView {
             outline: draw.moved(&view.outline, self.list.size_px),
             view,
             projection,
             columns,
             shift_tiles,
             paint,
-            taken,
+            augmented,
         }
     }
 
@@ -146,24 +174,29 @@ impl Stage {
     }
 }
 
-impl Laid<'_> {
-    /// From the derivative with respect to the taken picture to that with respect to the cells it was laid with.
-    pub fn back(&self, gradient: Vec<Rgb>, cells: &[Rgb]) -> Vec<Rgb> {
-        let mut gradient = self.taken.back(gradient);
-        for (g, slope) in gradient.iter_mut().zip(self.view.model.slope(&self.paint)) {
-            *g = std::array::from_fn(|c| g[c] * slope[c]);
+impl TexturedView<'_> {
+    /// From the derivative with respect to the augmented image to that with respect to the cells of its texture.
+    pub fn vjp(&self, gradient: Vec<Rgb>, cells: &[Rgb]) -> Vec<Rgb> {
+        let mut gradient = self.augmented.vjp(gradient);
+        for (g, derivative) in gradient.iter_mut().zip(self.view.model.derivative(&self.paint)) {
+            *g = std::array::from_fn(|c| g[c] * derivative[c]);
         }
         let gradient = self.projection.transposed(&gradient);
         let mut gradient = rolled(&gradient, self.columns, self.shift_tiles.map(|shift| -shift));
         for (g, cell) in gradient.iter_mut().zip(cells) {
-            *g = std::array::from_fn(|c| g[c] * light::decode_slope(cell[c]));
+            *g = std::array::from_fn(|c| g[c] * light::decode_derivative(cell[c]));
         }
         gradient
     }
 }
 
 /// `None` for a view in which the model or its paint is not seen.
-fn load(set: &FrameSet, frames: &[&Frame], grid: &Grid, laying: Laying) -> Result<Option<View>, RunError> {
+fn load(
+    set: &FrameSet,
+    frames: &[&Frame],
+    grid: &Grid,
+    mapping: TextureMapping,
+) -> Result<Option<SurrogateView>, RunError> {
     let frame = frames[0];
     let mask = set.paint_mask(frame)?;
     let Some(seen) = outline(&set.object_mask(frame)?) else {
@@ -172,26 +205,26 @@ fn load(set: &FrameSet, frames: &[&Frame], grid: &Grid, laying: Laying) -> Resul
     if !mask.pixels().any(|p| p.0[0] >= 128) {
         return Ok(None);
     }
-    let mut shots = Vec::new();
+    let mut flats = Vec::new();
     for frame in frames {
         if let Some(flat_rgb) = frame.flat_rgb() {
-            let picture = set.rgb(frame)?;
-            shots.push(Shot { flat_rgb, picture });
+            let image = set.rgb(frame)?;
+            flats.push(FlatImage { flat_rgb, image });
         }
     }
     let name = || frame.name.clone();
-    let fitted = PerPixel::fit(Kind::default(), &shots);
+    let fitted = PerPixel::fit(ClosedForm::default(), &flats);
     let model = fitted.map_err(|reason| RunError::Fit { view: name(), reason })?;
-    let place = match laying {
-        Laying::Repeated => Place::Repeated(mask),
-        Laying::World => {
+    let place = match mapping {
+        TextureMapping::Repeated => Place::Repeated(mask),
+        TextureMapping::World => {
             let projection = world::project(set, frame, grid, Sampling::Nearest)?;
             Place::World(projection.ok_or_else(|| RunError::NoPositions { view: name() })?)
         }
     };
     // The outline counts from the middle of the first pixel.
     let outline = BoxPx::new(seen.x1 + 0.5, seen.y1 + 0.5, seen.x2 + 0.5, seen.y2 + 0.5);
-    Ok(Some(View {
+    Ok(Some(SurrogateView {
         frame: frame.clone(),
         outline,
         model,

@@ -5,7 +5,7 @@ use image::RgbImage;
 use crate::frames::light;
 
 /// A photo's light, reduced by the mean of squares of pixels: linear in sRGB's primaries, 1 is white.
-pub struct LightPicture {
+pub struct LightImage {
     width: usize,
     height: usize,
     /// Width and height of the photo, px.
@@ -15,7 +15,7 @@ pub struct LightPicture {
     pixels: Vec<[f32; 3]>,
 }
 
-impl LightPicture {
+impl LightImage {
     /// Pixels at the right and lower border that fill no square are left to the last one.
     pub fn new(photo: &RgbImage, reduction: usize) -> Self {
         let levels: [f32; 256] = std::array::from_fn(|level| light::decode(level as f64 / 255.0) as f32);
@@ -37,7 +37,7 @@ impl LightPicture {
         }
     }
 
-    /// The light at a pixel of the photo, bilinear; `None` outside the picture.
+    /// The light at a pixel of the photo, bilinear; `None` outside the image.
     pub fn at(&self, pixel: [f64; 2]) -> Option<[f64; 3]> {
         if (0..2).any(|i| !(-0.5..=self.photo[i] - 0.5).contains(&pixel[i])) {
             return None;

@@ -1,5 +1,5 @@
-//! Expectation over transformation (Athalye et al., ICML 2018): what the world may do between the pattern and the
-//! detector, drawn anew for every picture, each with its way back.
+//! Expectation over transformation (EOT; Athalye et al., ICML 2018): random changes of the pattern's position and of the image,
+//! each with its vector–Jacobian product.
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -13,24 +13,24 @@ use crate::surrogate::projection::repeated::Jitter;
 /// Ranges to draw from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Eot {
-    /// Phase of the pattern on the model, to either side, in repeats.
+    /// Shift of the texture on the model, to either side, in repeats.
     pub shift_tiles: f64,
     /// Size of the pattern against its true size, to either side of 1; only Repeated Texture Projection can.
     pub tile_scale: f64,
-    /// Added to the picture, to either side, in sRGB of 0 to 1.
+    /// Added to the image, to either side, in sRGB of 0 to 1.
     pub brightness: f64,
     /// Factor about middle grey: from one less than 1 to its inverse.
     pub contrast: f64,
-    /// Size of the picture about its middle: from one to another.
+    /// Size of the image about its middle: from one to another.
     pub scale: [f64; 2],
-    /// The picture is moved by so many pixels at most: which of a detector's cells the model falls into is chance.
+    /// The image is moved by so many pixels at most: which of a detector's cells the model falls into is chance.
     pub offset_px: f64,
     /// Standard deviation of the noise of each value, in sRGB of 0 to 1.
     pub noise: f64,
 }
 
 impl Eot {
-    /// Nothing happens.
+    /// No augmentation.
     pub const NONE: Self = Self {
         shift_tiles: 0.0,
         tile_scale: 0.0,
@@ -41,7 +41,7 @@ impl Eot {
         noise: 0.0,
     };
 
-    /// The usual: of the pattern's phase nothing (print says where it lies), of the picture what a camera does.
+    /// The usual: no shift of the pattern (print fixes where it lies), and of the image what a camera does.
     pub const USUAL: Self = Self {
         shift_tiles: 0.0,
         tile_scale: 0.0,
@@ -55,8 +55,8 @@ impl Eot {
 
 /// One draw of everything.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Draw {
-    /// φ_rd of the pattern: its phase, and for Repeated Texture Projection its size.
+pub struct Augmentation {
+    /// φ_rd, the random shift of the texture, and for Repeated Texture Projection its size.
     pub jitter: Jitter,
     pub brightness: f64,
     pub contrast: f64,
@@ -66,8 +66,8 @@ pub struct Draw {
     noise_seed: u64,
 }
 
-impl Draw {
-    /// Nothing happens.
+impl Augmentation {
+    /// No augmentation.
     pub const NONE: Self = Self {
         jitter: Jitter::NONE,
         brightness: 0.0,
@@ -98,7 +98,7 @@ impl Draw {
         }
     }
 
-    /// Where a box of the picture comes to lie.
+    /// Where a box of the image comes to lie.
     pub fn moved(&self, b: &BoxPx, size_px: [u32; 2]) -> BoxPx {
         let middle = size_px.map(|px| 0.5 * f64::from(px));
         let x = |v: f64| (v - middle[0]) * self.scale + middle[0] + self.offset_px[0];
@@ -106,16 +106,14 @@ impl Draw {
         BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
     }
 
-    /// What happens to a picture.
-    pub fn apply(&self, picture: &[Rgb], size_px: [u32; 2]) -> Taken {
+    /// Augments an image.
+    pub fn apply(&self, image: &[Rgb], size_px: [u32; 2]) -> AugmentedImage {
         let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
         let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
-        let mut picture = resample
-            .as_ref()
-            .map_or_else(|| picture.to_vec(), |r| r.forward(picture));
+        let mut image = resample.as_ref().map_or_else(|| image.to_vec(), |r| r.forward(image));
         let mut rng = Pcg32::seed_from_u64(self.noise_seed);
-        let mut is_open = vec![[true; 3]; picture.len()];
-        for (pixel, is_open) in picture.iter_mut().zip(&mut is_open) {
+        let mut is_open = vec![[true; 3]; image.len()];
+        for (pixel, is_open) in image.iter_mut().zip(&mut is_open) {
             for (value, is_open) in pixel.iter_mut().zip(is_open) {
                 let noise = if self.noise > 0.0 {
                     self.noise * normal(&mut rng)
@@ -127,8 +125,8 @@ impl Draw {
                 *value = value.clamp(0.0, 1.0);
             }
         }
-        Taken {
-            picture,
+        AugmentedImage {
+            image,
             is_open,
             contrast: self.contrast,
             resample,
@@ -136,19 +134,19 @@ impl Draw {
     }
 }
 
-/// A picture after everything, and the way back.
+/// An augmented image and its adjoint.
 #[derive(Debug, Clone)]
-pub struct Taken {
-    pub picture: Vec<Rgb>,
+pub struct AugmentedImage {
+    pub image: Vec<Rgb>,
     /// Not clipped.
     is_open: Vec<[bool; 3]>,
     contrast: f64,
     resample: Option<Resample>,
 }
 
-impl Taken {
-    /// From the derivative with respect to the taken picture to that with respect to the picture before.
-    pub fn back(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
+impl AugmentedImage {
+    /// From the derivative with respect to the augmented image to that with respect to the image before.
+    pub fn vjp(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
         for (pixel, is_open) in gradient.iter_mut().zip(&self.is_open) {
             for (value, is_open) in pixel.iter_mut().zip(is_open) {
                 *value *= if *is_open { self.contrast } else { 0.0 };

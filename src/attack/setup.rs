@@ -1,0 +1,60 @@
+//! What a pattern is made on and against: frames, their views, and detectors.
+
+use super::run::RunError;
+use super::run::history::{Entry, History};
+use super::run::view_set::{TextureMapping, ViewSet};
+use crate::frames::FrameSet;
+use crate::surrogate::projection::Grid;
+use crate::whitebox::WhiteBox;
+
+/// What a pattern is made on and against.
+pub struct Setup {
+    pub frames: FrameSet,
+    pub frames_sha256: String,
+    /// Width of one repeat of the pattern on the model.
+    pub tile_mm: f64,
+    pub view_set: ViewSet,
+    pub detectors: Vec<Box<dyn WhiteBox>>,
+    /// Names, with the beginning of the weights' hashes.
+    pub detector_names: Vec<String>,
+}
+
+impl Setup {
+    /// Opens the views of some frames for a square pattern of so many columns. `on_view` is called after each, from any thread.
+    ///
+    /// # Errors
+    /// Those of [`ViewSet::open`].
+    pub fn open(
+        frames: FrameSet,
+        (columns, tile_mm, mapping): (u32, f64, TextureMapping),
+        (detectors, detector_names): (Vec<Box<dyn WhiteBox>>, Vec<String>),
+        on_view: impl Fn() + Sync,
+    ) -> Result<Self, RunError> {
+        let grid = Grid {
+            columns,
+            rows: columns,
+            cell_mm: tile_mm / f64::from(columns),
+        };
+        Ok(Self {
+            tile_mm,
+            view_set: ViewSet::open(&frames, grid, mapping, on_view)?,
+            frames_sha256: frames.sha256()?,
+            frames,
+            detectors,
+            detector_names,
+        })
+    }
+
+    /// The history of a method on this.
+    pub fn history(&self, method: &str, seed: u64, entries: Vec<Entry>) -> History {
+        History {
+            scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
+            method: method.to_owned(),
+            seed,
+            tile_mm: self.tile_mm,
+            frames_sha256: self.frames_sha256.clone(),
+            detectors: self.detector_names.clone(),
+            entries,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What a user of the command line does about an error of the attack's rooms.
+
+use std::error::Error;
+
+use crate::attack::evaluate::EvaluateError;
+use crate::attack::run::RunError;
+use crate::frames::render::RenderError;
+use crate::surrogate::additive::AdditiveError;
+use crate::surrogate::chart::SurrogateChartError;
+#[cfg(feature = "attack")]
+use crate::surrogate::dtn::DtnError;
+use crate::whitebox::device::DeviceError;
+
+/// The option that helps.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    let fixed = None
+        .or_else(|| error.downcast_ref().and_then(of_rendering))
+        .or_else(|| error.downcast_ref().and_then(of_evaluation))
+        .or_else(|| error.downcast_ref().and_then(of_colours))
+        .or_else(|| error.downcast_ref().and_then(of_chart))
+        .or_else(|| error.downcast_ref().and_then(of_run));
+    #[cfg(feature = "attack")]
+    let fixed = fixed.or_else(|| error.downcast_ref().and_then(of_training));
+    fixed.map(str::to_owned).or_else(|| error.downcast_ref().map(of_device))
+}
+
+fn of_device(error: &DeviceError) -> String {
+    match error {
+        DeviceError::NotBuilt(device) => {
+            format!("build it with `cargo build --release --features {device}`, or leave --device out")
+        }
+        DeviceError::NotThere(_) => ", or leave --device out".to_owned(),
+    }
+}
+
+fn of_rendering(error: &RenderError) -> Option<&'static str> {
+    matches!(error, RenderError::CutOff { .. }).then_some(" (--field-of-view-deg)")
+}
+
+fn of_evaluation(error: &EvaluateError) -> Option<&'static str> {
+    match error {
+        EvaluateError::Render(error) => of_rendering(error),
+        _ => None,
+    }
+}
+
+fn of_colours(error: &AdditiveError) -> Option<&'static str> {
+    matches!(error, AdditiveError::TooFew { .. }).then_some(", as in --flat 000000 808080 ffffff")
+}
+
+fn of_chart(error: &SurrogateChartError) -> Option<&'static str> {
+    match error {
+        SurrogateChartError::NoReference { .. } | SurrogateChartError::OtherReference { .. } => Some(" (--reference)"),
+        SurrogateChartError::NothingToPredict => Some(", as in --flat 000000 808080 ffffff c83214"),
+        _ => None,
+    }
+}
+
+#[cfg(feature = "attack")]
+fn of_training(error: &DtnError) -> Option<&'static str> {
+    match error {
+        DtnError::Additive(error) => of_colours(error),
+        DtnError::NoViews { .. } => Some(" (attack render --flat, --reference)"),
+        DtnError::Width { .. } => Some(" (--width-px)"),
+        DtnError::NotFinite { .. } => Some(" (--seed)"),
+        _ => None,
+    }
+}
+
+fn of_run(error: &RunError) -> Option<&'static str> {
+    matches!(error, RunError::NoPositions { .. }).then_some(" (--laying repeated)")
+}

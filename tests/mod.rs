@@ -1,0 +1,54 @@
+//! The tests of whole rooms and of the program. They are part of the crate, so that they see what is not public, and one program, which is
+//! linked once. Unit tests stand beside the code.
+
+mod common;
+
+mod architecture;
+#[cfg(feature = "attack")]
+mod attack_dtn;
+mod attack_evaluate;
+mod attack_frames;
+mod attack_models;
+#[cfg(feature = "attack")]
+mod attack_onnx;
+#[cfg(feature = "attack")]
+mod attack_onnx_exact;
+mod attack_photos;
+mod attack_run;
+mod average_precision;
+mod calibrate;
+mod camera;
+mod capture;
+mod capture_camera;
+mod capture_page;
+mod chart;
+mod colour;
+mod compare;
+mod demo;
+mod detector_heads;
+mod detector_proposals;
+mod detectors;
+mod diagnosis;
+mod docs;
+mod folders;
+mod hostile;
+mod import;
+mod locate;
+mod manners;
+mod package;
+mod parsers;
+mod pose_doubt;
+mod print_board;
+mod print_paint;
+mod print_printer;
+mod print_svg;
+mod print_tags;
+mod print_template;
+mod print_wrap;
+mod report;
+mod scale;
+mod score;
+mod solvers;
+mod survey;
+mod tag_detectors;
+mod truth;
