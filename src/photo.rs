@@ -20,6 +20,7 @@ pub use lens::Lens;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),

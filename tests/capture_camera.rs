@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use common::{assert_refused, program, read_json, skyline, stdout};
 use image::{Rgb, RgbImage};
 use live::live_capture;
-use scaleproof::capture::live::{Device, PixelFormat, RawPicture, Setting};
+use scaleproof::capture::live::{Device, LiveCameraError, PixelFormat, RawPicture, Setting};
 use scaleproof::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
 use scaleproof::photo::{Budget, Photo};
 use scaleproof::scene::Scene;
@@ -178,11 +178,11 @@ struct Fake {
 }
 
 impl Device for Fake {
-    fn picture(&mut self) -> Result<RawPicture, String> {
+    fn picture(&mut self) -> Result<RawPicture, LiveCameraError> {
         std::thread::sleep(self.every);
         let count = self.sent.load(Ordering::SeqCst);
         if count == self.last {
-            return Err("no such device".into());
+            return Err(LiveCameraError::Driver("no such device".into()));
         }
         self.sent.store(count + 1, Ordering::SeqCst);
         Ok(self.pictures[count as usize % self.pictures.len()].clone())
@@ -247,7 +247,9 @@ fn a_stale_picture_is_never_queued() {
 
 #[test]
 fn a_camera_that_cannot_be_used_is_one_sentence() {
-    let refused = LiveCamera::of(3, || Err("it is busy".into())).err().unwrap();
+    let refused = LiveCamera::of(3, || Err(LiveCameraError::Driver("it is busy".into())))
+        .err()
+        .unwrap();
     assert_eq!(
         refused.to_string(),
         "the camera 3 cannot be used (it is busy): see `scaleproof capture list-cameras`"
@@ -258,7 +260,7 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
     let start = Instant::now();
     let hanging = LiveCamera::of_within(3, Duration::from_secs(2), || {
         std::thread::sleep(Duration::from_secs(60));
-        Err("nobody waits for this".into())
+        Err(LiveCameraError::Driver("nobody waits for this".into()))
     });
     let hanging = hanging.err().unwrap().to_string();
     assert!(

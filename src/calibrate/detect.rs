@@ -20,6 +20,7 @@ pub struct SeenCorner {
 
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoBoard {
     #[error("no board was found: is this the board of the file, wholly in the picture, sharp and evenly lit?")]
     NotFound,

@@ -9,6 +9,7 @@ use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, LeftOut};
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CalibrationError {
     #[error("no photo shows the board; {first}")]
     NoPhotos { first: String },

@@ -15,8 +15,8 @@ use self::teller::Teller;
 use super::{CommandResult, Outcome};
 use crate::camera::Camera;
 use crate::capture::{
-    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store, Target, Tolerance, Watch,
-    live::list_cameras, pair, usual, viewpoints_of,
+    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store, Target, Tolerance,
+    Watch, live::list_cameras, pair, usual, viewpoints_of,
 };
 use crate::page::{About, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
@@ -183,7 +183,7 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
     let page = match browser.page {
         true => {
             let at_once = || std::process::exit(130);
-            Some(Page::open(browser.port, browser.lan, &args.output, at_once)?)
+            Some(Page::open(browser.port, browser.lan, &args.output, at_once).map_err(page::advised)?)
         }
         false => None,
     };
@@ -247,7 +247,11 @@ fn open_source(
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
-            Ok(Some(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?)))
+            let replay = Replay::open(folder, &args.variant, args.shuffle, pace).map_err(|e| match e {
+                SourceError::NoSuchVariant { .. } => format!("{e} with --variant"),
+                e => e.to_string(),
+            })?;
+            Ok(Some(Box::new(replay)))
         }
         _ if args.shuffle.is_some() || args.fps.is_some() => {
             Err("--shuffle and --fps are for replay: sources: leave them out".into())

@@ -9,7 +9,7 @@ use super::{CommandResult, Outcome, print, progress, scene};
 use crate::camera::Camera;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
-use crate::survey::{Given, Look, Sizes, Survey, TagReport, look, survey};
+use crate::survey::{Given, Look, Reason, Sizes, Survey, SurveyError, TagReport, look, survey};
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
 ///
@@ -58,7 +58,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         family: args.family,
     };
     let busy = progress::busy("adjusting");
-    let found = survey(&photos, &given, &camera)?;
+    let found = survey(&photos, &given, &camera).map_err(advised)?;
     busy.finish_and_clear();
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
@@ -84,6 +84,23 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
         scene.model.envelope = scene.model.envelope.with_mesh(|_| place);
     }
     Ok(scene)
+}
+
+/// The error with the option that helps.
+fn advised(e: SurveyError) -> String {
+    match e {
+        SurveyError::NothingToSurvey => format!("{e}: give their sizes with --sizes, and uncover them"),
+        SurveyError::TwoSizes { .. } => format!("{e} in --sizes: correct one of them"),
+        _ => e.to_string(),
+    }
+}
+
+/// Why a tag is left out, with the option that helps.
+fn reason(reason: &Reason) -> String {
+    match reason {
+        Reason::NoSize => format!("{reason}: name it in --sizes"),
+        _ => reason.to_string(),
+    }
 }
 
 /// The fixed tags by family and id.
@@ -177,7 +194,7 @@ fn json(found: &Survey) -> Json {
                 id: l.id,
                 family: l.family,
                 code: l.reason.code(),
-                reason: l.reason.to_string(),
+                reason: reason(&l.reason),
             })
             .collect(),
         photos: found
@@ -228,7 +245,7 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
         )?;
     }
     for left in &found.left_out {
-        writeln!(out, "left out: tag {} {}", left.id, left.reason)?;
+        writeln!(out, "left out: tag {} {}", left.id, reason(&left.reason))?;
     }
     for photo in found.photos.iter().filter(|p| p.tags.is_empty()) {
         writeln!(out, "not used: {}, which shows no tag that helps", photo.name)?;

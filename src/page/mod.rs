@@ -5,7 +5,6 @@
 //! from what the desk published last. Nothing a browser sends becomes a name or a path.
 
 mod access;
-mod code;
 mod desk;
 mod dial;
 mod meters;
@@ -22,6 +21,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use qrcode::QrCode;
+use qrcode::render::unicode::Dense1x2;
 use tokio::sync::watch;
 
 use crate::capture::{Capture, FrameSource, SourceError, StoreError};
@@ -37,12 +38,13 @@ pub use state::About;
 
 /// What keeps the page, or the capture behind it, from going on.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PageError {
-    #[error("the port {port} cannot be opened ({reason}): name another with --port")]
+    #[error("the port {port} cannot be opened ({reason})")]
     Port { port: u16, reason: String },
-    #[error("the page cannot be served ({reason}): capture without --page")]
+    #[error("the page cannot be served ({reason})")]
     Server { reason: String },
-    #[error("this machine is in no network that a phone could reach: join one, or leave --lan out")]
+    #[error("this machine is in no network that a phone could reach")]
     NoNetwork,
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -106,10 +108,13 @@ impl Page {
         let (access, address, lan) = match network {
             None => (Access::local(), here, None),
             Some(ip) => {
-                let tokens = Access::by_token(port).map_err(|reason| PageError::Server { reason })?;
+                let unserved = |reason: String| PageError::Server { reason };
+                let tokens = Access::by_token(port).map_err(|e| unserved(e.to_string()))?;
                 let (access, [for_here, for_phone]) = tokens;
                 let address = format!("http://{ip}:{port}/join/{for_phone}");
-                let code = code::drawn(&address).map_err(|reason| PageError::Server { reason })?;
+                let code = QrCode::new(&address).map_err(|e| unserved(e.to_string()))?;
+                // With its quiet zone, two rows of modules to a line, for dark characters on a light ground.
+                let code = code.render::<Dense1x2>().build();
                 (access, format!("{here}join/{for_here}"), Some(Lan { address, code }))
             }
         };

@@ -24,7 +24,7 @@ use suspects::Fault;
 
 pub use look::{Look, LookError, look};
 pub use problem::{Reason, SurveyError};
-pub use sizes::Sizes;
+pub use sizes::{Sizes, SizesError};
 
 /// A noise above this angle is no noise: the wrong camera, or wrong sizes.
 const MAX_NOISE_DEG: f64 = 0.1;

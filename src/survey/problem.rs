@@ -2,14 +2,13 @@
 
 /// Why there is no survey at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurveyError {
     #[error(
         "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"
     )]
     TooFewPhotos { photos: usize },
-    #[error(
-        "no tag to survey is seen in any photo, only fixed ones or none: give their sizes with --sizes, and uncover them"
-    )]
+    #[error("no tag to survey is seen in any photo, only fixed ones or none")]
     NothingToSurvey,
     #[error(
         "no fixed tag (id {}) is seen whole in any photo, so that nothing ties the others to the model: take a photo that shows one",
@@ -37,7 +36,7 @@ pub enum SurveyError {
         "tag {id} is fixed but the scene does not say where it stands: add it to the scene file or fix another tag"
     )]
     FixedUnknown { id: u32 },
-    #[error("tag {id} is fixed with {scene_mm} mm in the scene and {given_mm} mm in --sizes: correct one of them")]
+    #[error("tag {id} is fixed with {scene_mm} mm in the scene and given with {given_mm} mm")]
     TwoSizes { id: u32, scene_mm: f64, given_mm: f64 },
 }
 
@@ -82,7 +81,7 @@ impl Reason {
 impl std::fmt::Display for Reason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Reason::NoSize => write!(f, "no size is given for it: name it in --sizes"),
+            Reason::NoSize => write!(f, "no size is given for it"),
             Reason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
             Reason::SeenOnce { photo } => {
                 write!(

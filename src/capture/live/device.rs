@@ -10,7 +10,7 @@ use nokhwa::utils::{
     RequestedFormatType,
 };
 
-use super::{CameraSettings, Device, PixelFormat, RawPicture, Setting};
+use super::{CameraSettings, Device, LiveCameraError, PixelFormat, RawPicture, Setting};
 use crate::camera::Camera;
 
 /// A camera that the system knows.
@@ -41,10 +41,10 @@ const PERMISSION: Duration = Duration::from_secs(60);
 /// The cameras of this machine, by number. Some systems list a camera several times; not every entry gives pictures.
 ///
 /// # Errors
-/// A system whose cameras cannot be listed, as a clause.
-pub fn list_cameras() -> Result<Vec<ListedCamera>, String> {
+/// A system whose cameras cannot be listed.
+pub fn list_cameras() -> Result<Vec<ListedCamera>, LiveCameraError> {
     allowed()?;
-    let found = nokhwa::query(ApiBackend::Auto).map_err(|e| e.to_string())?;
+    let found = nokhwa::query(ApiBackend::Auto).map_err(failed)?;
     let mut cameras: Vec<ListedCamera> = found
         .iter()
         .filter_map(|info| {
@@ -60,7 +60,7 @@ pub fn list_cameras() -> Result<Vec<ListedCamera>, String> {
 }
 
 /// Asks for the use of cameras where the system wants that (macOS).
-fn allowed() -> Result<(), String> {
+fn allowed() -> Result<(), LiveCameraError> {
     let (answer, answered) = mpsc::channel();
     nokhwa::nokhwa_initialize(move |is_allowed| {
         // Nobody waits for a late answer.
@@ -68,32 +68,32 @@ fn allowed() -> Result<(), String> {
     });
     match answered.recv_timeout(PERMISSION) {
         Ok(true) => Ok(()),
-        _ => Err("the system does not allow the use of cameras".into()),
+        _ => Err(LiveCameraError::NotAllowed),
     }
 }
 
 /// Opens a camera and starts it, at a picture size that the camera file fits.
-pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, String> {
+pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, LiveCameraError> {
     allowed()?;
     let formats = FORMATS.map(|(format, _)| format);
     let any = RequestedFormat::with_formats(RequestedFormatType::None, &formats);
-    let mut opened = nokhwa::Camera::new(CameraIndex::Index(number), any).map_err(clause)?;
-    let offered = opened.compatible_camera_formats().map_err(clause)?;
+    let mut opened = nokhwa::Camera::new(CameraIndex::Index(number), any).map_err(failed)?;
+    let offered = opened.compatible_camera_formats().map_err(failed)?;
     let chosen = chosen(&offered, camera)?;
     if opened.camera_format() != chosen {
         let exactly = RequestedFormat::with_formats(RequestedFormatType::Exact(chosen), &formats);
-        opened.set_camera_requset(exactly).map_err(clause)?;
+        opened.set_camera_requset(exactly).map_err(failed)?;
     }
-    opened.open_stream().map_err(clause)?;
+    opened.open_stream().map_err(failed)?;
     Ok(Box::new(Opened(opened)))
 }
 
-fn clause(e: NokhwaError) -> String {
-    e.to_string()
+fn failed(e: NokhwaError) -> LiveCameraError {
+    LiveCameraError::Driver(e.to_string())
 }
 
 /// The size nearest to the calibrated one among those of its shape; of one size, enough pictures a second first, then raw pixels.
-fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, String> {
+fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, LiveCameraError> {
     let fits = |format: &&CameraFormat| camera.scaled_to(format.width(), format.height()).is_ok();
     let rank = |format: &CameraFormat| FORMATS.iter().position(|(known, _)| *known == format.format());
     let order = |format: &&CameraFormat| {
@@ -105,26 +105,25 @@ fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, Str
         )
     };
     let readable = offered.iter().filter(|format| rank(format).is_some());
-    readable.filter(fits).min_by_key(order).copied().ok_or_else(|| {
-        format!(
-            "it has no picture of the shape of the camera file's, {} × {}: calibrate it at a size it has",
-            camera.width, camera.height
-        )
-    })
+    let none = LiveCameraError::NoFittingSize {
+        width: camera.width,
+        height: camera.height,
+    };
+    readable.filter(fits).min_by_key(order).copied().ok_or(none)
 }
 
 struct Opened(nokhwa::Camera);
 
 impl Device for Opened {
-    fn picture(&mut self) -> Result<RawPicture, String> {
+    fn picture(&mut self) -> Result<RawPicture, LiveCameraError> {
         let format = self.0.camera_format();
         let packed = FORMATS.iter().find(|(known, _)| *known == format.format());
-        let (_, packed) = packed.ok_or("its pixel format is not known")?;
+        let (_, packed) = packed.ok_or(LiveCameraError::UnknownPixelFormat)?;
         Ok(RawPicture {
             format: *packed,
             width: format.width(),
             height: format.height(),
-            bytes: self.0.frame_raw().map_err(clause)?.into_owned(),
+            bytes: self.0.frame_raw().map_err(failed)?.into_owned(),
         })
     }
 
@@ -232,7 +231,7 @@ mod tests {
         let camera = Camera::pinhole(1280, 960, 1000.0, 1000.0, 639.5, 479.5);
         let choose = |all: &[(u32, u32, FrameFormat, u32)]| {
             let chosen = chosen(&offered(all), &camera)?;
-            Ok::<_, String>((chosen.width(), chosen.format(), chosen.frame_rate()))
+            Ok::<_, LiveCameraError>((chosen.width(), chosen.format(), chosen.frame_rate()))
         };
         use FrameFormat::{MJPEG, NV12, YUYV};
         let all = [
@@ -246,7 +245,7 @@ mod tests {
         assert_eq!(choose(&all[..3]), Ok((1280, YUYV, 7)));
         assert_eq!(choose(&all[..2]), Ok((640, NV12, 30)));
         assert!(
-            choose(&all[1..2]).unwrap_err().contains("1280 × 960"),
+            choose(&all[1..2]).unwrap_err().to_string().contains("1280 × 960"),
             "720 rows are cropped"
         );
     }

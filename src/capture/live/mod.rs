@@ -1,6 +1,7 @@
 //! A running camera: a thread reads it without pause and keeps the newest picture only, so that advice is never about the past.
 
 mod device;
+mod error;
 mod pixels;
 mod settings;
 
@@ -12,6 +13,7 @@ use super::source::{Frame, FrameSource, Original, SourceError};
 use crate::camera::Camera;
 
 pub use device::{ListedCamera, list_cameras};
+pub use error::LiveCameraError;
 pub use pixels::{PixelFormat, RawPicture};
 pub use settings::{CameraSettings, Setting};
 
@@ -34,8 +36,8 @@ pub trait Device {
     /// The next picture, waited for.
     ///
     /// # Errors
-    /// Why there is none, as a clause.
-    fn picture(&mut self) -> Result<RawPicture, String>;
+    /// Why there is none.
+    fn picture(&mut self) -> Result<RawPicture, LiveCameraError>;
 
     /// Holds exposure, focus and white balance where they are now, as far as the camera lets one.
     fn lock(&mut self) -> CameraSettings;
@@ -63,7 +65,7 @@ struct State {
     newest: Option<(u64, RawPicture)>,
     settings: Option<CameraSettings>,
     /// Why there will be no more.
-    ended: Option<String>,
+    ended: Option<LiveCameraError>,
 }
 
 impl LiveCamera {
@@ -82,7 +84,7 @@ impl LiveCamera {
     /// What `open` says.
     pub fn of(
         number: u32,
-        open: impl FnOnce() -> Result<Box<dyn Device>, String> + Send + 'static,
+        open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
     ) -> Result<LiveCamera, SourceError> {
         LiveCamera::of_within(number, OPENING, open)
     }
@@ -94,7 +96,7 @@ impl LiveCamera {
     pub fn of_within(
         number: u32,
         limit: Duration,
-        open: impl FnOnce() -> Result<Box<dyn Device>, String> + Send + 'static,
+        open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
     ) -> Result<LiveCamera, SourceError> {
         let shared = Arc::new(Shared::default());
         let reading = Reading(Arc::clone(&shared));
@@ -107,22 +109,21 @@ impl LiveCamera {
     }
 
     /// Waits until the camera is open.
-    fn opened(&self, limit: Duration) -> Result<(), String> {
+    fn opened(&self, limit: Duration) -> Result<(), LiveCameraError> {
         let (mut state, until) = (self.shared.locked(), Instant::now() + limit);
         while !state.is_open {
             if let Some(reason) = state.ended.take() {
                 return Err(reason);
             }
-            state = self.shared.changed_before(state, until).ok_or_else(|| {
-                let seconds = limit.as_secs();
-                format!("it did not open within {seconds} s: unplug it and plug it in again")
-            })?;
+            let seconds = limit.as_secs();
+            let changed = self.shared.changed_before(state, until);
+            state = changed.ok_or(LiveCameraError::SlowToOpen { seconds })?;
         }
         Ok(())
     }
 
     /// The picture that came last, if it was not given before; waits for one.
-    fn newest(&self) -> Result<(u64, RawPicture), String> {
+    fn newest(&self) -> Result<(u64, RawPicture), LiveCameraError> {
         let (mut state, until) = (self.shared.locked(), Instant::now() + PATIENCE);
         loop {
             if let Some(newest) = state.newest.take() {
@@ -132,7 +133,8 @@ impl LiveCamera {
                 return Err(reason.clone());
             }
             let changed = self.shared.changed_before(state, until);
-            state = changed.ok_or_else(|| format!("none came for {} s", PATIENCE.as_secs()))?;
+            let seconds = PATIENCE.as_secs();
+            state = changed.ok_or(LiveCameraError::NoImage { seconds })?;
         }
     }
 }
@@ -189,9 +191,9 @@ impl Shared {
 struct Reading(Arc<Shared>);
 
 impl Reading {
-    fn read(self, open: impl FnOnce() -> Result<Box<dyn Device>, String>) {
+    fn read(self, open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError>) {
         let shared = &self.0;
-        let end = |reason: String| shared.change(|state| state.ended = Some(reason));
+        let end = |reason: LiveCameraError| shared.change(|state| state.ended = Some(reason));
         let mut device = match open() {
             Ok(device) => device,
             Err(reason) => return end(reason),
@@ -225,7 +227,7 @@ impl Drop for Reading {
     fn drop(&mut self) {
         // Only a driver's panic leaves it open.
         self.0.change(|state| {
-            state.ended.get_or_insert_with(|| "its driver failed".into());
+            state.ended.get_or_insert(LiveCameraError::DriverPanicked);
         });
     }
 }

@@ -72,8 +72,21 @@ pub(super) fn follow(
             Ok(())
         }
     });
-    followed.map_err(|e| match e {
-        PageError::Output(e) => e.into(),
-        e => e.into(),
-    })
+    followed.map_err(advised)
+}
+
+/// The error with the option that helps.
+pub(super) fn advised(e: PageError) -> Box<dyn Error> {
+    let advice = match &e {
+        PageError::Port { .. } => "name another with --port",
+        PageError::Server { .. } => "capture without --page",
+        PageError::NoNetwork => "join one, or leave --lan out",
+        _ => {
+            return match e {
+                PageError::Output(e) => e.into(),
+                e => e.into(),
+            };
+        }
+    };
+    format!("{e}: {advice}").into()
 }
