@@ -6,8 +6,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 
-use super::model::{self, ALL, Model};
-use super::project::{Pose, View, project, starting_poses};
+use super::model::{self, ALL, LensModel};
+use super::project::{BoardView, Pose, project, starting_poses};
 
 const STEPS: usize = 60;
 /// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
@@ -17,8 +17,8 @@ const FOLLOWED: usize = 2;
 
 /// A camera and poses that explain the views best, in least squares.
 #[derive(Debug, Clone)]
-pub struct Fit {
-    pub model: Model,
+pub struct CameraFit {
+    pub model: LensModel,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6.
     pub camera: [f64; ALL],
     /// One per view.
@@ -28,9 +28,9 @@ pub struct Fit {
 }
 
 /// Fits a model from a start. `None` when no step leads anywhere finite.
-pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Pose>) -> Option<Fit> {
+pub fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], poses: Vec<Pose>) -> Option<CameraFit> {
     let cost = cost(views, &camera, &poses)?;
-    let mut best = Fit {
+    let mut best = CameraFit {
         model,
         camera,
         poses,
@@ -38,7 +38,7 @@ pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Pose>) -
     };
     let mut damping = 1e-3;
     for _ in 0..STEPS {
-        let normal = Normal::of(&best, views)?;
+        let normal = BlockNormalEquations::of(&best, views)?;
         let Some(next) = improved(&best, &normal, views, &mut damping) else {
             break;
         };
@@ -52,7 +52,7 @@ pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Pose>) -
 }
 
 /// The pose of one view under a camera that is held, in least squares, from a start.
-pub fn pose(view: &View, camera: &[f64; ALL], start: Pose) -> Option<Pose> {
+pub fn pose(view: &BoardView, camera: &[f64; ALL], start: Pose) -> Option<Pose> {
     let mut pose = start;
     let mut at = squared(view, camera, &pose)?;
     let mut damping = 1e-3;
@@ -84,7 +84,7 @@ pub fn pose(view: &View, camera: &[f64; ALL], start: Pose) -> Option<Pose> {
 }
 
 /// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
-pub fn first(size: (u32, u32), views: &[View]) -> Option<Fit> {
+pub fn first(size: (u32, u32), views: &[BoardView]) -> Option<CameraFit> {
     const BY_LONGER_SIDE: [f64; 7] = [0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
     let longer = f64::from(size.0.max(size.1));
     let start = |share: &f64| {
@@ -97,12 +97,12 @@ pub fn first(size: (u32, u32), views: &[View]) -> Option<Fit> {
     starts
         .into_iter()
         .take(FOLLOWED)
-        .filter_map(|(_, camera, poses)| fit(Model::F, views, camera, poses))
+        .filter_map(|(_, camera, poses)| fit(LensModel::F, views, camera, poses))
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// The better branch of a planar view, refined.
-pub fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Pose> {
+pub fn best_start(view: &BoardView, camera: &[f64; ALL]) -> Option<Pose> {
     starting_poses(view, camera)
         .into_iter()
         .filter_map(|start| {
@@ -113,9 +113,9 @@ pub fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Pose> {
         .map(|(_, pose)| pose)
 }
 
-impl Fit {
+impl CameraFit {
     /// Seen minus projected, px, of each corner of each view.
-    pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
+    pub fn residuals(&self, views: &[BoardView]) -> Vec<Vec<[f64; 2]>> {
         views
             .iter()
             .zip(&self.poses)
@@ -128,9 +128,9 @@ impl Fit {
 
     /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
-    pub fn covariance(&self, model: Model, views: &[View]) -> Option<DMatrix<f64>> {
-        let seen_as = Fit { model, ..self.clone() };
-        let normal = Normal::of(&seen_as, views)?;
+    pub fn covariance(&self, model: LensModel, views: &[BoardView]) -> Option<DMatrix<f64>> {
+        let seen_as = CameraFit { model, ..self.clone() };
+        let normal = BlockNormalEquations::of(&seen_as, views)?;
         let (reduced, _) = normal.reduced(0.0)?;
         let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
         let free = numbers
@@ -151,7 +151,7 @@ impl Fit {
 }
 
 /// The normal equations in blocks: camera × camera, camera × pose, pose × pose.
-struct Normal {
+struct BlockNormalEquations {
     camera: DMatrix<f64>,
     by_camera: DVector<f64>,
     views: Vec<ViewBlock>,
@@ -163,10 +163,10 @@ struct ViewBlock {
     by_pose: Vector6<f64>,
 }
 
-impl Normal {
-    fn of(at: &Fit, views: &[View]) -> Option<Normal> {
+impl BlockNormalEquations {
+    fn of(at: &CameraFit, views: &[BoardView]) -> Option<BlockNormalEquations> {
         let parameters = at.model.parameters();
-        let mut normal = Normal {
+        let mut normal = BlockNormalEquations {
             camera: DMatrix::zeros(parameters, parameters),
             by_camera: DVector::zeros(parameters),
             views: Vec::with_capacity(views.len()),
@@ -208,11 +208,16 @@ impl ViewBlock {
 }
 
 /// One accepted step, or `None` when no damping gives a smaller cost.
-fn improved(at: &Fit, normal: &Normal, views: &[View], damping: &mut f64) -> Option<Fit> {
+fn improved(
+    at: &CameraFit,
+    normal: &BlockNormalEquations,
+    views: &[BoardView],
+    damping: &mut f64,
+) -> Option<CameraFit> {
     while *damping < 1e9 {
         let next = stepped(at, normal, *damping).and_then(|(camera, poses)| {
             let cost = cost(views, &camera, &poses)?;
-            (cost < at.cost).then_some(Fit {
+            (cost < at.cost).then_some(CameraFit {
                 model: at.model,
                 camera,
                 poses,
@@ -228,7 +233,7 @@ fn improved(at: &Fit, normal: &Normal, views: &[View], damping: &mut f64) -> Opt
     None
 }
 
-fn stepped(at: &Fit, normal: &Normal, damping: f64) -> Option<([f64; ALL], Vec<Pose>)> {
+fn stepped(at: &CameraFit, normal: &BlockNormalEquations, damping: f64) -> Option<([f64; ALL], Vec<Pose>)> {
     let (s, b) = normal.reduced(damping)?;
     let step = s.cholesky()?.solve(&b);
     let mut camera = at.camera;
@@ -256,14 +261,14 @@ fn to_vector6(v: &DVector<f64>) -> Vector6<f64> {
 }
 
 /// The derivatives by the parameters of a model: the sum over the numbers each parameter sets.
-pub(super) fn gathered(model: Model, by_camera: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn gathered(model: LensModel, by_camera: &DMatrix<f64>) -> DMatrix<f64> {
     let slots = model.slots();
     DMatrix::from_fn(by_camera.nrows(), slots.len(), |r, p| {
         slots[p].iter().map(|slot| by_camera[(r, *slot)]).sum()
     })
 }
 
-fn residuals(view: &View, camera: &[f64; ALL], pose: &Pose) -> Option<(super::project::Projected, DVector<f64>)> {
+fn residuals(view: &BoardView, camera: &[f64; ALL], pose: &Pose) -> Option<(super::project::Projected, DVector<f64>)> {
     let projected = project(&view.board_mm, camera, pose)?;
     let seen = view.seen_px.iter().flatten();
     let residuals = DVector::from_iterator(projected.px.len(), seen.zip(&projected.px).map(|(s, p)| s - p));
@@ -271,11 +276,11 @@ fn residuals(view: &View, camera: &[f64; ALL], pose: &Pose) -> Option<(super::pr
 }
 
 /// Sum of squared distances of one view, px².
-pub fn squared(view: &View, camera: &[f64; ALL], pose: &Pose) -> Option<f64> {
+pub fn squared(view: &BoardView, camera: &[f64; ALL], pose: &Pose) -> Option<f64> {
     let sum = residuals(view, camera, pose)?.1.norm_squared();
     sum.is_finite().then_some(sum)
 }
 
-fn cost(views: &[View], camera: &[f64; ALL], poses: &[Pose]) -> Option<f64> {
+fn cost(views: &[BoardView], camera: &[f64; ALL], poses: &[Pose]) -> Option<f64> {
     views.iter().zip(poses).map(|(v, p)| squared(v, camera, p)).sum()
 }

@@ -5,10 +5,10 @@ use crate::camera::Camera;
 /// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
 pub const ALL: usize = 12;
 
-/// What of a camera is fitted; what is not is 0, and the principal point the picture's centre.
+/// What of a camera is fitted; what is not is 0, and the principal point the image's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Model {
+pub enum LensModel {
     /// One focal length.
     F,
     /// And the principal point.
@@ -21,26 +21,26 @@ pub enum Model {
     Rational,
 }
 
-impl Model {
+impl LensModel {
     /// From the smallest up; each contains those before it.
-    pub const LADDER: [Model; 6] = [
-        Model::F,
-        Model::FC,
-        Model::K1,
-        Model::K1K2,
-        Model::PlumbBob,
-        Model::Rational,
+    pub const LADDER: [LensModel; 6] = [
+        LensModel::F,
+        LensModel::FC,
+        LensModel::K1,
+        LensModel::K1K2,
+        LensModel::PlumbBob,
+        LensModel::Rational,
     ];
 
     /// What people call it.
     pub fn name(self) -> &'static str {
         match self {
-            Model::F => "f",
-            Model::FC => "f, c",
-            Model::K1 => "f, c, k1",
-            Model::K1K2 => "f, c, k1, k2",
-            Model::PlumbBob => "plumb_bob",
-            Model::Rational => "rational",
+            LensModel::F => "f",
+            LensModel::FC => "f, c",
+            LensModel::K1 => "f, c, k1",
+            LensModel::K1K2 => "f, c, k1, k2",
+            LensModel::PlumbBob => "plumb_bob",
+            LensModel::Rational => "rational",
         }
     }
 
@@ -51,12 +51,12 @@ impl Model {
         static ONE: [&[usize]; 5] = ONE_FOCAL;
         static TWO: [&[usize]; ALL] = TWO_FOCALS;
         match self {
-            Model::F => &ONE[..1],
-            Model::FC => &ONE[..3],
-            Model::K1 => &ONE[..4],
-            Model::K1K2 => &ONE[..5],
-            Model::PlumbBob => &TWO[..9],
-            Model::Rational => &TWO[..],
+            LensModel::F => &ONE[..1],
+            LensModel::FC => &ONE[..3],
+            LensModel::K1 => &ONE[..4],
+            LensModel::K1K2 => &ONE[..5],
+            LensModel::PlumbBob => &TWO[..9],
+            LensModel::Rational => &TWO[..],
         }
     }
 
@@ -66,12 +66,12 @@ impl Model {
     }
 }
 
-/// The numbers of [`ALL`] as a camera for pictures of a size.
+/// The numbers of [`ALL`] as a camera for images of a size.
 pub(super) fn camera((width, height): (u32, u32), all: &[f64; ALL]) -> Camera {
     Camera::pinhole(width, height, all[0], all[1], all[2], all[3]).with_distortion(&all[4..])
 }
 
-/// Where the smallest model starts: a focal length, and the picture's centre (pixel (0, 0) is a pixel's centre).
+/// Where the smallest model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
 pub(super) fn start((width, height): (u32, u32), focal_px: f64) -> [f64; ALL] {
     let mut all = [0.0; ALL];
     all[..4].copy_from_slice(&[

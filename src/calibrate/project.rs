@@ -10,18 +10,18 @@ use super::model::ALL;
 /// A pose as OpenCV writes it: rotation vector (radians), translation (mm); board frame to camera frame.
 pub type Pose = [f64; 6];
 
-/// What a fit sees of one photo: corners on the board (mm), and in the picture (px).
+/// What a fit sees of one photo: corners on the board (mm), and in the image (px).
 #[derive(Debug, Clone)]
-pub struct View {
+pub struct BoardView {
     pub board_mm: Vec<[f64; 2]>,
     pub seen_px: Vec<[f64; 2]>,
 }
 
-impl View {
+impl BoardView {
     /// Every other corner, from `first` on.
-    pub fn half(&self, first: usize) -> View {
+    pub fn half(&self, first: usize) -> BoardView {
         let half = |list: &[[f64; 2]]| list.iter().skip(first).step_by(2).copied().collect();
-        View {
+        BoardView {
             board_mm: half(&self.board_mm),
             seen_px: half(&self.seen_px),
         }
@@ -56,7 +56,7 @@ pub fn project(board_mm: &[[f64; 2]], camera: &[f64; ALL], pose: &Pose) -> Optio
 }
 
 /// The poses that explain a planar view with a camera (both branches of IPPE: Collins & Bartoli 2014), best first.
-pub fn starting_poses(view: &View, camera: &[f64; ALL]) -> Vec<Pose> {
+pub fn starting_poses(view: &BoardView, camera: &[f64; ALL]) -> Vec<Pose> {
     let points: Vector<Point3d> = view.board_mm.iter().map(|[x, y]| Point3d::new(*x, *y, 0.0)).collect();
     let seen: Vector<Point2d> = view.seen_px.iter().map(|[x, y]| Point2d::new(*x, *y)).collect();
     let (mut rvecs, mut tvecs) = (Vector::<Mat>::new(), Vector::<Mat>::new());

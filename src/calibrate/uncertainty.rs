@@ -1,17 +1,17 @@
-//! How far a projection may be off, cell by cell of the picture.
+//! How far a projection may be off, cell by cell of the image.
 
 use nalgebra::{DMatrix, Matrix2, Matrix3};
 
-use super::fit::{self, Fit};
+use super::fit::{self, CameraFit};
 use super::model::ALL;
 use super::project::{direction, project};
 
-/// Cells of the map across the longer side of the picture.
+/// Cells of the map across the longer side of the image.
 const CELLS: u32 = 16;
 
 /// One cell of the map.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
-pub struct Cell {
+pub struct MapCell {
     /// Its middle, px.
     pub px: [f64; 2],
     /// Standard deviation of the projection in its worst direction, px; `None` where the lens model folds back on itself.
@@ -20,19 +20,19 @@ pub struct Cell {
 
 /// The map and its columns and rows.
 #[derive(Debug, Clone)]
-pub struct Map {
+pub struct UncertaintyMap {
     pub columns: u32,
     pub rows: u32,
     /// Row by row.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<MapCell>,
 }
 
 /// Standard deviation of where a far point is projected, given the covariance of the camera's parameters.
 ///
 /// A camera that is a little wrong and turned a little projects almost as before, and whoever finds a pose finds that turn as well.
-/// So the turn that best undoes a change over the whole picture is taken out first, as in mrcal's "projection uncertainty"
+/// So the turn that best undoes a change over the whole image is taken out first, as in mrcal's "projection uncertainty"
 /// (implied rotation): with J the derivatives by camera, R those by a turn, M = J − R (ΣRᵀR)⁻¹ ΣRᵀJ, and Var = M Σ Mᵀ.
-pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> Map {
+pub fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> UncertaintyMap {
     let (w, h) = (f64::from(width), f64::from(height));
     let side = w.max(h) / f64::from(CELLS);
     let count = |length: f64| ((length / side).round() as u32).max(1);
@@ -46,14 +46,14 @@ pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) ->
         .collect();
     let derivatives: Vec<Option<Derivatives>> = middles.iter().map(|px| Derivatives::at(fit, *px)).collect();
     let turn = implied_turn(derivatives.iter().flatten(), covariance.nrows());
-    let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| Cell {
+    let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| MapCell {
         px,
         sigma_px: d
             .as_ref()
             .zip(turn.as_ref())
             .map(|(d, turn)| d.sigma_px(turn, covariance)),
     });
-    Map {
+    UncertaintyMap {
         columns,
         rows,
         cells: cells.collect(),
@@ -67,7 +67,7 @@ struct Derivatives {
 }
 
 impl Derivatives {
-    fn at(fit: &Fit, px: [f64; 2]) -> Option<Derivatives> {
+    fn at(fit: &CameraFit, px: [f64; 2]) -> Option<Derivatives> {
         let seen = direction(&fit.camera, px)?;
         let projected = at_depth_one(seen, &fit.camera)?;
         Some(Derivatives {
@@ -96,7 +96,7 @@ fn at_depth_one([x, y]: [f64; 2], camera: &[f64; ALL]) -> Option<super::project:
     Some(projected)
 }
 
-/// The turn (3 × p) that best undoes each parameter's change over the picture.
+/// The turn (3 × p) that best undoes each parameter's change over the image.
 fn implied_turn<'a>(all: impl Iterator<Item = &'a Derivatives>, parameters: usize) -> Option<DMatrix<f64>> {
     let (mut h, mut g) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, parameters));
     for d in all {

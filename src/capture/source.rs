@@ -9,9 +9,9 @@ use super::live::{CameraSettings, LiveCameraError};
 use crate::files::FileError;
 use crate::session::SessionError;
 
-/// One picture of a source.
+/// One image of a source.
 #[derive(Debug, Clone)]
-pub struct Frame {
+pub struct SourceFrame {
     /// What the source calls it: for people, never a path that is written to.
     pub name: String,
     /// When it was taken, RFC 3339, where the source knows.
@@ -36,7 +36,7 @@ pub trait FrameSource {
     ///
     /// # Errors
     /// The source itself is gone; a single bad frame is an [`Original::Unreadable`].
-    fn next(&mut self) -> Result<Option<Frame>, SourceError>;
+    fn next(&mut self) -> Result<Option<SourceFrame>, SourceError>;
 
     /// Whether a frame follows the last one so closely that their difference tells whether the camera moves. Otherwise each is a photo
     /// that somebody took on purpose.

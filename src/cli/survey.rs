@@ -9,7 +9,7 @@ use super::{CommandResult, Outcome, print, progress, scene};
 use crate::camera::Camera;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
-use crate::survey::{Given, Look, Reason, Sizes, Survey, SurveyError, TagReport, look, survey};
+use crate::survey::{LeftOutReason, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey};
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
 ///
@@ -50,8 +50,8 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("finding tags", args.photos.len());
     let found = look(&args.photos, &scene, args.family, &camera, || bar.inc(1));
     bar.finish_and_clear();
-    let Look { photos, cautions } = found?;
-    let given = Given {
+    let SurveyPhotos { photos, cautions } = found?;
+    let given = SurveyInput {
         scene: &scene,
         fixed: &fixed,
         sizes: args.sizes.as_ref(),
@@ -96,9 +96,9 @@ fn advised(e: SurveyError) -> String {
 }
 
 /// Why a tag is left out, with the option that helps.
-fn reason(reason: &Reason) -> String {
+fn reason(reason: &LeftOutReason) -> String {
     match reason {
-        Reason::NoSize => format!("{reason}: name it in --sizes"),
+        LeftOutReason::NoSize => format!("{reason}: name it in --sizes"),
         _ => reason.to_string(),
     }
 }
@@ -122,7 +122,7 @@ fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
 }
 
 #[derive(Serialize)]
-struct Json {
+struct SurveyJson {
     noise_px: f64,
     edge_shift_px: f64,
     tags: Vec<TagJson>,
@@ -167,7 +167,7 @@ struct PhotoJson {
     rms_px: Option<f64>,
 }
 
-fn json(found: &Survey) -> Json {
+fn json(found: &Survey) -> SurveyJson {
     let tag = |(report, tag): (&TagReport, &crate::scene::Tag)| TagJson {
         id: tag.id,
         family: tag.family,
@@ -183,7 +183,7 @@ fn json(found: &Survey) -> Json {
         shift_deg: report.shift.map(|(_, deg)| deg),
         cautions: rests_on_one_photo(report).then_some(ONE_PHOTO).into_iter().collect(),
     };
-    Json {
+    SurveyJson {
         noise_px: found.noise_px,
         edge_shift_px: found.edge_shift_px,
         tags: found.tags.iter().zip(&found.scene.tags).map(tag).collect(),

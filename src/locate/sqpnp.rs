@@ -11,7 +11,7 @@ use super::rays;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, rigid};
 
-type Form = SMatrix<f64, 9, 9>;
+type QuadraticForm = SMatrix<f64, 9, 9>;
 type Nine = SVector<f64, 9>;
 
 const FEWEST_POINTS: usize = 3;
@@ -62,7 +62,7 @@ fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64
 }
 
 /// The quadratic form of a rotation's nine numbers (row by row) when the translation follows it.
-fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
+fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<QuadraticForm> {
     let of_point = |p: &Point3<f64>| SMatrix::<f64, 3, 9>::from_fn(|i, j| if j / 3 == i { p[j % 3] } else { 0.0 });
     let (mut sum, mut crossed) = (Matrix3::zeros(), SMatrix::<f64, 3, 9>::zeros());
     for (point, ray) in model.iter().zip(seen) {
@@ -71,7 +71,7 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
         crossed += q * of_point(point);
     }
     let follow = -sum.try_inverse()? * crossed;
-    let mut form = Form::zeros();
+    let mut form = QuadraticForm::zeros();
     for (point, ray) in model.iter().zip(seen) {
         let left = of_point(point) + follow;
         form += left.transpose() * rays::square(*ray) * left;
@@ -80,7 +80,7 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
 }
 
 /// The minimum of the form on the rotations near a start.
-fn minimum(start: Matrix3<f64>, form: &Form) -> Matrix3<f64> {
+fn minimum(start: Matrix3<f64>, form: &QuadraticForm) -> Matrix3<f64> {
     let (mut rotation, mut least) = (start, cost(&start, form));
     let mut damping = 1e-6;
     for _ in 0..STEPS {
@@ -106,7 +106,7 @@ fn minimum(start: Matrix3<f64>, form: &Form) -> Matrix3<f64> {
     rays::nearest_rotation(&rotation)
 }
 
-fn cost(rotation: &Matrix3<f64>, form: &Form) -> f64 {
+fn cost(rotation: &Matrix3<f64>, form: &QuadraticForm) -> f64 {
     let r = numbers(rotation);
     r.dot(&(form * r))
 }

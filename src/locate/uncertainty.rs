@@ -7,9 +7,9 @@ use nalgebra::{Matrix3, Matrix6, Point3};
 use serde::{Deserialize, Serialize};
 
 use super::matches::Corners;
-use super::refine::{self, NO_BEND};
+use super::refine::{self, NO_HUBER_THRESHOLD};
 use super::reprojection::step_between;
-use super::solver::Candidate;
+use super::solver::PoseCandidate;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, angle::turn};
 use crate::scene::{Bin, Bins, Viewpoint};
@@ -19,9 +19,9 @@ use crate::scene::{Bin, Bins, Viewpoint};
 const EXPECTED_NOISE_PX: f64 = 0.3;
 const EXPECTATION_WEIGHT: f64 = 4.0;
 
-/// Residuals longer than this many times the noise count linearly. At 2 the estimate is as good as least squares (98 %) where the
+/// The Huber threshold in units of the noise: longer residuals count linearly. At 2 the estimate is as good as least squares (98 %) where the
 /// noise is normal, and better where it has tails.
-const BEND: f64 = 2.0;
+const HUBER_SIGMAS: f64 = 2.0;
 
 /// Standard deviations of a viewpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -51,8 +51,8 @@ impl Uncertainty {
     }
 
     /// How likely a rival is, relative to the best pose, by `count` corners with normal noise.
-    pub(super) fn likelihood(&self, rival: &Candidate, best: &Candidate, count: usize) -> f64 {
-        let squares = |c: &Candidate| count as f64 * c.rms_px * c.rms_px;
+    pub(super) fn likelihood(&self, rival: &PoseCandidate, best: &PoseCandidate, count: usize) -> f64 {
+        let squares = |c: &PoseCandidate| count as f64 * c.rms_px * c.rms_px;
         (-(squares(rival) - squares(best)).max(0.0) / (2.0 * self.noise_px * self.noise_px)).exp()
     }
 
@@ -100,20 +100,21 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
     let mut pose = *start;
     let mut noise_px = EXPECTED_NOISE_PX;
     for _ in 0..6 {
-        let bent = Bent::of(&pose, corners, camera, BEND * noise_px)?;
-        // Of normal residuals, bending leaves this share of the squares: 1 - exp(-BEND²/2).
-        let kept = 1.0 - (-BEND * BEND / 2.0f64).exp();
-        noise_px = pooled(bent.squares / kept, bent.freedom).sqrt();
-        pose = refine::refine(&pose, corners, camera, BEND * noise_px)?;
+        let residuals = HuberResiduals::of(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
+        // Of normal residuals, Huber's loss keeps this share of the squares: 1 - exp(-BEND²/2).
+        let kept = 1.0 - (-HUBER_SIGMAS * HUBER_SIGMAS / 2.0f64).exp();
+        noise_px = pooled(residuals.squares / kept, residuals.freedom).sqrt();
+        pose = refine::refine(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
     }
-    Some((pose, at(&pose, corners, camera, BEND * noise_px)?))
+    Some((pose, at(&pose, corners, camera, HUBER_SIGMAS * noise_px)?))
 }
 
-/// How far a pose may be off that minimises residuals with this bend, px ([`NO_BEND`]: least squares).
-pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, bend_px: f64) -> Option<Uncertainty> {
-    let bent = Bent::of(pose, corners, camera, bend_px)?;
-    let variance = pooled(bent.squares, bent.freedom) / (bent.slope * bent.slope);
-    let information = refine::normal_equations(pose, corners, camera, NO_BEND)?.information;
+/// How far a pose may be off that minimises residuals with this Huber threshold, px ([`NO_HUBER_THRESHOLD`]: least squares).
+pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
+    let residuals = HuberResiduals::of(pose, corners, camera, huber_px)?;
+    let variance =
+        pooled(residuals.squares, residuals.freedom) / (residuals.mean_derivative * residuals.mean_derivative);
+    let information = refine::normal_equations(pose, corners, camera, NO_HUBER_THRESHOLD)?.information;
     Some(Uncertainty {
         covariance: information.cholesky()?.inverse() * variance,
         noise_px: variance.sqrt(),
@@ -126,30 +127,34 @@ pub(super) fn pooled(squares: f64, freedom: f64) -> f64 {
     (EXPECTATION_WEIGHT * EXPECTED_NOISE_PX * EXPECTED_NOISE_PX + squares) / (EXPECTATION_WEIGHT + freedom)
 }
 
-/// Residuals after Huber's function ψ with its bend at some length.
-struct Bent {
+/// Residuals after Huber's function ψ with some threshold.
+struct HuberResiduals {
     /// Σ ψ², px².
     squares: f64,
     /// Mean derivative of ψ per axis.
-    slope: f64,
+    mean_derivative: f64,
     /// Coordinates less the pose's six.
     freedom: f64,
 }
 
-impl Bent {
-    fn of(pose: &Rigid, corners: &Corners, camera: &Camera, bend_px: f64) -> Option<Bent> {
+impl HuberResiduals {
+    fn of(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<HuberResiduals> {
         let residuals = refine::residuals_px(pose, corners, camera)?;
         let count = residuals.len() as f64;
         let lengths = residuals.iter().map(|[x, y]| x.hypot(*y));
-        let (mut squares, mut slope) = (0.0, 0.0);
+        let (mut squares, mut mean_derivative) = (0.0, 0.0);
         for length in lengths {
-            squares += length.min(bend_px).powi(2);
-            // Beyond the bend, ψ has the bend's length: it changes across its direction only.
-            slope += if length > bend_px { bend_px / length / 2.0 } else { 1.0 };
+            squares += length.min(huber_px).powi(2);
+            // Beyond the threshold, ψ has the threshold's length: it changes across its direction only.
+            mean_derivative += if length > huber_px {
+                huber_px / length / 2.0
+            } else {
+                1.0
+            };
         }
-        Some(Bent {
+        Some(HuberResiduals {
             squares,
-            slope: slope / count,
+            mean_derivative: mean_derivative / count,
             freedom: 2.0 * count - 6.0,
         })
     }

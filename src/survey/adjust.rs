@@ -5,7 +5,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
-use super::network::{Network, Poses};
+use super::network::{Poses, TagNetwork};
 use super::residual::{corners_mm, linear, squared_px};
 use crate::camera::Camera;
 use crate::geometry::{Rigid, rigid};
@@ -46,7 +46,7 @@ pub(super) enum Free {
 }
 
 /// The total cost of the sightings whose two poses are known.
-pub(super) fn cost(net: &Network, poses: &Poses, loss: Loss, camera: &Camera) -> f64 {
+pub(super) fn cost(net: &TagNetwork, poses: &Poses, loss: Loss, camera: &Camera) -> f64 {
     let of = |s| {
         let pose = poses.camera_tag(s)?;
         let squared = squared_px(&pose, net.tags[s.tag].size_mm, &s.corners_px, camera);
@@ -57,7 +57,7 @@ pub(super) fn cost(net: &Network, poses: &Poses, loss: Loss, camera: &Camera) ->
 
 /// Moves the free poses downhill until nothing is gained any more, and returns the cost.
 pub(super) fn adjust(
-    net: &Network,
+    net: &TagNetwork,
     poses: &mut Poses,
     free: Free,
     loss: Loss,
@@ -67,7 +67,7 @@ pub(super) fn adjust(
     let mut now = cost(net, poses, loss, camera);
     let mut damping = 1e-3;
     for _ in 0..most_steps {
-        let normal = Normal::at(net, poses, free, loss, camera);
+        let normal = SchurNormalEquations::at(net, poses, free, loss, camera);
         let mut gained = 0.0;
         // Each refusal makes the step ten times shorter; after so many it is no step.
         for _ in 0..10 {
@@ -91,15 +91,15 @@ pub(super) fn adjust(
 
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
-pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
-    let normal = Normal::at(net, poses, Free::All, Loss::Squared, camera);
+pub(super) fn covariances(net: &TagNetwork, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
+    let normal = SchurNormalEquations::at(net, poses, Free::All, Loss::Squared, camera);
     let inverse = Cholesky::new(normal.reduced(0.0)?.matrix)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.tag_slot.iter().map(block).collect())
 }
 
 /// How many numbers are adjusted when all is free.
-pub(super) fn unknowns(net: &Network, poses: &Poses) -> usize {
+pub(super) fn unknowns(net: &TagNetwork, poses: &Poses) -> usize {
     let slots = Slots::of(net, poses, Free::All);
     6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
 }
@@ -111,7 +111,7 @@ struct Slots {
 }
 
 impl Slots {
-    fn of(net: &Network, poses: &Poses, free: Free) -> Slots {
+    fn of(net: &TagNetwork, poses: &Poses, free: Free) -> Slots {
         let used = |known: &dyn Fn(usize) -> bool, count: usize| {
             let mut next = 0..;
             (0..count).map(|i| if known(i) { next.next() } else { None }).collect()
@@ -134,7 +134,7 @@ impl Slots {
 }
 
 /// The normal equations `H δ = −g`, in blocks.
-struct Normal {
+struct SchurNormalEquations {
     tag_slot: Vec<Option<usize>>,
     photo_slot: Vec<Option<usize>>,
     tags: Vec<Matrix6<f64>>,
@@ -152,19 +152,19 @@ struct Reduced {
     inverses: Vec<Matrix6<f64>>,
 }
 
-struct Step {
+struct PoseStep {
     tags: DVector<f64>,
     photos: Vec<Vector6<f64>>,
 }
 
-impl Normal {
-    fn at(net: &Network, poses: &Poses, free: Free, loss: Loss, camera: &Camera) -> Normal {
+impl SchurNormalEquations {
+    fn at(net: &TagNetwork, poses: &Poses, free: Free, loss: Loss, camera: &Camera) -> SchurNormalEquations {
         let slots = Slots::of(net, poses, free);
         let (tags, photos) = (
             slots.tags.iter().flatten().count(),
             slots.photos.iter().flatten().count(),
         );
-        let mut normal = Normal {
+        let mut normal = SchurNormalEquations {
             tag_slot: slots.tags,
             photo_slot: slots.photos,
             tags: vec![Matrix6::zeros(); tags],
@@ -251,7 +251,7 @@ impl Normal {
         })
     }
 
-    fn step(&self, damping: f64) -> Option<Step> {
+    fn step(&self, damping: f64) -> Option<PoseStep> {
         let Reduced {
             matrix,
             right,
@@ -270,10 +270,10 @@ impl Normal {
             inverses[p] * -(self.photo_gradient[p] + tied)
         };
         let photos = (0..self.photos.len()).map(photo).collect();
-        Some(Step { tags, photos })
+        Some(PoseStep { tags, photos })
     }
 
-    fn moved(&self, poses: &Poses, step: &Step) -> Poses {
+    fn moved(&self, poses: &Poses, step: &PoseStep) -> Poses {
         let exp = |d: &[f64]| rigid::from_rotation_vector([d[3], d[4], d[5]], [d[0], d[1], d[2]]);
         let mut moved = poses.clone();
         for (pose, slot) in moved.tags.iter_mut().zip(&self.tag_slot) {

@@ -42,7 +42,7 @@ pub enum SurveyError {
 
 /// Why a seen tag is not in the surveyed scene.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Reason {
+pub enum LeftOutReason {
     /// Neither the sizes nor the scene has it.
     NoSize,
     /// It was never seen whole and once in a photo.
@@ -64,42 +64,42 @@ pub enum Reason {
     Ambiguous,
 }
 
-impl Reason {
+impl LeftOutReason {
     /// A stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
-            Reason::NoSize => "no_size",
-            Reason::NeverWhole => "never_whole",
-            Reason::SeenOnce { .. } => "seen_once",
-            Reason::Moved { .. } => "moved",
-            Reason::WrongSize { .. } => "wrong_size",
-            Reason::Ambiguous => "ambiguous",
+            LeftOutReason::NoSize => "no_size",
+            LeftOutReason::NeverWhole => "never_whole",
+            LeftOutReason::SeenOnce { .. } => "seen_once",
+            LeftOutReason::Moved { .. } => "moved",
+            LeftOutReason::WrongSize { .. } => "wrong_size",
+            LeftOutReason::Ambiguous => "ambiguous",
         }
     }
 }
 
-impl std::fmt::Display for Reason {
+impl std::fmt::Display for LeftOutReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Reason::NoSize => write!(f, "no size is given for it"),
-            Reason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
-            Reason::SeenOnce { photo } => {
+            LeftOutReason::NoSize => write!(f, "no size is given for it"),
+            LeftOutReason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
+            LeftOutReason::SeenOnce { photo } => {
                 write!(
                     f,
                     "only {photo} shows it, where two poses explain it or it is seen straight on: take another photo of it, from aside"
                 )
             }
-            Reason::Moved { mm, here, there } => write!(
+            LeftOutReason::Moved { mm, here, there } => write!(
                 f,
                 "was moved, or badly seen: it is about {mm:.0} mm elsewhere in {} than in {}",
                 there.join(", "),
                 here.join(", ")
             ),
-            Reason::WrongSize { stated_mm, fits_mm } => write!(
+            LeftOutReason::WrongSize { stated_mm, fits_mm } => write!(
                 f,
                 "has another size than stated: its corners fit {fits_mm:.1} mm, not {stated_mm} mm"
             ),
-            Reason::Ambiguous => write!(
+            LeftOutReason::Ambiguous => write!(
                 f,
                 "two poses explain its corners almost equally well: take another photo of it, from a different side"
             ),

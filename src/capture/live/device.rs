@@ -10,7 +10,7 @@ use nokhwa::utils::{
     RequestedFormatType,
 };
 
-use super::{CameraSettings, Device, LiveCameraError, PixelFormat, RawPicture, Setting};
+use super::{CameraSettings, Device, LiveCameraError, PixelFormat, RawImage, Setting};
 use crate::camera::Camera;
 
 /// A camera that the system knows.
@@ -32,13 +32,13 @@ const FORMATS: [(FrameFormat, PixelFormat); 6] = [
     (FrameFormat::MJPEG, PixelFormat::Mjpeg),
 ];
 
-/// Below this many pictures a second, advice comes late.
+/// Below this many images a second, advice comes late.
 const ENOUGH_FPS: u32 = 15;
 
 /// How long a person may take to allow the use of the camera, where the system asks.
 const PERMISSION: Duration = Duration::from_secs(60);
 
-/// The cameras of this machine, by number. Some systems list a camera several times; not every entry gives pictures.
+/// The cameras of this machine, by number. Some systems list a camera several times; not every entry gives images.
 ///
 /// # Errors
 /// A system whose cameras cannot be listed.
@@ -72,7 +72,7 @@ fn allowed() -> Result<(), LiveCameraError> {
     }
 }
 
-/// Opens a camera and starts it, at a picture size that the camera file fits.
+/// Opens a camera and starts it, at an image size that the camera file fits.
 pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, LiveCameraError> {
     allowed()?;
     let formats = FORMATS.map(|(format, _)| format);
@@ -85,14 +85,14 @@ pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, Live
         opened.set_camera_requset(exactly).map_err(failed)?;
     }
     opened.open_stream().map_err(failed)?;
-    Ok(Box::new(Opened(opened)))
+    Ok(Box::new(NokhwaCamera(opened)))
 }
 
 fn failed(e: NokhwaError) -> LiveCameraError {
     LiveCameraError::Driver(e.to_string())
 }
 
-/// The size nearest to the calibrated one among those of its shape; of one size, enough pictures a second first, then raw pixels.
+/// The size nearest to the calibrated one among those of its shape; of one size, enough images a second first, then raw pixels.
 fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, LiveCameraError> {
     let fits = |format: &&CameraFormat| camera.scaled_to(format.width(), format.height()).is_ok();
     let rank = |format: &CameraFormat| FORMATS.iter().position(|(known, _)| *known == format.format());
@@ -112,14 +112,14 @@ fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, Liv
     readable.filter(fits).min_by_key(order).copied().ok_or(none)
 }
 
-struct Opened(nokhwa::Camera);
+struct NokhwaCamera(nokhwa::Camera);
 
-impl Device for Opened {
-    fn picture(&mut self) -> Result<RawPicture, LiveCameraError> {
+impl Device for NokhwaCamera {
+    fn image(&mut self) -> Result<RawImage, LiveCameraError> {
         let format = self.0.camera_format();
         let packed = FORMATS.iter().find(|(known, _)| *known == format.format());
         let (_, packed) = packed.ok_or(LiveCameraError::UnknownPixelFormat)?;
-        Ok(RawPicture {
+        Ok(RawImage {
             format: *packed,
             width: format.width(),
             height: format.height(),
@@ -146,7 +146,7 @@ impl Device for Opened {
 }
 
 /// How a setting is held: the control that decides whether it is automatic, its value for "by hand", and the control of the setting itself.
-struct Held {
+struct LockControl {
     automatic: KnownCameraControl,
     by_hand: ControlValueSetter,
     value: KnownCameraControl,
@@ -155,19 +155,19 @@ struct Held {
 /// Controls of Video4Linux by their ids (`linux/v4l2-controls.h`): V4L2_CID_EXPOSURE_AUTO (1: manual), V4L2_CID_EXPOSURE_ABSOLUTE,
 /// V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_AUTO_WHITE_BALANCE, V4L2_CID_WHITE_BALANCE_TEMPERATURE.
 #[cfg(target_os = "linux")]
-const EXPOSURE: Held = Held {
+const EXPOSURE: LockControl = LockControl {
     automatic: KnownCameraControl::Other(0x009a_0901),
     by_hand: ControlValueSetter::Integer(1),
     value: KnownCameraControl::Other(0x009a_0902),
 };
 #[cfg(target_os = "linux")]
-const FOCUS: Held = Held {
+const FOCUS: LockControl = LockControl {
     automatic: KnownCameraControl::Other(0x009a_090c),
     by_hand: ControlValueSetter::Boolean(false),
     value: KnownCameraControl::Other(0x009a_090a),
 };
 #[cfg(target_os = "linux")]
-const WHITE_BALANCE: Held = Held {
+const WHITE_BALANCE: LockControl = LockControl {
     automatic: KnownCameraControl::Other(0x0098_090c),
     by_hand: ControlValueSetter::Boolean(false),
     value: KnownCameraControl::WhiteBalance,
@@ -175,16 +175,16 @@ const WHITE_BALANCE: Held = Held {
 
 /// Elsewhere one control is both: mode 0 of AVFoundation is "locked".
 #[cfg(not(target_os = "linux"))]
-const EXPOSURE: Held = Held::mode(KnownCameraControl::Exposure);
+const EXPOSURE: LockControl = LockControl::mode(KnownCameraControl::Exposure);
 #[cfg(not(target_os = "linux"))]
-const FOCUS: Held = Held::mode(KnownCameraControl::Focus);
+const FOCUS: LockControl = LockControl::mode(KnownCameraControl::Focus);
 #[cfg(not(target_os = "linux"))]
-const WHITE_BALANCE: Held = Held::mode(KnownCameraControl::WhiteBalance);
+const WHITE_BALANCE: LockControl = LockControl::mode(KnownCameraControl::WhiteBalance);
 
 #[cfg(not(target_os = "linux"))]
-impl Held {
-    const fn mode(control: KnownCameraControl) -> Held {
-        Held {
+impl LockControl {
+    const fn mode(control: KnownCameraControl) -> LockControl {
+        LockControl {
             automatic: control,
             by_hand: ControlValueSetter::EnumValue(0),
             value: control,
@@ -192,8 +192,8 @@ impl Held {
     }
 }
 
-impl Opened {
-    fn held(&mut self, how: Held) -> Setting {
+impl NokhwaCamera {
+    fn held(&mut self, how: LockControl) -> Setting {
         // Read first: some drivers fall back to a stored value when they are no longer automatic.
         let value = self.value(how.value);
         let is_locked = self.0.set_camera_control(how.automatic, how.by_hand).is_ok();

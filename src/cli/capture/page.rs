@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
-use super::teller::Teller;
+use super::terminal::TerminalLog;
 use crate::capture::{Capture, FrameSource};
-use crate::page::{About, Lan, News, Page, PageError};
+use crate::page::{CaptureInfo, CaptureNotice, Lan, Page, PageError};
 use crate::scene::Scene;
 
 /// The page in a browser.
@@ -57,18 +57,18 @@ pub(super) fn follow(
     capture: &mut Capture,
     scene: &Scene,
     source: Option<Box<dyn FrameSource + Send>>,
-    about: &About,
-    mut teller: Teller,
+    about: &CaptureInfo,
+    mut terminal: TerminalLog,
 ) -> Result<(), Box<dyn Error>> {
     let followed = page.follow(capture, scene, source, about, &mut |news| match news {
-        News::Seen {
+        CaptureNotice::Seen {
             frame,
             answer,
             guidance,
-        } => teller.seen(frame, answer, guidance),
-        News::TakenBack { photo } => teller.taken_back(photo),
-        News::Set(settings) => {
-            teller.set(settings);
+        } => terminal.seen(frame, answer, guidance),
+        CaptureNotice::TakenBack { photo } => terminal.taken_back(photo),
+        CaptureNotice::Set(settings) => {
+            terminal.set(settings);
             Ok(())
         }
     });
