@@ -103,7 +103,7 @@ pub fn is_standard_output(path: &Path) -> bool {
 /// # Errors
 /// What lies in its place can be neither replaced nor written to.
 pub fn is_stream(path: &Path) -> Result<bool, FileError> {
-    Ok(matches!(Place::of(path)?, Place::Stream(_)))
+    Ok(matches!(OutputPlace::of(path)?, OutputPlace::Stream(_)))
 }
 
 /// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is

@@ -4,7 +4,7 @@ mod budget;
 mod decode;
 mod heif;
 mod lens;
-mod outline;
+mod structure;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +20,7 @@ pub use lens::Lens;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -37,7 +38,7 @@ pub enum PhotoError {
     Damaged { path: PathBuf, reason: String },
 }
 
-/// What to do with a picture of another kind that phones make.
+/// What to do with an image of another kind that phones make.
 fn convert_sentence(path: &Path, kind: &str) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -73,7 +73,7 @@ pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartRe
     Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))
 }
 
-fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Reading, ChartError> {
+fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<ChartReading, ColourChartError> {
     let take = |cell: ChartCell| match sample(rgb, chart, cell) {
         Some(sample) => Ok((cell, sample)),
         None => Err(ColourChartError::NoChart),

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::frames::light;
 use crate::frames::views;
 use crate::frames::{Coverage, Frame, FrameSet, FramesError};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
 

@@ -70,7 +70,7 @@ pub fn write(
 ) -> Result<(), OverlayError> {
     let file = Photo::open(photo)?;
     let (mut picture, scale) = reduced(&file)?;
-    Sheet {
+    Overlay {
         picture: &mut picture,
         scale,
         examined,
@@ -101,7 +101,7 @@ fn reduced(file: &Photo) -> Result<(RgbImage, [f64; 2]), PhotoError> {
 }
 
 /// A copy that is drawn on; places are in pixels of the photo.
-struct Sheet<'a> {
+struct Overlay<'a> {
     picture: &'a mut RgbImage,
     scale: [f64; 2],
     examined: &'a LocatedPhoto,
@@ -109,7 +109,7 @@ struct Sheet<'a> {
     outline: &'a EnvelopeShape,
 }
 
-impl Sheet<'_> {
+impl Overlay<'_> {
     fn draw(&mut self, photo: &Path) {
         if let (Ok(located), Ok(fitted)) = (&self.examined.result, &self.examined.fitted) {
             let (located, camera) = (located.clone(), fitted.camera.clone());
@@ -147,7 +147,7 @@ impl Sheet<'_> {
             }
         }
         if let Ok(truth) = self.outline.box_in_photo(pose, camera) {
-            // It counts from the picture's corner, drawing from the first pixel's centre.
+            // It counts from the image's corner, drawing from the first pixel's centre.
             let [left, top, right, bottom] = [truth.x1, truth.y1, truth.x2, truth.y2].map(|v| v - 0.5);
             let pen = Pen {
                 colour: TRUTH,
