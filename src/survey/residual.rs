@@ -1,6 +1,6 @@
 //! How far a tag's corners are from where a pose puts them, and how that changes with the poses.
 
-use nalgebra::{Matrix2x3, Matrix2x6, Matrix3, Point3, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix2x6, Point3, Vector2};
 
 use crate::camera::Camera;
 use crate::geometry::Rigid;
@@ -50,7 +50,7 @@ pub(super) fn linear(
     let p = camera_tag * corner;
     let ([x, y], by_point) = pixel_by_point(camera, &p)?;
     let side_by_side = |m: Matrix2x3<f64>, at: &Point3<f64>| {
-        let turned = m * -skew(&at.coords);
+        let turned = m * -at.coords.cross_matrix();
         Matrix2x6::from_fn(|r, c| if c < 3 { m[(r, c)] } else { turned[(r, c - 3)] })
     };
     let rotation = camera_tag.rotation.to_rotation_matrix();
@@ -59,10 +59,6 @@ pub(super) fn linear(
         by_photo: side_by_side(by_point, &p),
         by_tag: side_by_side(by_point * rotation.matrix(), corner),
     })
-}
-
-fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
-    v.cross_matrix()
 }
 
 #[cfg(test)]
