@@ -580,7 +580,7 @@ fn the_photos_are_as_far_from_the_truth_as_they_say() {
                     located.ignored_tags
                 );
                 // One tag of these photos has a corner 0.3 px off, and is named for it.
-                assert!(located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()).count() <= 1);
+                assert!(located.ignored_tags.iter().filter(|tag| tag.why.is_outlier()).count() <= 1);
             }
         }
         Ok::<_, String>(squares)

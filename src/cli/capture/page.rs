@@ -77,16 +77,12 @@ pub(super) fn follow(
 
 /// The error with the option that helps.
 pub(super) fn advised(e: PageError) -> Box<dyn Error> {
-    let advice = match &e {
+    let advice = match e {
+        PageError::Output(e) => return e.into(),
         PageError::Port { .. } => "name another with --port",
         PageError::Server { .. } => "capture without --page",
         PageError::NoNetwork => "join one, or leave --lan out",
-        _ => {
-            return match e {
-                PageError::Output(e) => e.into(),
-                e => e.into(),
-            };
-        }
+        e => return e.into(),
     };
     format!("{e}: {advice}").into()
 }
