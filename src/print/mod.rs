@@ -1,7 +1,7 @@
-//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`] or [`svg`].
+//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] makes files of them by [`pdf`] or [`svg`].
 //!
-//! One file or folder per kind of print ([`template`], [`tags`], [`board`], [`check`], [`chart`]); what they share ([`page`], [`paper`],
-//! [`frame`], [`ruler`], [`lettering`], [`shapes`], [`printer`]) stands beside them.
+//! One file or folder per kind of print, each with its request and its error: [`template`], [`paint`], [`wrap`], [`patch`], [`tags`], `board`,
+//! [`chart`], [`check`]. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
 
 #[cfg(feature = "full")]
 pub mod board;

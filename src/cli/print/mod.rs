@@ -211,7 +211,7 @@ pub(crate) struct PaperArgs {
     /// Border of the paper that the printer cannot reach, in mm
     #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
     margin_mm: f64,
-    /// Take back the stretch of this printer: a file of `print verify`
+    /// Correct the sizes by this file of `print verify`
     #[arg(long, value_name = "TOML")]
     printer: Option<PathBuf>,
     /// A day for the caption, as YYYY-MM-DD
