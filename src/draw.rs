@@ -12,18 +12,18 @@ const FONT: &[u8] = include_bytes!("print/fonts/DejaVuSans-latin1.ttf");
 const MARGIN: f64 = 0.3;
 
 /// An sRGB colour, 8 bit.
-pub type DrawColour = [u8; 3];
+pub(crate) type DrawColour = [u8; 3];
 
 /// What a line looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pen {
+pub(crate) struct Pen {
     pub colour: DrawColour,
     pub width_px: f64,
 }
 
 /// What a label looks like: letters of a colour on a ground, their height from the tallest to the lowest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lettering {
+pub(crate) struct Lettering {
     pub colour: DrawColour,
     pub ground: DrawColour,
     pub size_px: f64,
@@ -31,7 +31,7 @@ pub struct Lettering {
 
 /// Where a label stands relative to its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LabelAnchor {
+pub(crate) enum LabelAnchor {
     /// The place is the label's top-left corner.
     TopLeft,
     /// The place is the label's bottom-left corner: a label that sits on a box.
@@ -41,13 +41,13 @@ pub enum LabelAnchor {
 }
 
 /// The line width and the height of letters, px, that are readable when an image is seen whole on a screen.
-pub fn readable_px(image: &RgbImage) -> (f64, f64) {
+pub(crate) fn readable_px(image: &RgbImage) -> (f64, f64) {
     let longest = f64::from(image.width().max(image.height()));
     ((longest / 700.0).max(1.5), (longest / 70.0).max(11.0))
 }
 
 /// A straight line.
-pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
+pub(crate) fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
     let Some([from, to]) = clipped(image, from, to, pen.width_px) else {
         return;
     };
@@ -75,20 +75,20 @@ pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
 }
 
 /// Lines from each corner to the next, and from the last to the first.
-pub fn polygon(image: &mut RgbImage, corners: &[[f64; 2]], pen: Pen) {
+pub(crate) fn polygon(image: &mut RgbImage, corners: &[[f64; 2]], pen: Pen) {
     for (i, corner) in corners.iter().enumerate() {
         line(image, *corner, corners[(i + 1) % corners.len()], pen);
     }
 }
 
 /// The outline of an upright rectangle between two opposite corners.
-pub fn rectangle(image: &mut RgbImage, one: [f64; 2], other: [f64; 2], pen: Pen) {
+pub(crate) fn rectangle(image: &mut RgbImage, one: [f64; 2], other: [f64; 2], pen: Pen) {
     polygon(image, &[one, [other[0], one[1]], other, [one[0], other[1]]], pen);
 }
 
 /// Text on a ground, moved as far as it takes to lie inside the image, and cut where it is larger than that. `\n` starts a new
 /// line; a letter outside Latin-1 becomes a question mark.
-pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, lettering: Lettering) {
+pub(crate) fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, lettering: Lettering) {
     let Some([left, top, width, height]) = placed(image, at, anchor, text, lettering.size_px) else {
         return;
     };
@@ -110,7 +110,7 @@ pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str
 }
 
 /// Width and height that a label takes, px.
-pub fn label_size_px(text: &str, size_px: f64) -> [f64; 2] {
+pub(crate) fn label_size_px(text: &str, size_px: f64) -> [f64; 2] {
     let Some(font) = font() else { return [0.0; 2] };
     let scaled = font.as_scaled(size_px as f32);
     let width = |line: &str| {

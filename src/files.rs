@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use place::OutputPlace;
 use staged::Staged;
 
-pub use whole_folder::{copy, make_folder};
+pub(crate) use whole_folder::{copy, make_folder};
 
 /// A file that could not be read or written, as a sentence.
 #[derive(Debug, thiserror::Error)]
@@ -39,7 +39,7 @@ impl FileError {
 }
 
 /// A file or folder that lies beside the running program, as in an unpacked archive; `None` when it is not there.
-pub fn beside_the_program(name: &str) -> Option<PathBuf> {
+pub(crate) fn beside_the_program(name: &str) -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?.canonicalize().ok()?;
     let path = program.parent()?.join(name);
     path.exists().then_some(path)
@@ -49,12 +49,12 @@ pub fn beside_the_program(name: &str) -> Option<PathBuf> {
 const MOST_BYTES: u64 = 4 << 30;
 
 /// Reads a whole file of up to 4 GiB.
-pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     read_at_most(path, MOST_BYTES)
 }
 
 /// Reads a whole file, and refuses one of more than `most_bytes` before it takes memory.
-pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
     let failed = |reason: String| FileError::Read {
         path: path.to_owned(),
         reason,
@@ -81,7 +81,7 @@ pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> 
 const MOST_TEXT: u64 = 1 << 30;
 
 /// Reads a whole UTF-8 text file of up to 1 GiB.
-pub fn read_text(path: &Path) -> Result<String, FileError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, FileError> {
     String::from_utf8(read_at_most(path, MOST_TEXT)?).map_err(|_| FileError::Read {
         path: path.to_owned(),
         reason: "it is not UTF-8 text".into(),
@@ -89,12 +89,12 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 }
 
 /// Writes an output that a user named: [`write_all_atomically`] of one file.
-pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
+pub(crate) fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     write_together(&[(path, content)])
 }
 
 /// Whether an output is named as standard output.
-pub fn is_standard_output(path: &Path) -> bool {
+pub(crate) fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
 }
 
@@ -102,7 +102,7 @@ pub fn is_standard_output(path: &Path) -> bool {
 ///
 /// # Errors
 /// What lies in its place can be neither replaced nor written to.
-pub fn is_stream(path: &Path) -> Result<bool, FileError> {
+pub(crate) fn is_stream(path: &Path) -> Result<bool, FileError> {
     Ok(matches!(OutputPlace::of(path)?, OutputPlace::Stream(_)))
 }
 
@@ -112,7 +112,7 @@ pub fn is_stream(path: &Path) -> Result<bool, FileError> {
 ///
 /// A symbolic link stays, and its target is written. Standard output (`-`), pipes and character devices are written to. What is neither is
 /// refused before anything is written.
-pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+pub(crate) fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
     let borrowed: Vec<_> = files
         .iter()
         .map(|(path, content)| (path.as_path(), content.as_slice()))
@@ -136,7 +136,7 @@ fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
 
 /// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
 /// the place of one is replaced, never followed: the folder may come from somebody else.
-pub fn replace_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+pub(crate) fn replace_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
     let borrowed: Vec<_> = files
         .iter()
         .map(|(path, content)| (path.clone(), content.as_slice()))
@@ -154,12 +154,12 @@ fn replace_together(files: &[(PathBuf, &[u8])]) -> Result<(), FileError> {
 }
 
 /// The same of one file, without a look at what killed runs left in the folder.
-pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
+pub(crate) fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     Staged::write(path, content)?.take_place().map(drop)
 }
 
 /// Finds out, before long work, that a folder is or can be made there and takes files. Makes nothing.
-pub fn check_writable(folder: &Path) -> Result<(), FileError> {
+pub(crate) fn check_writable(folder: &Path) -> Result<(), FileError> {
     let failed = |reason: String| FileError::Write {
         path: folder.to_owned(),
         reason,
@@ -176,7 +176,7 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
 }
 
 /// Removes a file; that there is none is fine.
-pub fn remove(path: &Path) -> Result<(), FileError> {
+pub(crate) fn remove(path: &Path) -> Result<(), FileError> {
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
         _ => Ok(()),
@@ -184,7 +184,7 @@ pub fn remove(path: &Path) -> Result<(), FileError> {
 }
 
 /// The whole path of a file or folder, without links.
-pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
+pub(crate) fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
     path.canonicalize().map_err(|e| FileError::read(path, &e))
 }
 
@@ -195,12 +195,12 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// SHA-256 of some bytes, in lower-case hex.
-pub fn sha256_hex(bytes: &[u8]) -> String {
+pub(crate) fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// An operating system error without its "(os error 2)".
-pub fn plain(error: &std::io::Error) -> String {
+pub(crate) fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }

@@ -14,7 +14,7 @@
 //! photos are located and scored, and patterns are printed. The feature `attack` adds the tensor framework. ARCHITECTURE.md lists the rooms.
 
 #![allow(missing_docs)]
-#![cfg_attr(not(any(test, fuzzing)), allow(unreachable_pub))]
+#![cfg_attr(not(any(test, fuzzing)), warn(unreachable_pub))]
 // What only the left-out rooms use is kept: it is small, and a mark on each of its items would be more than it.
 #![cfg_attr(not(all(feature = "full", feature = "attack")), allow(dead_code, unused_imports))]
 

@@ -13,10 +13,10 @@ use image::{GrayImage, RgbImage, imageops};
 use crate::files;
 use decode::{DecodeProblem, Header, heif_kind, orientation_of, turned_deg};
 
-pub use budget::Budget;
-pub use decode::{PngError, open_png};
-pub use heif::reads_heif;
-pub use lens::Lens;
+pub(crate) use budget::Budget;
+pub(crate) use decode::{PngError, open_png};
+pub(crate) use heif::reads_heif;
+pub(crate) use lens::Lens;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

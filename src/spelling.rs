@@ -1,17 +1,17 @@
 //! The known name that a misspelt one was probably meant to be; words that go with a number.
 
 /// `; did you mean NAME?`, to be added to a sentence that refuses `text`; empty when no known name is near, or several are.
-pub fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub(crate) fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(text, known).map_or_else(String::new, |name| format!("; did you mean {name}?"))
 }
 
 /// A number of things: `1 photo`, `2 photos`.
-pub fn count(number: usize, one: &str) -> String {
+pub(crate) fn count(number: usize, one: &str) -> String {
     format!("{number} {one}{}", choose(number, "", "s"))
 }
 
 /// The word for one thing, or that for several.
-pub fn choose<'a>(number: usize, one: &'a str, several: &'a str) -> &'a str {
+pub(crate) fn choose<'a>(number: usize, one: &'a str, several: &'a str) -> &'a str {
     if number == 1 { one } else { several }
 }
 
@@ -40,7 +40,7 @@ fn nearest<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&
 }
 
 /// Letters to insert, remove or change (Levenshtein), or neighbours to swap.
-pub fn edits(a: &str, b: &str) -> usize {
+pub(crate) fn edits(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     // rows[i][j]: from the first i letters of a to the first j of b.
     let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];

@@ -4,12 +4,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// How many threads to use: one a core.
-pub fn thread_count() -> usize {
+pub(crate) fn thread_count() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
 /// [`map_over`] with one thread a core.
-pub fn map<T, S, R, E>(
+pub(crate) fn map<T, S, R, E>(
     items: &[T],
     make_state: impl Fn() -> Result<S, E> + Sync,
     work: impl Fn(&mut S, &T) -> Result<R, E> + Sync,
@@ -30,7 +30,7 @@ where
 ///
 /// Each thread makes its state once. When a state cannot be made, or some work fails, the first error is returned and the
 /// remaining items are left.
-pub fn map_over<T, S, R, E>(
+pub(crate) fn map_over<T, S, R, E>(
     threads: usize,
     items: &[T],
     make_state: impl Fn() -> Result<S, E> + Sync,

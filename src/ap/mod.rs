@@ -4,7 +4,8 @@
 
 mod definition;
 
-pub use definition::{ApDefinition, UnknownDefinition};
+pub use definition::ApDefinition;
+pub(crate) use definition::UnknownDefinition;
 
 use crate::geometry::BoxPx;
 
@@ -13,7 +14,7 @@ const MAX_DETECTIONS: usize = 100;
 
 /// The boxes of one image and one class.
 #[derive(Debug, Clone, Default)]
-pub struct ImageBoxes {
+pub(crate) struct ImageBoxes {
     pub truths: Vec<BoxPx>,
     /// (score, box), in the detector's order: equal scores keep it.
     pub detections: Vec<(f64, BoxPx)>,
@@ -21,18 +22,22 @@ pub struct ImageBoxes {
 
 /// AP and the recall reached over all images.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AveragePrecision {
+pub(crate) struct AveragePrecision {
     pub ap: f64,
     pub recall: f64,
 }
 
 /// AP as COCO defines it, over 101 recall points, at one IoU threshold; `None` without any truth.
-pub fn average_precision(images: &[ImageBoxes], iou: f64) -> Option<AveragePrecision> {
+pub(crate) fn average_precision(images: &[ImageBoxes], iou: f64) -> Option<AveragePrecision> {
     average_precision_as(ApDefinition::Coco101, images, iou)
 }
 
 /// AP by the definition named, at one IoU threshold; `None` without any truth. Matching is COCO's in all of them.
-pub fn average_precision_as(definition: ApDefinition, images: &[ImageBoxes], iou: f64) -> Option<AveragePrecision> {
+pub(crate) fn average_precision_as(
+    definition: ApDefinition,
+    images: &[ImageBoxes],
+    iou: f64,
+) -> Option<AveragePrecision> {
     let curve = Ranked::new(images, iou).curve(|_| 1)?;
     Some(AveragePrecision {
         ap: definition.of_curve(&curve),

@@ -6,8 +6,8 @@
 //! - [`result`]: the files of their results;
 //! - [`evaluate`]: patterns rendered anew on the model, as photos with exact truth.
 
-pub mod baseline;
-pub mod evaluate;
-pub mod result;
-pub mod run;
-pub mod setup;
+pub(crate) mod baseline;
+pub(crate) mod evaluate;
+pub(crate) mod result;
+pub(crate) mod run;
+pub(crate) mod setup;

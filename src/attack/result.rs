@@ -11,15 +11,15 @@ use crate::frames::encode_rgb;
 use crate::pattern::card::Card;
 
 /// The name of the pattern in the folder of a result.
-pub const PATTERN: &str = "pattern.png";
+pub(crate) const PATTERN: &str = "pattern.png";
 /// The name of the attack's settings there.
-pub const CONFIG: &str = "config.json";
+pub(crate) const CONFIG: &str = "config.json";
 
 /// Writes a pattern, its card, its history, and the settings of the attack where it made it. Returns where the pattern is.
 ///
 /// # Errors
 /// A folder that takes no files: then it has none of them, or those it had.
-pub fn write(
+pub(crate) fn write(
     folder: &Path,
     (cells, columns): (&[Rgb], u32),
     history: &History,

@@ -8,7 +8,7 @@ use crate::surrogate::projection::Grid;
 use crate::whitebox::WhiteBox;
 
 /// What a pattern is made on and against.
-pub struct Setup {
+pub(crate) struct Setup {
     pub frames: FrameSet,
     pub frames_sha256: String,
     /// Width of one repeat of the pattern on the model.
@@ -24,7 +24,7 @@ impl Setup {
     ///
     /// # Errors
     /// Those of [`ViewSet::open`].
-    pub fn open(
+    pub(crate) fn open(
         frames: FrameSet,
         (columns, tile_mm, mapping): (u32, f64, TextureMapping),
         (detectors, detector_names): (Vec<Box<dyn WhiteBox>>, Vec<String>),
@@ -46,7 +46,7 @@ impl Setup {
     }
 
     /// The history of a method on this.
-    pub fn history(&self, method: &str, seed: u64, entries: Vec<Entry>) -> History {
+    pub(crate) fn history(&self, method: &str, seed: u64, entries: Vec<Entry>) -> History {
         History {
             scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
             method: method.to_owned(),

@@ -4,7 +4,7 @@ use super::Definition;
 
 /// A square of modules on the board: a ChArUco marker or a tag.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Marker {
+pub(crate) struct Marker {
     pub id: u32,
     /// Upper left, upper right, lower right, lower left of the upright board (board frame, mm).
     pub corners_mm: [[f64; 2]; 4],
@@ -14,7 +14,7 @@ pub struct Marker {
 impl Definition {
     /// The corners a calibration uses, by their number: the inner corners of a chessboard or ChArUco board row by row from the
     /// upper left (OpenCV's numbering), of an AprilGrid the four corners of tag 0 (upper left, then clockwise), of tag 1, ….
-    pub fn corners_mm(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn corners_mm(&self) -> Vec<[f64; 2]> {
         match self {
             Self::Charuco { squares, square_mm, .. } | Self::Chessboard { squares, square_mm, .. } => {
                 let [columns, rows] = *squares;
@@ -28,7 +28,7 @@ impl Definition {
     }
 
     /// The markers of a ChArUco board or the tags of an AprilGrid, by id from 0 up; a chessboard has none.
-    pub fn markers(&self) -> Vec<Marker> {
+    pub(crate) fn markers(&self) -> Vec<Marker> {
         match self {
             Self::Chessboard { .. } => Vec::new(),
             Self::Charuco {

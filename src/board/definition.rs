@@ -10,7 +10,7 @@ use crate::geometry::length::{self, BadLength};
 /// Why a board file was refused, or could not be put together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum DefinitionError {
+pub(crate) enum DefinitionError {
     #[error("{0}")]
     File(String),
     #[error("{path} is no board file ({fault}): use the .toml that `print board` wrote, or one of calibration/", path = path.display())]
@@ -22,7 +22,7 @@ pub enum DefinitionError {
 /// What is wrong in a board file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum BoardFault {
+pub(crate) enum BoardFault {
     #[error("{0}")]
     Syntax(String),
     #[error(transparent)]
@@ -44,7 +44,7 @@ pub enum BoardFault {
 /// A board by the numbers a detector needs. Lengths in mm; (columns, rows).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
-pub enum Definition {
+pub(crate) enum Definition {
     /// OpenCV 4.6's layout: the top left square is black, markers stand in the white squares, row by row from the top left.
     Charuco {
         squares: [u32; 2],
@@ -77,15 +77,15 @@ pub enum Definition {
 
 impl Definition {
     /// The dictionary of a ChArUco board unless another is asked for.
-    pub const DICTIONARY: &'static str = "DICT_5X5_100";
+    pub(crate) const DICTIONARY: &'static str = "DICT_5X5_100";
     /// A ChArUco marker's share of its square.
-    pub const MARKER_SHARE: f64 = 0.75;
+    pub(crate) const MARKER_SHARE: f64 = 0.75;
     /// The gap of Kalibr's own grids, by the tag's size.
-    pub const TAG_SPACING: f64 = 0.3;
+    pub(crate) const TAG_SPACING: f64 = 0.3;
     /// More columns or rows than this are a mistake in the numbers.
-    pub const MOST_SQUARES: u32 = 100;
+    pub(crate) const MOST_SQUARES: u32 = 100;
     /// Modules of a Kalibr tag: 6 of code, 2 of border on each side.
-    pub const GRID_TAG_MODULES: u32 = 10;
+    pub(crate) const GRID_TAG_MODULES: u32 = 10;
     /// Wider borders leave no code in a tag.
     const MOST_BORDER_MODULES: u32 = 4;
 
@@ -93,7 +93,7 @@ impl Definition {
     ///
     /// # Errors
     /// A file that cannot be read, is no board file, or whose numbers make no board.
-    pub fn open(path: &Path) -> Result<Self, DefinitionError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, DefinitionError> {
         let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
         let refuse = |fault| DefinitionError::Content {
             path: path.to_owned(),
@@ -158,7 +158,7 @@ impl Definition {
     }
 
     /// Width and height of everything printed.
-    pub fn size_mm(&self) -> (f64, f64) {
+    pub(crate) fn size_mm(&self) -> (f64, f64) {
         match self {
             Self::Charuco { squares, square_mm, .. } | Self::Chessboard { squares, square_mm, .. } => {
                 (f64::from(squares[0]) * square_mm, f64::from(squares[1]) * square_mm)
@@ -176,7 +176,7 @@ impl Definition {
     }
 
     /// What people call it.
-    pub fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Charuco { .. } => "ChArUco",
             Self::Chessboard { .. } => "chessboard",
@@ -185,7 +185,7 @@ impl Definition {
     }
 
     /// One line for people.
-    pub fn line(&self) -> String {
+    pub(crate) fn line(&self) -> String {
         match self {
             Self::Charuco {
                 squares: [x, y],
@@ -224,7 +224,7 @@ impl Definition {
     ///
     /// # Errors
     /// Only if the TOML library fails.
-    pub fn to_toml(&self) -> Result<String, DefinitionError> {
+    pub(crate) fn to_toml(&self) -> Result<String, DefinitionError> {
         let fields = toml::to_string(self).map_err(|e| DefinitionError::Write(e.to_string()))?;
         Ok(format!(
             "# {}\n# Lengths in mm; columns, rows. Written by `scaleproof print board`.\n{fields}",

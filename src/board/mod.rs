@@ -3,6 +3,6 @@
 mod corners;
 mod definition;
 
-pub use corners::Marker;
+pub(crate) use corners::Marker;
 
-pub use definition::{BoardFault, Definition, DefinitionError};
+pub(crate) use definition::{BoardFault, Definition, DefinitionError};

@@ -3,7 +3,7 @@
 use super::Calibration;
 
 /// The chosen model and, for each other, what it would change.
-pub fn choice_lines(found: &Calibration) -> Vec<String> {
+pub(crate) fn choice_lines(found: &Calibration) -> Vec<String> {
     let chosen = found.chosen_model();
     let best = found.best_held_out_px();
     let mut lines = vec![format!(
@@ -28,10 +28,10 @@ pub fn choice_lines(found: &Calibration) -> Vec<String> {
 }
 
 /// A number of the camera: its name, value, standard deviation (`None` where the model holds it) and unit.
-pub type Number = (&'static str, f64, Option<f64>, &'static str);
+pub(super) type Number = (&'static str, f64, Option<f64>, &'static str);
 
 /// The camera's numbers; coefficients that the model does not have are left out.
-pub fn numbers(found: &Calibration) -> Vec<Number> {
+pub(crate) fn numbers(found: &Calibration) -> Vec<Number> {
     const NAMES: [&str; 12] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"];
     let c = &found.camera;
     let values = [c.fx, c.fy, c.cx, c.cy].into_iter().chain(*c.distortion());

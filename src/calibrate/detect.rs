@@ -11,7 +11,7 @@ use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeenCorner {
+pub(crate) struct SeenCorner {
     /// Which of [`Definition::corners_mm`].
     pub id: usize,
     /// Pixel (0, 0) is the centre of the top-left pixel.
@@ -21,7 +21,7 @@ pub struct SeenCorner {
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum NoBoard {
+pub(crate) enum NoBoard {
     #[error("no board was found: is this the board of the file, wholly in the picture, sharp and evenly lit?")]
     NotFound,
     #[error("{foreign} of the {seen} markers seen are not on this board: is the board file another board's?")]
@@ -49,7 +49,7 @@ const MOST_SEARCHED_PX: u64 = 27_000_000;
 const LEAST_SIDE_PX: u32 = 32;
 
 /// A photo of fewer corners says little, and its halves could not be held against each other.
-pub const LEAST_CORNERS: usize = 12;
+pub(super) const LEAST_CORNERS: usize = 12;
 
 /// `cornerSubPix` looks at a square of this half side at most; more averages the lens's bending in.
 const WIDEST_WINDOW_PX: f64 = 10.0;
@@ -60,7 +60,7 @@ const NARROWEST_WINDOW_PX: f64 = 2.0;
 ///
 /// # Errors
 /// A ChArUco board of an unknown dictionary.
-pub fn check(board: &Definition) -> Result<(), DictionaryError> {
+pub(crate) fn check(board: &Definition) -> Result<(), DictionaryError> {
     match board {
         Definition::Charuco { dictionary, .. } => MarkerDictionary::named(dictionary).map(drop),
         _ => Ok(()),
@@ -75,7 +75,7 @@ pub fn check(board: &Definition) -> Result<(), DictionaryError> {
 ///
 /// # Errors
 /// The reason why the photo cannot be used.
-pub fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
     if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
         return Err(NoBoard::NotFound);

@@ -10,7 +10,7 @@ use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum CalibrationError {
+pub(crate) enum CalibrationError {
     #[error("no photo shows the board; {first}")]
     NoPhotos { first: String },
     #[error("only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; {first}")]
@@ -34,7 +34,7 @@ pub enum CalibrationError {
 /// What weakens a camera that was found. Each is a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(transparent)]
-pub struct CalibrationCaution(pub String);
+pub(crate) struct CalibrationCaution(pub String);
 
 /// A photo is blurred when its edges are also wider than this many times the usual of the set, so that a soft lens is not held against every photo.
 const BLUR_TIMES: f64 = 2.0;
@@ -49,7 +49,10 @@ const MOST_RMS_SHARE: f64 = 0.0015;
 const FEW_PHOTOS: usize = 10;
 
 /// Leaves out blurred photos and those of another size than most.
-pub fn alike(board_photos: Vec<BoardPhoto>, mut left_out: Vec<UnusedPhoto>) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
+pub(super) fn alike(
+    board_photos: Vec<BoardPhoto>,
+    mut left_out: Vec<UnusedPhoto>,
+) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
     let count = |size: (u32, u32)| board_photos.iter().filter(|s| s.size == size).count();
     // The first of the most frequent sizes.
     let most = board_photos.iter().map(|s| count(s.size)).max().unwrap_or(0);
@@ -81,7 +84,7 @@ pub fn alike(board_photos: Vec<BoardPhoto>, mut left_out: Vec<UnusedPhoto>) -> (
 }
 
 /// Refuses too few photos.
-pub fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> Result<(), CalibrationError> {
+pub(super) fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> Result<(), CalibrationError> {
     if board_photos.len() >= LEAST_PHOTOS {
         return Ok(());
     }
@@ -100,7 +103,7 @@ pub fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> Result<(
 }
 
 /// Refuses photos that all show the board from one side.
-pub fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> {
+pub(super) fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> {
     let normals: Vec<_> = fit.poses.iter().map(normal).collect();
     let angles = normals
         .iter()
@@ -114,7 +117,11 @@ pub fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> 
 }
 
 /// Refuses photos whose focal length is known only because the principal point is held, or not even then.
-pub fn determined(models: &[CandidateModel], chosen: usize, views: &[BoardView]) -> Result<(), CalibrationError> {
+pub(super) fn determined(
+    models: &[CandidateModel],
+    chosen: usize,
+    views: &[BoardView],
+) -> Result<(), CalibrationError> {
     let fit = &models[chosen].fit;
     let model = fit.model.max(LensModel::FC);
     let open = |percent: &str| CalibrationError::FocalOpen {
@@ -129,7 +136,7 @@ pub fn determined(models: &[CandidateModel], chosen: usize, views: &[BoardView])
 }
 
 /// Refuses a camera that does not explain its own photos.
-pub fn fits(fit: &CameraFit, views: &[BoardView], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
+pub(super) fn fits(fit: &CameraFit, views: &[BoardView], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
     let rms_px = super::rms_px(fit, views);
     let limit_px = MOST_RMS_SHARE * f64::from(width).hypot(f64::from(height));
     if rms_px > limit_px {
@@ -139,7 +146,7 @@ pub fn fits(fit: &CameraFit, views: &[BoardView], (width, height): (u32, u32)) -
 }
 
 /// What a user should know about a camera that was found.
-pub fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
+pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     let mut cautions = Vec::new();
     let mut say = |sentence: String| cautions.push(CalibrationCaution(sentence));
     let photos = found.photos.len();

@@ -24,7 +24,7 @@ const FOLLOWED: usize = 2;
 
 /// A camera and poses that explain the views best, in least squares.
 #[derive(Debug, Clone)]
-pub struct CameraFit {
+pub(crate) struct CameraFit {
     pub model: LensModel,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6.
     pub camera: [f64; ALL],
@@ -35,7 +35,7 @@ pub struct CameraFit {
 }
 
 /// Fits a model from a start. `None` when the start has no finite residuals.
-pub fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
+pub(super) fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
     let start = CameraFit {
         model,
         camera,
@@ -46,13 +46,13 @@ pub fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], poses: Vec
 }
 
 /// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
-pub fn pose(view: &BoardView, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
+pub(super) fn pose(view: &BoardView, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
     let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
     Some((found.pose, found.block.cost))
 }
 
 /// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
-pub fn first(size: (u32, u32), views: &[BoardView]) -> Option<CameraFit> {
+pub(super) fn first(size: (u32, u32), views: &[BoardView]) -> Option<CameraFit> {
     const BY_LONGER_SIDE: [f64; 7] = [0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
     let longer = f64::from(size.0.max(size.1));
     let start = |share: &f64| {
@@ -78,14 +78,14 @@ fn best_start(view: &BoardView, camera: &[f64; ALL]) -> Option<Rigid> {
 
 impl CameraFit {
     /// Seen minus projected, px, of each corner of each view.
-    pub fn residuals(&self, views: &[BoardView]) -> Vec<Vec<[f64; 2]>> {
+    pub(crate) fn residuals(&self, views: &[BoardView]) -> Vec<Vec<[f64; 2]>> {
         let of = |(view, pose)| residuals(view, &self.camera, pose).collect();
         views.iter().zip(&self.poses).map(of).collect()
     }
 
     /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
-    pub fn covariance(&self, model: LensModel, views: &[BoardView]) -> Option<DMatrix<f64>> {
+    pub(crate) fn covariance(&self, model: LensModel, views: &[BoardView]) -> Option<DMatrix<f64>> {
         let seen_as = CameraFit { model, ..self.clone() };
         let (reduced, _) = CameraEquations::at(seen_as, views)?.reduced(0.0)?;
         let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
@@ -265,7 +265,7 @@ fn residuals(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> impl Iterat
 }
 
 /// Sum of squared distances of one view, px².
-pub fn squared(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
+pub(super) fn squared(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
     let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
     sum.is_finite().then_some(sum)
 }

@@ -14,7 +14,7 @@ const MOST_WORSE: f64 = 1.05;
 
 /// A model fitted to all photos, and its held-out error.
 #[derive(Debug, Clone)]
-pub struct CandidateModel {
+pub(crate) struct CandidateModel {
     pub model: LensModel,
     pub fit: CameraFit,
     /// Root mean square over the photos, px.
@@ -27,7 +27,7 @@ pub struct CandidateModel {
 
 /// How far another model puts the camera elsewhere in the same photos, the worst of them.
 #[derive(Debug, Clone, Copy, Default, serde::Serialize)]
-pub struct ModelDifference {
+pub(crate) struct ModelDifference {
     /// The direction in which the camera stands, seen from the board's middle, degrees.
     pub direction_deg: f64,
     /// Its distance from there: mm, and per cent.
@@ -40,7 +40,7 @@ pub struct ModelDifference {
 /// The held-out error of a model: it is fitted without the photos of a fold; in each of these the pose is found from every other corner
 /// with the camera held, and the remaining corners are predicted from it; then the halves change roles. So no corner that is
 /// judged had a part in the camera or in the pose it is judged by.
-pub fn fit_ladder(first: CameraFit, views: &[BoardView]) -> Vec<CandidateModel> {
+pub(super) fn fit_ladder(first: CameraFit, views: &[BoardView]) -> Vec<CandidateModel> {
     let mut models: Vec<CandidateModel> = Vec::new();
     let mut start = first;
     for model in LensModel::LADDER {
@@ -63,7 +63,7 @@ pub fn fit_ladder(first: CameraFit, views: &[BoardView]) -> Vec<CandidateModel> 
 
 /// The smallest model whose held-out error is within one standard error of the best, and within 5 % of it (Breiman et al.
 /// 1984's rule for trees, with a lid on it: few photos make a standard error wide).
-pub fn choose(models: &[CandidateModel]) -> Option<usize> {
+pub(super) fn choose(models: &[CandidateModel]) -> Option<usize> {
     let best = models.iter().min_by(|a, b| a.held_out_px.total_cmp(&b.held_out_px))?;
     let limit = (best.held_out_px + best.error_px).min(MOST_WORSE * best.held_out_px);
     models.iter().position(|r| r.held_out_px <= limit)
@@ -105,7 +105,7 @@ fn summary(squared: &[f64]) -> (f64, f64) {
 }
 
 /// What each model changes against the chosen one, on the photos themselves.
-pub fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: [f64; 2]) {
+pub(super) fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: [f64; 2]) {
     let Some(reference) = models.get(chosen).map(|r| r.fit.poses.clone()) else {
         return;
     };
@@ -128,7 +128,7 @@ fn camera_from(pose: &Rigid, [x, y]: [f64; 2]) -> Vector3<f64> {
 }
 
 /// The board's normal in the camera frame, towards the camera.
-pub fn normal(pose: &Rigid) -> Vector3<f64> {
+pub(super) fn normal(pose: &Rigid) -> Vector3<f64> {
     let n = pose.rotation * Vector3::z();
     if n.dot(&pose.translation.vector) > 0.0 { -n } else { n }
 }

@@ -22,24 +22,24 @@ use crate::camera::Camera;
 use crate::photo::Photo;
 use crate::workers;
 
-pub use choice_text::{choice_lines, numbers};
-pub use detect::{NoBoard, SeenCorner, check};
-pub use doubt::{CalibrationCaution, CalibrationError};
-pub use ladder::{CandidateModel, ModelDifference};
-pub use model::LensModel;
-pub use page::page;
-pub use summary::json;
-pub use uncertainty::{MapCell, UncertaintyMap};
+pub(crate) use choice_text::{choice_lines, numbers};
+pub(crate) use detect::{NoBoard, SeenCorner, check};
+pub(crate) use doubt::{CalibrationCaution, CalibrationError};
+pub(crate) use ladder::{CandidateModel, ModelDifference};
+pub(crate) use model::LensModel;
+pub(crate) use page::page;
+pub(crate) use summary::json;
+pub(crate) use uncertainty::{MapCell, UncertaintyMap};
 
 use view::BoardView;
 
 /// With fewer photos than this there is nothing to hold a camera against.
-pub const LEAST_PHOTOS: usize = 4;
+pub(crate) const LEAST_PHOTOS: usize = 4;
 
 /// A photo in which the board was found. Everything is in the sensor's frame, whichever way the camera was held, so that boards of mixed
 /// orientation share one camera, and `Camera::for_photo` turns that camera with each photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoardPhoto {
+pub(crate) struct BoardPhoto {
     /// The photo's name, for people.
     pub file: String,
     /// Width and height in the sensor's frame, px.
@@ -62,14 +62,14 @@ impl BoardPhoto {
 
 /// A photo that had no part in the camera, and the sentence why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct UnusedPhoto {
+pub(crate) struct UnusedPhoto {
     pub file: String,
     pub reason: String,
 }
 
 /// What one photo has to do with the camera.
 #[derive(Debug, Clone)]
-pub struct PhotoResult {
+pub(crate) struct PhotoResult {
     pub file: String,
     /// As [`BoardPhoto::turned_deg`].
     pub turned_deg: u32,
@@ -85,7 +85,7 @@ pub struct PhotoResult {
 
 /// A camera and what it is worth.
 #[derive(Debug, Clone)]
-pub struct Calibration {
+pub(crate) struct Calibration {
     pub board: Definition,
     pub camera: Camera,
     /// Every model that could be fitted, from the smallest up.
@@ -108,21 +108,25 @@ pub struct Calibration {
 
 impl Calibration {
     /// The chosen model.
-    pub fn chosen_model(&self) -> &CandidateModel {
+    pub(crate) fn chosen_model(&self) -> &CandidateModel {
         &self.models[self.chosen]
     }
 
     /// The held-out error of the best model, px.
-    pub fn best_held_out_px(&self) -> f64 {
+    pub(crate) fn best_held_out_px(&self) -> f64 {
         self.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min)
     }
 }
 
 /// Cells of the coverage grid along each side.
-pub const COVERAGE: usize = 10;
+pub(crate) const COVERAGE: usize = 10;
 
 /// Finds the board in every photo; those without are named with the reason. Both lists keep the photos' order.
-pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
+pub(crate) fn look(
+    photos: &[PathBuf],
+    board: &Definition,
+    on_done: impl Fn() + Sync,
+) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
     let found = workers::map(
         photos,
         || Ok::<(), std::convert::Infallible>(()),
@@ -166,7 +170,7 @@ fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, UnusedPhoto> {
 ///
 /// # Errors
 /// Photos that do not determine a camera; the sentence says what to photograph.
-pub fn calibrate(
+pub(crate) fn calibrate(
     board_photos: Vec<BoardPhoto>,
     left_out: Vec<UnusedPhoto>,
     board: &Definition,

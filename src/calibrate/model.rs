@@ -6,12 +6,12 @@ use crate::camera::Camera;
 use crate::camera::projection::PARAMETERS;
 
 /// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
-pub const ALL: usize = PARAMETERS;
+pub(super) const ALL: usize = PARAMETERS;
 
 /// What of a camera is fitted; what is not is 0, and the principal point the image's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LensModel {
+pub(crate) enum LensModel {
     /// One focal length.
     F,
     /// And the principal point.
@@ -26,7 +26,7 @@ pub enum LensModel {
 
 impl LensModel {
     /// From the smallest up; each contains those before it.
-    pub const LADDER: [LensModel; 6] = [
+    pub(crate) const LADDER: [LensModel; 6] = [
         LensModel::F,
         LensModel::FC,
         LensModel::K1,
@@ -36,7 +36,7 @@ impl LensModel {
     ];
 
     /// What people call it.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             LensModel::F => "f",
             LensModel::FC => "f, c",
@@ -56,7 +56,7 @@ impl LensModel {
     }
 
     /// How many numbers are fitted.
-    pub fn parameters(self) -> usize {
+    pub(crate) fn parameters(self) -> usize {
         match self {
             LensModel::F => 1,
             LensModel::FC => 3,

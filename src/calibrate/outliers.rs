@@ -18,7 +18,7 @@ const CORNER_PX: f64 = 1.0;
 const LOST_SHARE: f64 = 0.2;
 
 /// What was left out, and the fit of the smallest model over the rest.
-pub struct Cleaned {
+pub(super) struct Cleaned {
     pub board_photos: Vec<BoardPhoto>,
     /// The photo, and the sentence why.
     pub dropped: Vec<(BoardPhoto, String)>,
@@ -28,7 +28,7 @@ pub struct Cleaned {
 }
 
 /// Leaves out, one at a time, the photo that disagrees most, then single corners. `None` when nothing can be fitted.
-pub fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
+pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
     let (mut dropped, mut lost_corners) = (Vec::new(), 0);
     loop {
         let views: Vec<BoardView> = board_photos.iter().map(|s| s.view(places)).collect();

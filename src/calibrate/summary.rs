@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::Calibration;
 
 /// One JSON object; keys carry their units.
-pub fn json(found: &Calibration) -> Value {
+pub(crate) fn json(found: &Calibration) -> Value {
     let (c, s) = (&found.camera, &found.sigmas);
     let photos: Vec<Value> = found
         .photos

@@ -12,7 +12,7 @@ const CELLS: u32 = 16;
 
 /// One cell of the map.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
-pub struct MapCell {
+pub(crate) struct MapCell {
     /// Its middle, px.
     pub px: [f64; 2],
     /// Standard deviation of the projection in its worst direction, px; `None` where the lens model folds back on itself.
@@ -21,7 +21,7 @@ pub struct MapCell {
 
 /// The map and its columns and rows.
 #[derive(Debug, Clone)]
-pub struct UncertaintyMap {
+pub(crate) struct UncertaintyMap {
     pub columns: u32,
     pub rows: u32,
     /// Row by row.
@@ -33,7 +33,7 @@ pub struct UncertaintyMap {
 /// A camera that is a little wrong and turned a little projects almost as before, and whoever finds a pose finds that turn as well.
 /// So the turn that best undoes a change over the whole image is taken out first, as in mrcal's "projection uncertainty"
 /// (implied rotation): with J the derivatives by camera, R those by a turn, M = J − R (ΣRᵀR)⁻¹ ΣRᵀJ, and Var = M Σ Mᵀ.
-pub fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> UncertaintyMap {
+pub(super) fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> UncertaintyMap {
     let (w, h) = (f64::from(width), f64::from(height));
     let side = w.max(h) / f64::from(CELLS);
     let count = |length: f64| ((length / side).round() as u32).max(1);

@@ -8,14 +8,14 @@ use crate::locate::planar_branches;
 
 /// What a fit sees of one photo: corners on the board (mm), and in the photo (px).
 #[derive(Debug, Clone)]
-pub struct BoardView {
+pub(crate) struct BoardView {
     pub board_mm: Vec<[f64; 2]>,
     pub seen_px: Vec<[f64; 2]>,
 }
 
 impl BoardView {
     /// Every other corner, from `first` on.
-    pub fn half(&self, first: usize) -> BoardView {
+    pub(crate) fn half(&self, first: usize) -> BoardView {
         let half = |list: &[[f64; 2]]| list.iter().skip(first).step_by(2).copied().collect();
         BoardView {
             board_mm: half(&self.board_mm),
@@ -24,12 +24,12 @@ impl BoardView {
     }
 
     /// The corners in the board frame, mm.
-    pub fn points(&self) -> impl Iterator<Item = Point3<f64>> {
+    pub(crate) fn points(&self) -> impl Iterator<Item = Point3<f64>> {
         self.board_mm.iter().map(|[x, y]| Point3::new(*x, *y, 0.0))
     }
 
     /// `T_camera_board` of both planar branches with a camera.
-    pub fn starting_poses(&self, camera: &[f64; ALL]) -> Vec<Rigid> {
+    pub(crate) fn starting_poses(&self, camera: &[f64; ALL]) -> Vec<Rigid> {
         let points: Vec<_> = self.points().collect();
         planar_branches(&points, &self.seen_px, &model::camera((1, 1), camera))
     }

@@ -8,7 +8,7 @@ mod kalibr;
 mod marks;
 mod mrcal;
 mod opencv_yaml;
-pub mod projection;
+pub(crate) mod projection;
 mod ray;
 mod ros_yaml;
 mod yaml;
@@ -17,10 +17,10 @@ use std::path::PathBuf;
 
 use crate::files;
 
-pub use fault::CameraFault;
+pub(crate) use fault::CameraFault;
 pub use fit::{FittedCamera, SizeError};
-pub use format::CameraFormat;
-pub use guess::{Guess, GuessError};
+pub(crate) use format::CameraFormat;
+pub(crate) use guess::{Guess, GuessError};
 
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]

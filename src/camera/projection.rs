@@ -8,10 +8,10 @@ use super::Camera;
 use crate::geometry::Rigid;
 
 /// Every number of a camera: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
-pub const PARAMETERS: usize = 12;
+pub(crate) const PARAMETERS: usize = 12;
 
 /// The pixel of a point, and its Jacobians.
-pub struct ProjectedPoint {
+pub(crate) struct ProjectedPoint {
     pub pixel: [f64; 2],
     /// By the point in the camera frame, px per mm.
     pub by_point: Matrix2x3<f64>,
@@ -21,7 +21,7 @@ pub struct ProjectedPoint {
 
 /// Projects a point of the camera frame by the formula alone: behind the camera, and where the distortion folds back on itself, it
 /// answers too. A fit passes through such cameras; everything else uses [`Camera::project`].
-pub fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> ProjectedPoint {
+pub(crate) fn project_unchecked(parameters: &[f64; PARAMETERS], p: &Point3<f64>) -> ProjectedPoint {
     let [fx, fy, cx, cy, k @ ..] = *parameters;
     let (x, y) = (p.x / p.z, p.y / p.z);
     let (distorted, by_xy) = distort(&k, x, y);
@@ -85,7 +85,7 @@ impl Camera {
 }
 
 /// The derivative of a pixel by a step of the pose, from that by the point `p` of the camera frame.
-pub fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
+pub(crate) fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
     let by_turn = -by_point * p.coords.cross_matrix();
     let mut by_pose = Matrix2x6::zeros();
     by_pose.fixed_columns_mut::<3>(0).copy_from(&by_turn);

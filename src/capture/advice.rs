@@ -7,7 +7,7 @@ use crate::locate::Abstention;
 
 /// Why a frame is not taken, as something to do.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Advice {
+pub(crate) enum Advice {
     /// The source's own sentence.
     Unreadable(String),
     /// The very file is in the session.
@@ -46,7 +46,7 @@ pub enum Advice {
 
 impl Advice {
     /// A stable name for programs.
-    pub fn code(&self) -> &'static str {
+    pub(crate) fn code(&self) -> &'static str {
         match self {
             Advice::Unreadable(_) => "unreadable",
             Advice::Repeated { .. } => "repeated",

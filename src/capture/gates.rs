@@ -13,18 +13,18 @@ use crate::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoic
 
 /// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
 /// detectors see it reduced. Table in `docs/lessons.md`.
-pub const MAX_BLUR_PX: f64 = 1.5;
+pub(crate) const MAX_BLUR_PX: f64 = 1.5;
 
 /// Paper darker or lighter than this, of 255, is under- or overexposed: white paper is the lightest thing that must still have a tone.
-pub const MIN_WHITE: f64 = 80.0;
-pub const MAX_WHITE: f64 = 250.0;
+pub(crate) const MIN_WHITE: f64 = 80.0;
+pub(crate) const MAX_WHITE: f64 = 250.0;
 
 /// Share of the image's part with the model that may have lost its tone to white.
-pub const MAX_CLIPPED: f64 = 0.1;
+pub(crate) const MAX_CLIPPED: f64 = 0.1;
 const CLIPPED: u8 = 254;
 
 /// How far tags may move from frame to frame, px in an image 1280 px long.
-pub const MAX_MOVED_PX: f64 = 2.0;
+pub(crate) const MAX_MOVED_PX: f64 = 2.0;
 
 /// The long side that the limits in px are for.
 const LONG_SIDE_PX: f64 = 1280.0;
@@ -39,7 +39,7 @@ const HOPELESS_BLUR_PX: f64 = 3.5;
 /// What was measured of a frame, for its sidecar.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Measures {
+pub(crate) struct Measures {
     /// Standard deviation of the blur on the tags' borders; absent when none could be fitted.
     pub blur_px: Option<f64>,
     /// The paper of the tags, 0–255.
@@ -52,7 +52,7 @@ pub struct Measures {
 
 /// What a frame shows, and what follows from it.
 #[derive(Debug, Clone)]
-pub struct FrameJudgement {
+pub(crate) struct FrameJudgement {
     pub seen: Vec<SeenTag>,
     pub located: Option<Located>,
     pub measures: Measures,
@@ -80,7 +80,7 @@ impl FrameJudgement {
 }
 
 /// Judges frames. Holds a tag detector, so each thread needs its own.
-pub struct Judge {
+pub(crate) struct Judge {
     tags: Box<dyn TagDetector>,
     /// A faster search for the frames of a stream. Its result becomes advice; what is taken was found by `tags`.
     live: Option<Box<dyn TagDetector>>,
@@ -96,7 +96,7 @@ impl Judge {
     ///
     /// # Errors
     /// The tag detector does not start.
-    pub fn new(scene: &Scene, detector: TagDetectorChoice, is_stream: bool) -> Result<Judge, StartError> {
+    pub(crate) fn new(scene: &Scene, detector: TagDetectorChoice, is_stream: bool) -> Result<Judge, StartError> {
         let families = scene.families();
         Ok(Judge {
             tags: detector.open(&families)?,
@@ -112,7 +112,7 @@ impl Judge {
     }
 
     /// Whether the frames are those of a stream.
-    pub fn is_stream(&self) -> bool {
+    pub(crate) fn is_stream(&self) -> bool {
         self.is_stream
     }
 
@@ -120,7 +120,13 @@ impl Judge {
     ///
     /// A photo that somebody took on purpose gets first the advice about what would spoil it anywhere. Somebody who walks with a running
     /// camera gets the way first, as walking blurs.
-    pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> FrameJudgement {
+    pub(crate) fn judge(
+        &mut self,
+        luma: &GrayImage,
+        turned_deg: u32,
+        camera: &Camera,
+        guidance: &Guidance,
+    ) -> FrameJudgement {
         self.before = std::mem::take(&mut self.last);
         let scene = &self.scene;
         let live = self.live.as_mut();
@@ -134,7 +140,7 @@ impl Judge {
     }
 
     /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
-    pub fn confirm(
+    pub(crate) fn confirm(
         &mut self,
         first: FrameJudgement,
         luma: &GrayImage,
@@ -227,7 +233,7 @@ fn enlarged(grey: &GrayImage) -> f64 {
 }
 
 /// How many times longer an image is than the one the limits in px are for; small ones have the same limits.
-pub fn enlargement(size_px: [u32; 2]) -> f64 {
+pub(crate) fn enlargement(size_px: [u32; 2]) -> f64 {
     (f64::from(size_px[0].max(size_px[1])) / LONG_SIDE_PX).max(1.0)
 }
 

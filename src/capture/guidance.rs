@@ -7,7 +7,7 @@ use crate::scene::{Bin, Bins, Viewpoint};
 
 /// How far a camera may be from its target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Tolerance {
+pub(crate) struct Tolerance {
     pub azimuth_deg: f64,
     pub pitch_deg: f64,
     pub distance_mm: f64,
@@ -15,7 +15,7 @@ pub struct Tolerance {
 
 /// One view that is wanted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Target {
+pub(crate) struct Target {
     pub viewpoint: Viewpoint,
     /// The bin it fills; a photo must fall into it, whatever the tolerance.
     pub bin: Bin,
@@ -25,7 +25,7 @@ pub struct Target {
 
 /// What brings a camera to its target, the largest part of it first. Amounts are signed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NextMove {
+pub(crate) enum NextMove {
     /// To a larger azimuth, degrees: counter-clockwise seen from above, which is to the right for somebody who faces the model.
     Azimuth(f64),
     /// Away from the model, mm.
@@ -36,7 +36,7 @@ pub enum NextMove {
 
 /// The targets of one capture.
 #[derive(Debug, Clone)]
-pub struct Guidance {
+pub(crate) struct Guidance {
     targets: Vec<Target>,
     tolerance: Tolerance,
     bins: Bins,
@@ -44,7 +44,7 @@ pub struct Guidance {
 
 impl Guidance {
     /// Targets at these viewpoints, in their order.
-    pub fn at(viewpoints: &[Viewpoint], tolerance: Tolerance, bins: &Bins) -> Guidance {
+    pub(crate) fn at(viewpoints: &[Viewpoint], tolerance: Tolerance, bins: &Bins) -> Guidance {
         let target = |viewpoint: &Viewpoint| Target {
             viewpoint: *viewpoint,
             bin: bins.bin_of(viewpoint),
@@ -57,20 +57,20 @@ impl Guidance {
         }
     }
 
-    pub fn targets(&self) -> &[Target] {
+    pub(crate) fn targets(&self) -> &[Target] {
         &self.targets
     }
 
     /// The step between the scene's azimuth bins.
-    pub fn azimuth_step_deg(&self) -> f64 {
+    pub(crate) fn azimuth_step_deg(&self) -> f64 {
         self.bins.azimuth_deg
     }
 
-    pub fn open(&self) -> impl Iterator<Item = &Target> {
+    pub(crate) fn open(&self) -> impl Iterator<Item = &Target> {
         self.targets.iter().filter(|target| target.photo.is_none())
     }
 
-    pub fn is_finished(&self) -> bool {
+    pub(crate) fn is_finished(&self) -> bool {
         self.open().next().is_none()
     }
 
@@ -87,19 +87,19 @@ impl Guidance {
     }
 
     /// The open target nearest to a viewpoint, each part measured by its tolerance.
-    pub fn nearest_open(&self, from: &Viewpoint) -> Option<usize> {
+    pub(crate) fn nearest_open(&self, from: &Viewpoint) -> Option<usize> {
         let open = (0..self.targets.len()).filter(|i| self.targets[*i].photo.is_none());
         open.min_by(|a, b| self.offset(*a, from).total_cmp(&self.offset(*b, from)))
     }
 
     /// The filled target that a viewpoint would fill as well.
-    pub fn filled_at(&self, from: &Viewpoint) -> Option<&Target> {
+    pub(crate) fn filled_at(&self, from: &Viewpoint) -> Option<&Target> {
         let mut filled = (0..self.targets.len()).filter(|i| self.targets[*i].photo.is_some());
         filled.find(|i| self.step(*i, from).is_none()).map(|i| &self.targets[i])
     }
 
     /// The step that is missing most, by its tolerance; `None` when the target is reached.
-    pub fn step(&self, index: usize, from: &Viewpoint) -> Option<NextMove> {
+    pub(crate) fn step(&self, index: usize, from: &Viewpoint) -> Option<NextMove> {
         let target = &self.targets[index];
         let parts = self.parts(index, from);
         let is_reached = parts.iter().all(|part| part.abs() <= 1.0) && self.bins.bin_of(from) == target.bin;
@@ -117,7 +117,7 @@ impl Guidance {
     }
 
     /// How far a viewpoint is from a target, in tolerances: up to 1 within them.
-    pub fn off_by(&self, index: usize, from: &Viewpoint) -> f64 {
+    pub(crate) fn off_by(&self, index: usize, from: &Viewpoint) -> f64 {
         self.parts(index, from)
             .iter()
             .fold(0.0, |most, part| part.abs().max(most))
@@ -139,7 +139,7 @@ impl Guidance {
 }
 
 /// Every azimuth bin of a scene at these pitches and distances, in the order a person walks: once round for each.
-pub fn viewpoints_of(bins: &Bins, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
+pub(crate) fn viewpoints_of(bins: &Bins, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
     let mut viewpoints = Vec::new();
     for &distance_mm in distances_mm {
         for &pitch_deg in pitches_deg {
@@ -158,7 +158,7 @@ const USUAL_PITCH_DEG: f64 = 15.0;
 
 /// The pitch and distance that are captured when none are named: of the scene's, the pitch nearest to 15° and the middle distance (the
 /// nearer of two).
-pub fn usual(bins: &Bins) -> (f64, f64) {
+pub(crate) fn usual(bins: &Bins) -> (f64, f64) {
     let from_usual = |pitch: &f64| (pitch - USUAL_PITCH_DEG).abs();
     let pitch = bins
         .pitch_deg
@@ -176,7 +176,7 @@ pub fn usual(bins: &Bins) -> (f64, f64) {
 impl Tolerance {
     /// For targets in the middle of bins: a sixth of the azimuth step but 8° at most, 6°, and a tenth of the nearest distance. The stored
     /// session, taken by hand as it were, is off by up to 5°, 4° and 7 %.
-    pub fn of_bins(bins: &Bins, distances_mm: &[f64]) -> Tolerance {
+    pub(crate) fn of_bins(bins: &Bins, distances_mm: &[f64]) -> Tolerance {
         Tolerance {
             azimuth_deg: (bins.azimuth_deg / 6.0).min(8.0),
             pitch_deg: 6.0,
@@ -185,7 +185,7 @@ impl Tolerance {
     }
 
     /// For targets that are the viewpoints of other photos, so that pairs differ by little: 3°, 3°, and a twentieth of the distance.
-    pub fn of_pairs(viewpoints: &[Viewpoint]) -> Tolerance {
+    pub(crate) fn of_pairs(viewpoints: &[Viewpoint]) -> Tolerance {
         let distances: Vec<f64> = viewpoints.iter().map(|v| v.distance_mm).collect();
         Tolerance {
             azimuth_deg: 3.0,

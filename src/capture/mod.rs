@@ -7,8 +7,8 @@
 mod advice;
 mod gates;
 mod guidance;
-pub mod live;
-pub mod pair;
+pub(crate) mod live;
+pub(crate) mod pair;
 mod recover;
 mod replay;
 mod source;
@@ -29,20 +29,20 @@ use crate::scene::{Bin, Scene, Viewpoint};
 use crate::session::PhotoEntry;
 use crate::tags::SeenTag;
 
-pub use advice::Advice;
-pub use gates::{
+pub(crate) use advice::Advice;
+pub(crate) use gates::{
     FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
 };
-pub use guidance::{Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
-pub use live::{CameraSettings, LiveCamera};
-pub use replay::Replay;
-pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
-pub use store::{Sidecar, Store, StoreError};
-pub use watch::Watch;
+pub(crate) use guidance::{Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
+pub(crate) use live::{CameraSettings, LiveCamera};
+pub(crate) use replay::Replay;
+pub(crate) use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
+pub(crate) use store::{Sidecar, Store, StoreError};
+pub(crate) use watch::Watch;
 
 /// What became of a frame.
 #[derive(Debug, Clone)]
-pub struct FrameAnswer {
+pub(crate) struct FrameAnswer {
     /// Width and height of the upright frame; zeros when it could not be read.
     pub size_px: [u32; 2],
     pub viewpoint: Option<Viewpoint>,
@@ -76,7 +76,7 @@ const DAMAGED: &str = "the camera sent a damaged picture: check its cable";
 const HELD_FRAMES: u32 = 4;
 
 /// A capture of one variant at one place.
-pub struct Capture {
+pub(crate) struct Capture {
     guidance: Guidance,
     judge: Judge,
     store: Store,
@@ -92,7 +92,14 @@ pub struct Capture {
 
 impl Capture {
     /// Goes on with a session: its photos of the variant fill the targets they were taken for, or else the nearest within tolerance.
-    pub fn new(guidance: Guidance, judge: Judge, store: Store, camera: Camera, variant: &str, place: &str) -> Capture {
+    pub(crate) fn new(
+        guidance: Guidance,
+        judge: Judge,
+        store: Store,
+        camera: Camera,
+        variant: &str,
+        place: &str,
+    ) -> Capture {
         let mut capture = Capture {
             guidance,
             judge,
@@ -108,7 +115,7 @@ impl Capture {
         capture
     }
 
-    pub fn guidance(&self) -> &Guidance {
+    pub(crate) fn guidance(&self) -> &Guidance {
         &self.guidance
     }
 
@@ -137,12 +144,12 @@ impl Capture {
 
     /// Whether frames of a stream are taken by themselves once all gates have held for a moment (they are at first), or only by
     /// [`Capture::shoot`]. Photos that come one by one are taken either way: somebody took them on purpose.
-    pub fn set_auto(&mut self, is_auto: bool) {
+    pub(crate) fn set_auto(&mut self, is_auto: bool) {
         self.is_auto = is_auto;
     }
 
     /// What the camera was set to, for the sidecars of the photos that follow.
-    pub fn set_camera_settings(&mut self, settings: Option<CameraSettings>) {
+    pub(crate) fn set_camera_settings(&mut self, settings: Option<CameraSettings>) {
         self.camera_settings = settings;
     }
 
@@ -150,7 +157,7 @@ impl Capture {
     ///
     /// # Errors
     /// The photo cannot be written. Frames are never errors.
-    pub fn see(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
+    pub(crate) fn see(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
         self.look(frame, false)
     }
 
@@ -159,7 +166,7 @@ impl Capture {
     ///
     /// # Errors
     /// As [`Capture::see`].
-    pub fn shoot(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
+    pub(crate) fn shoot(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
         self.look(frame, true)
     }
 
@@ -292,7 +299,7 @@ impl Capture {
     ///
     /// # Errors
     /// Files that cannot be moved.
-    pub fn undo(&mut self) -> Result<Option<String>, StoreError> {
+    pub(crate) fn undo(&mut self) -> Result<Option<String>, StoreError> {
         let last = self.of_variant().next_back().map(|sidecar| sidecar.photo.file.clone());
         if let Some(photo) = &last {
             self.take_back(photo)?;
@@ -304,7 +311,7 @@ impl Capture {
     ///
     /// # Errors
     /// Files that cannot be moved.
-    pub fn redo(&mut self, scene: &Scene, is_meant: impl Fn(&Bin) -> bool) -> Result<Vec<String>, StoreError> {
+    pub(crate) fn redo(&mut self, scene: &Scene, is_meant: impl Fn(&Bin) -> bool) -> Result<Vec<String>, StoreError> {
         let meant = self
             .of_variant()
             .filter(|sidecar| is_meant(&scene.bins.bin_of(&sidecar.viewpoint)));

@@ -16,7 +16,7 @@ const NORMAL: &str = "normal";
 /// Why a session gives no targets.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum PairError {
+pub(crate) enum PairError {
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
@@ -31,7 +31,7 @@ pub enum PairError {
 ///
 /// # Errors
 /// A session that cannot be opened, that leaves the variant open, or of which no photo has a viewpoint.
-pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpoint>, Vec<String>), PairError> {
+pub(crate) fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpoint>, Vec<String>), PairError> {
     let session = Session::open(session)?;
     let variants: BTreeSet<&str> = session.photos.iter().map(|photo| photo.variant.as_str()).collect();
     let variant = match variants.len() {

@@ -13,7 +13,7 @@ use crate::files;
 use crate::session::{PhotoEntry, Session};
 
 /// The photos of one variant of a session, one after the other.
-pub struct Replay {
+pub(crate) struct Replay {
     session: Session,
     /// In reverse: the next one is the last.
     left: Vec<PhotoEntry>,
@@ -27,7 +27,12 @@ impl Replay {
     ///
     /// # Errors
     /// What is wrong with the session; no photo of that variant.
-    pub fn open(folder: &Path, variant: &str, shuffle: Option<u64>, pace: Duration) -> Result<Replay, SourceError> {
+    pub(crate) fn open(
+        folder: &Path,
+        variant: &str,
+        shuffle: Option<u64>,
+        pace: Duration,
+    ) -> Result<Replay, SourceError> {
         let session = Session::open(folder)?;
         let of_variant = session.photos.iter().filter(|photo| photo.variant == variant);
         let mut left: Vec<PhotoEntry> = of_variant.cloned().collect();

@@ -11,7 +11,7 @@ use crate::session::SessionError;
 
 /// One image of a source.
 #[derive(Debug, Clone)]
-pub struct SourceFrame {
+pub(crate) struct SourceFrame {
     /// What the source calls it: for people, never a path that is written to.
     pub name: String,
     /// When it was taken, RFC 3339, where the source knows.
@@ -21,7 +21,7 @@ pub struct SourceFrame {
 
 /// What a source has of a frame.
 #[derive(Debug, Clone)]
-pub enum Original {
+pub(crate) enum Original {
     /// A JPEG or PNG file; it is kept byte for byte.
     Encoded(Vec<u8>),
     /// The pixels of a camera that gives no file, upright; kept as PNG.
@@ -31,7 +31,7 @@ pub enum Original {
 }
 
 /// Anything that gives frames.
-pub trait FrameSource {
+pub(crate) trait FrameSource {
     /// The next frame, waited for; `None` when there will be no more.
     ///
     /// # Errors
@@ -51,7 +51,7 @@ pub trait FrameSource {
 /// Why a source gives no (more) frames.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum SourceError {
+pub(crate) enum SourceError {
     #[error(
         "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
@@ -80,7 +80,7 @@ pub enum SourceError {
 
 /// A source as it is named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SourceName {
+pub(crate) enum SourceName {
     /// `replay:DIR`: the photos of a session.
     Replay(PathBuf),
     /// `watch:DIR`: photos that arrive in a folder.
@@ -109,7 +109,7 @@ impl FromStr for SourceName {
 
 impl SourceName {
     /// The folder it reads, if it reads one.
-    pub fn folder(&self) -> Option<&Path> {
+    pub(crate) fn folder(&self) -> Option<&Path> {
         match self {
             SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
             SourceName::Camera(_) | SourceName::Upload => None,
@@ -117,7 +117,7 @@ impl SourceName {
     }
 
     /// Its kind, in a word.
-    pub fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match self {
             SourceName::Replay(_) => "replay",
             SourceName::Watch(_) => "watched folder",

@@ -21,7 +21,7 @@ use crate::session::{self, PhotoEntry, SessionError};
 /// Why a session cannot be filled.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum StoreError {
+pub(crate) enum StoreError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -42,7 +42,7 @@ pub enum StoreError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case)]
-pub struct Sidecar {
+pub(crate) struct Sidecar {
     /// As `session.json` has it.
     pub photo: PhotoEntry,
     /// SHA-256 of the photo, hex.
@@ -75,7 +75,7 @@ const LOCK: &str = ".capture.lock";
 
 /// An open session. No other capture can open it meanwhile.
 #[derive(Debug)]
-pub struct Store {
+pub(crate) struct Store {
     pub(super) folder: PathBuf,
     camera: String,
     /// Accepted photos in the order of their numbers.
@@ -93,7 +93,7 @@ impl Store {
     ///
     /// # Errors
     /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
-    pub fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
+    pub(crate) fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
         let read = Scene::open(scene).map_err(SessionError::from)?;
         Camera::open(camera).map_err(SessionError::from)?;
         let mesh = session::mesh_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
@@ -121,18 +121,18 @@ impl Store {
     }
 
     /// Accepted photos, in the order they were accepted.
-    pub fn accepted(&self) -> &[Sidecar] {
+    pub(crate) fn accepted(&self) -> &[Sidecar] {
         &self.accepted
     }
 
     /// The accepted photo with this content.
-    pub fn named(&self, sha256: &str) -> Option<&str> {
+    pub(crate) fn named(&self, sha256: &str) -> Option<&str> {
         let known = self.accepted.iter().find(|sidecar| sidecar.sha256 == sha256)?;
         Some(&known.photo.file)
     }
 
     /// Whether the photo with this content was taken back.
-    pub fn was_taken_back(&self, sha256: &str) -> bool {
+    pub(crate) fn was_taken_back(&self, sha256: &str) -> bool {
         self.taken_back.iter().any(|known| known == sha256)
     }
 
@@ -141,7 +141,12 @@ impl Store {
     ///
     /// # Errors
     /// A file that cannot be written, a session folder that is gone. Opened again, the session has the photo whole or not at all.
-    pub fn accept(&mut self, original: &[u8], extension: &str, mut sidecar: Sidecar) -> Result<String, StoreError> {
+    pub(crate) fn accept(
+        &mut self,
+        original: &[u8],
+        extension: &str,
+        mut sidecar: Sidecar,
+    ) -> Result<String, StoreError> {
         // Writing would make a missing folder anew.
         if !self.folder.join(SCENE).exists() {
             return Err(StoreError::Gone {
@@ -164,7 +169,7 @@ impl Store {
     ///
     /// # Errors
     /// A file that cannot be moved or written. Opening the session again finishes what was begun.
-    pub fn take_back(&mut self, photo: &str) -> Result<(), StoreError> {
+    pub(crate) fn take_back(&mut self, photo: &str) -> Result<(), StoreError> {
         let Some(at) = self.accepted.iter().position(|sidecar| sidecar.photo.file == photo) else {
             return Ok(());
         };

@@ -18,7 +18,7 @@ const STABLE: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(4);
 
 /// New photos in a folder, by name where several are ready at once.
-pub struct Watch {
+pub(crate) struct Watch {
     folder: PathBuf,
     files: BTreeMap<PathBuf, WatchedFile>,
     ready: VecDeque<SourceFrame>,
@@ -39,7 +39,7 @@ impl Watch {
     ///
     /// # Errors
     /// The folder cannot be read.
-    pub fn open(folder: &Path, ends: bool) -> Result<Watch, SourceError> {
+    pub(crate) fn open(folder: &Path, ends: bool) -> Result<Watch, SourceError> {
         let mut watch = Watch {
             folder: folder.to_owned(),
             files: BTreeMap::new(),

@@ -13,11 +13,11 @@ use crate::scene::{Bins, Scene};
 use crate::tags::{CornersBy, TagDetectorChoice};
 
 /// What a person who moves a camera does not notice yet: the limits of guided capture for the median and for 95 % of the frames, ms.
-pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
+pub(crate) const LIMITS_MS: [f64; 2] = [60.0, 120.0];
 
 /// One tag detector, judging frames one way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CaptureRow {
+pub(crate) struct CaptureRow {
     pub tag_detector: &'static str,
     /// As frames of a running camera, of which a faster search is told first, rather than as photos.
     pub is_stream: bool,
@@ -35,7 +35,7 @@ pub struct CaptureRow {
 ///
 /// # Errors
 /// A detector that does not start; a frame that cannot be decoded, or of another shape than the camera's.
-pub fn measure(
+pub(crate) fn measure(
     frames: &[(String, Vec<u8>)],
     scene: &Scene,
     camera: &Camera,
@@ -77,7 +77,7 @@ pub fn measure(
 }
 
 /// The rows that [`measure`] gives: photos by each detector, and a stream by the one that has a faster search.
-pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
+pub(crate) fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
     let fitted = detectors(scene)
         .into_iter()
         .filter(|choice| choice.corners_by() == CornersBy::Fit);
@@ -111,7 +111,7 @@ fn unreachable(bins: &Bins) -> Guidance {
 }
 
 /// The chart: the median against the slowest twentieth; lower left is better.
-pub fn draw(rows: &[CaptureRow]) -> String {
+pub(crate) fn draw(rows: &[CaptureRow]) -> String {
     let names: Vec<String> = rows.iter().fold(Vec::new(), |mut names, row| {
         if !names.iter().any(|known| known == row.tag_detector) {
             names.push(row.tag_detector.to_owned());
@@ -149,7 +149,7 @@ pub fn draw(rows: &[CaptureRow]) -> String {
 }
 
 /// The same as lines of text.
-pub fn table(rows: &[CaptureRow]) -> String {
+pub(crate) fn table(rows: &[CaptureRow]) -> String {
     let mut text = format!(
         "{:<16} {:<15} {:>9} {:>9} {:>8}\n",
         "tags", "frames", "median ms", "95 % ms", "located"

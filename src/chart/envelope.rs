@@ -11,7 +11,7 @@ use crate::statistics::median;
 
 /// A photo with its pose, and the truth about it.
 #[derive(Debug, Clone)]
-pub struct LocatedSample {
+pub(crate) struct LocatedSample {
     pub file: String,
     /// `T_camera_model`, as the tags give it.
     pub pose: Rigid,
@@ -23,7 +23,7 @@ pub struct LocatedSample {
 
 /// One envelope and what it measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EnvelopeRow {
+pub(crate) struct EnvelopeRow {
     /// `box`, `hull` or `mesh`.
     pub envelope: &'static str,
     pub is_default: bool,
@@ -41,7 +41,7 @@ pub struct EnvelopeRow {
 
 /// The truth box of one photo.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BoxFit {
+pub(crate) struct BoxFit {
     pub file: String,
     /// Absent with a reason.
     pub box_xyxy_px: Option<BoxPx>,
@@ -50,7 +50,7 @@ pub struct BoxFit {
 }
 
 /// Measures envelopes, named; the one of the session's scene is the default.
-pub fn measure(
+pub(crate) fn measure(
     samples: &[LocatedSample],
     outlines: &[(&'static str, EnvelopeShape)],
     default: &str,
@@ -90,7 +90,7 @@ fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShap
 }
 
 /// The chart: a colour an envelope, one mark for the median and one for the worst photo.
-pub fn draw(rows: &[EnvelopeRow]) -> String {
+pub(crate) fn draw(rows: &[EnvelopeRow]) -> String {
     let dots = rows.iter().enumerate().flat_map(|(series, row)| {
         [row.iou_median, row.iou_min]
             .into_iter()
@@ -127,7 +127,7 @@ pub fn draw(rows: &[EnvelopeRow]) -> String {
 }
 
 /// The same as lines of text.
-pub fn table(rows: &[EnvelopeRow]) -> String {
+pub(crate) fn table(rows: &[EnvelopeRow]) -> String {
     let mut text = format!(
         "{:<9} {:>7} {:>9} {:>11} {:>9} {:>11}\n",
         "envelope", "photos", "answered", "IoU median", "IoU min", "ms a photo"

@@ -15,14 +15,14 @@ use crate::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
 /// How much of the camera file's lens model is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LensTerms {
+pub(crate) enum LensTerms {
     Pinhole,
     K1,
     Full,
 }
 
 impl LensTerms {
-    pub const ALL: [Self; 3] = [Self::Full, Self::K1, Self::Pinhole];
+    pub(crate) const ALL: [Self; 3] = [Self::Full, Self::K1, Self::Pinhole];
 
     fn title(self) -> &'static str {
         match self {
@@ -33,7 +33,7 @@ impl LensTerms {
     }
 
     /// The camera with only these coefficients left.
-    pub fn of(self, camera: &Camera) -> Camera {
+    pub(crate) fn of(self, camera: &Camera) -> Camera {
         let kept = match self {
             Self::Pinhole => 0,
             Self::K1 => 1,
@@ -46,7 +46,7 @@ impl LensTerms {
 
 /// A photo to measure on, and the truth about it.
 #[derive(Debug, Clone)]
-pub struct PhotoSample {
+pub(crate) struct PhotoSample {
     /// Upright.
     pub luma: GrayImage,
     /// How far EXIF turned it.
@@ -63,7 +63,7 @@ impl PhotoSample {
 
 /// One combination and what it measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LocateRow {
+pub(crate) struct LocateRow {
     pub tag_detector: &'static str,
     pub solver: &'static str,
     pub camera_model: LensTerms,
@@ -89,14 +89,14 @@ pub struct LocateRow {
 
 impl LocateRow {
     /// Milliseconds a photo takes.
-    pub fn ms(&self) -> f64 {
+    pub(crate) fn ms(&self) -> f64 {
         self.find_ms + self.solve_ms
     }
 }
 
 /// The tag detectors that are compared: those that read the scene's families. Of OpenCV's refiners followed by the common fit only the
 /// fastest is: the fit replaces what they differ in.
-pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
+pub(crate) fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let is_compared = |choice: &TagDetectorChoice| {
         let is_refined_twice =
             matches!(choice, TagDetectorChoice::Aruco(refiner, CornersBy::Fit) if *refiner != ArucoRefiner::None);
@@ -111,7 +111,7 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 /// # Errors
 /// A detector that reads the scene's families but does not start; those that do not read them are left out. A photo that the camera does not
 /// fit.
-pub fn measure(
+pub(crate) fn measure(
     samples: &[PhotoSample],
     scene: &Scene,
     camera: &Camera,
@@ -188,7 +188,7 @@ fn row(
 }
 
 /// Whether an answer puts a photo into another azimuth bin than the true one. Truth within 1° of a bin's edge counts for both.
-pub fn is_silently_wrong(view: &Viewpoint, truth: &Viewpoint, scene: &Scene) -> bool {
+pub(crate) fn is_silently_wrong(view: &Viewpoint, truth: &Viewpoint, scene: &Scene) -> bool {
     let is_inside = scene.bins.azimuth_to_edge_deg(truth.azimuth_deg) > 1.0;
     is_inside && scene.bins.bin_of(view).azimuth_deg != scene.bins.bin_of(truth).azimuth_deg
 }
@@ -229,7 +229,7 @@ fn mark_fronts(rows: &mut [LocateRow]) {
 }
 
 /// The chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
-pub fn draw(rows: &[LocateRow]) -> String {
+pub(crate) fn draw(rows: &[LocateRow]) -> String {
     let names = |name: fn(&LocateRow) -> &'static str| {
         let mut names: Vec<String> = Vec::new();
         for row in rows {
@@ -281,7 +281,7 @@ pub fn draw(rows: &[LocateRow]) -> String {
 }
 
 /// The same as lines of text, the fastest first.
-pub fn table(rows: &[LocateRow]) -> String {
+pub(crate) fn table(rows: &[LocateRow]) -> String {
     let mut sorted: Vec<&LocateRow> = rows.iter().collect();
     sorted.sort_by(|a, b| {
         (a.camera_model as u8)

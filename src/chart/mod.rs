@@ -1,11 +1,11 @@
 //! Methods against each other, measured on the same photos: the charts that choose the defaults, and the sweeps that show where
 //! each method breaks.
 
-pub mod capture;
-pub mod envelope;
-pub mod locate;
+pub(crate) mod capture;
+pub(crate) mod envelope;
+pub(crate) mod locate;
 mod spoil;
-pub mod stability;
+pub(crate) mod stability;
 mod timing;
 mod truth;
 
@@ -13,13 +13,13 @@ use crate::camera::SizeError;
 use crate::photo::PhotoError;
 use crate::tags::StartError;
 
-pub use spoil::Spoil;
-pub use truth::{TruthError, true_boxes, true_views};
+pub(crate) use spoil::Spoil;
+pub(crate) use truth::{TruthError, true_boxes, true_views};
 
 /// Why photos could not be measured on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum MeasureError {
+pub(crate) enum MeasureError {
     #[error(transparent)]
     Tags(#[from] StartError),
     #[error(transparent)]

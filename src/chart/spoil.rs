@@ -9,11 +9,11 @@ use rand::{Rng, RngExt};
 use crate::simulate::normal;
 
 /// Four corners of a tag in the image, px.
-pub type TagCorners = [[f64; 2]; 4];
+pub(super) type TagCorners = [[f64; 2]; 4];
 
 /// What is wrong with a photo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Spoil {
+pub(crate) enum Spoil {
     /// Out of focus: Gaussian blur, σ in px.
     Blur,
     /// The camera moved: mean along a line of this many px, in a random direction.
@@ -31,7 +31,7 @@ pub enum Spoil {
 }
 
 impl Spoil {
-    pub const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Blur,
         Self::Motion,
         Self::Noise,
@@ -42,7 +42,7 @@ impl Spoil {
     ];
 
     /// A stable name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Blur => "blur",
             Self::Motion => "motion_blur",
@@ -55,7 +55,7 @@ impl Spoil {
     }
 
     /// What the amounts are.
-    pub fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Blur => "Gaussian blur, σ in px",
             Self::Motion => "motion blur, px",
@@ -68,7 +68,7 @@ impl Spoil {
     }
 
     /// From harmless to hopeless.
-    pub fn amounts(self) -> &'static [f64] {
+    pub(crate) fn amounts(self) -> &'static [f64] {
         match self {
             Self::Blur => &[0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0],
             Self::Motion => &[0.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0],
@@ -81,7 +81,7 @@ impl Spoil {
     }
 
     /// The photo as it would look. `tags` are where the tags of the scene are in it.
-    pub fn apply(self, photo: &GrayImage, amount: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
+    pub(crate) fn apply(self, photo: &GrayImage, amount: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
         match self {
             Self::Blur if amount > 0.0 => imageops::blur(photo, amount as f32),
             Self::Motion if amount > 0.0 => moved(photo, amount, rng.random_range(0.0..180.0)),

@@ -24,7 +24,7 @@ const NOISE: Noise = Noise {
 
 /// One condition that is swept over simulated views.
 #[derive(Debug, Clone, Copy)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     /// A stable name.
     pub name: &'static str,
     /// What the amounts are.
@@ -47,7 +47,7 @@ enum SweepKind {
 }
 
 /// All sweeps over simulated views.
-pub const SWEEPS: [Sweep; 14] = [
+pub(crate) const SWEEPS: [Sweep; 14] = [
     Sweep {
         name: "corner_noise",
         unit: "corner noise, σ in px",
@@ -136,7 +136,7 @@ pub const SWEEPS: [Sweep; 14] = [
 
 /// What one method did at one amount of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SweepStep {
+pub(crate) struct SweepStep {
     pub sweep: &'static str,
     pub unit: &'static str,
     pub amount: f64,
@@ -192,7 +192,13 @@ impl Tally {
 
 /// Every sweep over simulated views of a scene, `views` at each amount, every solver on the same ones. The same seed gives the
 /// same steps. `on_done` is called after each amount.
-pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done: impl Fn() + Sync) -> Vec<SweepStep> {
+pub(crate) fn on_views(
+    scene: &Scene,
+    camera: &Camera,
+    views: usize,
+    seed: u64,
+    on_done: impl Fn() + Sync,
+) -> Vec<SweepStep> {
     let jobs: Vec<(usize, Sweep, f64)> = SWEEPS
         .iter()
         .flat_map(|sweep| sweep.amounts.iter().map(|amount| (*sweep, *amount)))
@@ -212,7 +218,7 @@ pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done
 }
 
 /// How many amounts [`on_views`] goes through.
-pub fn view_steps() -> usize {
+pub(crate) fn view_steps() -> usize {
     SWEEPS.iter().map(|sweep| sweep.amounts.len()).sum()
 }
 
@@ -354,7 +360,7 @@ fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
 ///
 /// # Errors
 /// A detector that does not start.
-pub fn on_photos(
+pub(crate) fn on_photos(
     samples: &[PhotoSample],
     scene: &Scene,
     camera: &Camera,
@@ -401,7 +407,7 @@ pub fn on_photos(
 }
 
 /// How many spoiled photos [`on_photos`] looks at.
-pub fn photo_steps(photos: usize) -> usize {
+pub(crate) fn photo_steps(photos: usize) -> usize {
     photos * Spoil::ALL.iter().map(|spoil| spoil.amounts().len()).sum::<usize>()
 }
 
@@ -422,7 +428,7 @@ fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>
 }
 
 /// Over some steps: views, share answered, and the share of the answered that was silently wrong.
-pub fn total<'a>(steps: impl IntoIterator<Item = &'a SweepStep>) -> (usize, f64, f64) {
+pub(crate) fn total<'a>(steps: impl IntoIterator<Item = &'a SweepStep>) -> (usize, f64, f64) {
     let (mut views, mut answered, mut wrong) = (0, 0.0, 0.0);
     for step in steps {
         views += step.views;
@@ -434,7 +440,7 @@ pub fn total<'a>(steps: impl IntoIterator<Item = &'a SweepStep>) -> (usize, f64,
 
 /// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
 /// error of the answered.
-pub fn draw(title: &str, steps: &[SweepStep]) -> String {
+pub(crate) fn draw(title: &str, steps: &[SweepStep]) -> String {
     let mut methods: Vec<&str> = Vec::new();
     let mut sweeps: Vec<&str> = Vec::new();
     for step in steps {
@@ -518,7 +524,7 @@ fn amounts(steps: &[&SweepStep], methods: &[&str]) -> Vec<String> {
 
 /// The detectors that photos are spoiled for: the default, the library it rests on as it comes, and the fastest rival; those of them that
 /// read the scene's tags.
-pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
+pub(crate) fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
     let compared = [
         TagDetectorChoice::default(),
@@ -529,7 +535,7 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 }
 
 /// A line a sweep and method: up to which amount nearly all is answered, and how often it was silently wrong at worst.
-pub fn summary(steps: &[SweepStep]) -> String {
+pub(crate) fn summary(steps: &[SweepStep]) -> String {
     let mut text = format!(
         "{:<22} {:<16} {:>7} {:>22} {:>26}\n",
         "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"

@@ -12,7 +12,7 @@ use crate::scene::Viewpoint;
 /// Why there is no truth to measure against.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum TruthError {
+pub(crate) enum TruthError {
     #[error(transparent)]
     File(#[from] files::FileError),
     #[error(
@@ -58,7 +58,7 @@ struct TrueBox {
 ///
 /// # Errors
 /// An unreadable file, one that is no truth file, a photo it does not know.
-pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
+pub(crate) fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
     let keys = "\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …";
     about(path, files, keys, |view: &TrueView| Viewpoint {
         azimuth_deg: view.azimuth_deg,
@@ -71,7 +71,7 @@ pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthEr
 ///
 /// # Errors
 /// As [`true_views`].
-pub fn true_boxes(path: &Path, files: &[&str]) -> Result<Vec<BoxPx>, TruthError> {
+pub(crate) fn true_boxes(path: &Path, files: &[&str]) -> Result<Vec<BoxPx>, TruthError> {
     let keys = "\"box_xyxy_px\": [x1, y1, x2, y2]";
     about(path, files, keys, |truth: &TrueBox| truth.box_xyxy_px)
 }

@@ -4,10 +4,10 @@ use std::error::Error;
 
 /// Advice on one error: what follows its sentence after a colon, or at once if it begins with a comma or a space. `None` where the sentence
 /// says all.
-pub type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
+pub(super) type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
 
 /// An error's sentence with the advice of the commands on it, or on what it wraps.
-pub fn sentence(error: &(dyn Error + 'static)) -> String {
+pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
     match wrapped.find_map(|e| super::ADVICE.iter().find_map(|advise| advise(e))) {
         Some(advice) if advice.starts_with([',', ' ']) => format!("{error}{advice}"),

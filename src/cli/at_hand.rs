@@ -15,7 +15,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 ///
 /// # Errors
 /// A named one that cannot take part; none at hand.
-pub fn evaluated(
+pub(super) fn evaluated(
     sessions: &[Session],
     names: &[String],
     is_recorded: bool,

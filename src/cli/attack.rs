@@ -16,7 +16,7 @@ mod run;
 #[cfg(feature = "attack")]
 mod train_dtn;
 
-pub use advice::advice;
+pub(crate) use advice::advice;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ use crate::frames::FrameSet;
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -62,7 +62,7 @@ struct CheckArgs {
 }
 
 /// Runs `scaleproof attack …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Render(args) => render::run(&args, out),
         What::Import(args) => import::run(&args, out),

@@ -14,7 +14,7 @@ use crate::camera::CameraFormat;
 /// The smallest camera model that the photos bear out is taken; what was dropped is said. Photos that do not determine a
 /// camera are refused with the reason.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// Photos of the board (JPEG or PNG); they are never changed
     #[arg(required = true)]
     photos: Vec<PathBuf>,
@@ -33,7 +33,7 @@ pub struct Args {
 }
 
 /// Runs `scaleproof calibrate`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let board = Definition::open(&args.board)?;
     calibrate::check(&board)?;
     let bar = progress::photos("looking", args.photos.len());

@@ -28,7 +28,7 @@ use crate::tags::TagDetectorChoice;
 /// 0 when every view is there, else 2.
 #[derive(clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-pub struct Args {
+pub(super) struct Args {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
@@ -132,7 +132,7 @@ struct CaptureSummary {
     open: Vec<Viewpoint>,
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match (args.command, args.guided) {
         (Some(Command::ListCameras(args)), _) => list(&args, out),
         (None, Some(guided)) => guide(&guided, &args.wanted, &args.browser, out),

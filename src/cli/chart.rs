@@ -19,7 +19,7 @@ use crate::tags::TagDetectorChoice;
 
 /// Chart methods against each other, on the same photos
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -96,7 +96,7 @@ struct ChartInput {
 }
 
 /// Runs `scaleproof chart …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Locate(args) => chart_locate(&args, out),
         What::Envelope(args) => chart_envelope(&args, out),

@@ -11,7 +11,7 @@ use crate::score::{self, ApDefinition, CompareError, Criteria};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
     /// The variant that the others are held against.
@@ -39,7 +39,7 @@ pub struct Args {
 }
 
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     match error.downcast_ref()? {
         CompareError::NoBase { .. } => Some("name one of these with --base".into()),
         _ => None,
@@ -49,7 +49,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 /// Photos without a partner that are said one by one.
 const MOST_LISTED: usize = 20;
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.recorded)?;
     let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;

@@ -12,7 +12,7 @@ use crate::files;
 
 /// Print what lets a shell complete commands and options
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// The shell
     #[arg(value_enum)]
     shell: Shell,
@@ -20,14 +20,14 @@ pub struct Args {
 
 /// Write a manual page for every command, for packages
 #[derive(clap::Args)]
-pub struct ManualsArgs {
+pub(super) struct ManualsArgs {
     /// Folder for the pages
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
 
 /// Runs `scaleproof completions`.
-pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut super::command(), "scaleproof", &mut script);
     out.write_all(&script)?;
@@ -35,7 +35,7 @@ pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Runs `scaleproof manuals`.
-pub fn run_manuals(args: &ManualsArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run_manuals(args: &ManualsArgs, out: &mut dyn Write) -> CommandResult {
     let mut whole = super::command();
     whole.build();
     let mut pages = Vec::new();

@@ -11,7 +11,7 @@ const MARK: &[u8] = b"drawn by scaleproof";
 
 /// Why copies have no place.
 #[derive(Debug, thiserror::Error)]
-pub enum CopiesError {
+pub(super) enum CopiesError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("{path} is in the way: no earlier run has drawn it; name another folder with {option}", path = path.display())]
@@ -28,7 +28,7 @@ pub enum CopiesError {
 ///
 /// # Errors
 /// A folder that holds one of the photos or cannot be written; a file in the way that no run has drawn.
-pub fn places(
+pub(super) fn places(
     folder: &Path,
     photos: &[PathBuf],
     option: &'static str,
@@ -78,7 +78,7 @@ fn is_drawn(path: &Path) -> bool {
 }
 
 /// The JPEG with the mark as its first segment, a comment (ITU-T T.81, B.2.4.5).
-pub fn marked(jpeg: &[u8]) -> Vec<u8> {
+pub(super) fn marked(jpeg: &[u8]) -> Vec<u8> {
     let length = (MARK.len() as u16 + 2).to_be_bytes();
     let rest = jpeg.get(2..).unwrap_or_default();
     [&[0xFF, 0xD8, 0xFF, 0xFE][..], &length[..], MARK, rest].concat()

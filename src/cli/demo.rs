@@ -18,7 +18,7 @@ use crate::session::Session;
 ///
 /// Missing weights are fetched; without a network the detections recorded with the session are scored instead.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// Folder for the template, the poses and the report
     #[arg(short, long, alias = "out", value_name = "DIR", default_value = "out/demo")]
     output: PathBuf,
@@ -29,7 +29,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if !args.json {
         let made = make(&args, out)?;
         writeln!(
@@ -87,7 +87,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles, Box<dyn std::erro
 }
 
 /// For a panel as large as the model's side.
-pub fn print_template(
+pub(super) fn print_template(
     pattern: &Pattern,
     name: &str,
     tile_mm: f64,
@@ -117,7 +117,7 @@ pub fn print_template(
 }
 
 /// The folder with the stored photos: named by `./run`, else where a packaged program lies, else where it was compiled.
-pub fn home() -> PathBuf {
+pub(super) fn home() -> PathBuf {
     let named = std::env::var_os("SCALEPROOF_HOME").map(PathBuf::from);
     let packaged = || files::beside_the_program("captures")?.parent().map(Path::to_owned);
     named

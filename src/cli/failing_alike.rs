@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
 
 /// Fewer are listed one by one: that is read as fast.
-pub const MOST_LISTED: usize = 3;
+pub(super) const MOST_LISTED: usize = 3;
 
 /// So many photos, spread evenly, are looked at again to find the cause, where nobody kept what was seen in them.
 const LOOKED_AT: usize = 12;
@@ -20,7 +20,7 @@ const LOOKED_AT: usize = 12;
 const SEARCHED_FOR_ALL: usize = 4;
 
 /// What photos were located with, and the files it comes from.
-pub struct LocateFiles {
+pub(super) struct LocateFiles {
     pub scene: Scene,
     pub scene_file: PathBuf,
     pub camera: Camera,
@@ -29,7 +29,7 @@ pub struct LocateFiles {
 
 impl LocateFiles {
     /// The one cause for photos that were examined, as a sentence, if there is one.
-    pub fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
+    pub(super) fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
         let examined: Vec<&LocatedPhoto> = photos.iter().map(|(_, examined)| *examined).collect();
         let others = match diagnosis::is_without_tags(&examined) {
             true => self.with_every_family(&photos.iter().map(|(path, _)| *path).collect::<Vec<_>>()),
@@ -44,7 +44,7 @@ impl LocateFiles {
     }
 
     /// The same for photos that only have names.
-    pub fn cause_in_files(&self, photos: &[PathBuf]) -> Option<String> {
+    pub(super) fn cause_in_files(&self, photos: &[PathBuf]) -> Option<String> {
         let paths: Vec<&Path> = photos.iter().map(PathBuf::as_path).collect();
         let mut tags = TagDetectorChoice::default().open(&self.scene.families()).ok()?;
         let mut examine = |path: &Path| {
@@ -76,14 +76,14 @@ impl LocateFiles {
 }
 
 /// What a session's photos are located with, and some of them; kept while the session itself is scored.
-pub struct SessionFiles {
+pub(super) struct SessionFiles {
     files: LocateFiles,
     photos: Vec<PathBuf>,
 }
 
 impl SessionFiles {
     /// `None` for a session whose photos carry their truth: they are not located.
-    pub fn of(session: &Session) -> Option<SessionFiles> {
+    pub(super) fn of(session: &Session) -> Option<SessionFiles> {
         let needs_tags = session
             .photos
             .iter()
@@ -112,7 +112,7 @@ fn name_of(path: &Path) -> PathBuf {
 
 /// What a run gives, with the cause that photos share which were left out: in its error when nothing was scored, else among the cautions, so that
 /// it stands beside the figures too.
-pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
+pub(super) fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
     match scores {
         Ok(mut scores) => {
             let causes: Vec<String> = scores.sessions.iter().filter_map(|s| cause_in(&scores, s)).collect();
@@ -156,7 +156,7 @@ fn left_out<'a>(scores: &'a Scores, session: &Session) -> impl Iterator<Item = &
 }
 
 /// Says on standard error which photos were left out: one by one, or only how many of a session where the cautions have the cause.
-pub fn say_not_scored(scores: &Scores) {
+pub(super) fn say_not_scored(scores: &Scores) {
     let is_grouped = |name: &str| {
         scores
             .sessions

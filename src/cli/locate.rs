@@ -27,7 +27,7 @@ use crate::workers;
 /// A photo whose pose cannot be known is answered with the reason instead. Exit code 2 when a photo cannot be read or when
 /// no photo at all is located.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// Photos (JPEG or PNG); they are never changed.
     #[arg(required = true)]
     photos: Vec<PathBuf>,
@@ -84,7 +84,7 @@ type PhotoAnswer = Result<LocatedPhoto, PhotoError>;
 const UNREADABLE: &str = "unreadable";
 
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     let of_score = || match error.downcast_ref()? {
         ScoreError::Tags(start) => Some(start),
         _ => None,
@@ -95,7 +95,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     }
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let files = LocateFiles {
         scene: Scene::open(&args.scene)?,
         camera: Camera::open(&args.camera)?,
@@ -134,7 +134,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Locates every photo of a session and writes the table.
-pub fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
     let answers = locate_all(
         &photos,

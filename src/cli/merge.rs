@@ -14,7 +14,7 @@ use crate::score::shard::{self, ShardError};
 ///
 /// The sessions must lie where they lay when the shards were scored; photos and weights are not needed any more.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// The shard files, all of one run.
     #[arg(required = true)]
     shards: Vec<PathBuf>,
@@ -29,7 +29,7 @@ pub struct Args {
 }
 
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     match error.downcast_ref()? {
         ShardError::NotAShard { .. } => Some("name the files that score --shard wrote".into()),
         ShardError::Detector(e) => detectors::advice(e),
@@ -37,7 +37,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     }
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let criteria = args.judging.criteria()?;
     let (run, observed) = shard::whole_run(&args.shards)?;
     let sessions = run.sessions()?;

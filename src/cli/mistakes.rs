@@ -6,7 +6,7 @@ use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// What was wrong with the arguments, without the usage that clap adds below.
-pub fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> String {
+pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> String {
     let command = named(whole, arguments);
     let text = |kind| match e.get(kind) {
         Some(ContextValue::String(text)) => Some(text.clone()),

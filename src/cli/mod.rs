@@ -111,7 +111,7 @@ const ADVICE: &[advice::Advise] = &[
 ];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
-pub fn main() -> ExitCode {
+pub(crate) fn main() -> ExitCode {
     keep_to_ourselves();
     keep_refusals_quiet();
     let arguments: Vec<OsString> = std::env::args_os().collect();

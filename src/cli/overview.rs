@@ -197,7 +197,7 @@ const EXAMPLES: [(&str, &[&str]); 27] = [
 ];
 
 /// The command line with its commands grouped and with examples.
-pub fn explained(command: Command) -> Command {
+pub(super) fn explained(command: Command) -> Command {
     let template = format!(
         "{{before-help}}{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}{}\n{{options}}{{after-help}}",
         groups(&command),

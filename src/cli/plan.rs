@@ -9,7 +9,7 @@ use crate::score;
 ///
 /// Exact for McNemar's test at 5 %, with one photo of each texture a place and bin, and hits independent within a pair.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// The drop of the hit rate that shall be shown, 0 to 1.
     #[arg(long)]
     drop: f64,
@@ -27,7 +27,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let bins = usize::from(args.bins);
     let pairs = score::pairs_needed(args.base_rate, args.drop, args.power, 0.05 / bins as f64)?;
     if args.json {

@@ -14,32 +14,32 @@ use super::say;
 const EVERY: Duration = Duration::from_secs(5);
 
 /// How far some work has come. Dropped before [`Progress::finish_and_clear`], it just goes.
-pub struct Progress {
+pub(super) struct Progress {
     bar: ProgressBar,
     lines: Lines,
 }
 
 impl Progress {
-    pub fn inc(&self, steps: u64) {
+    pub(super) fn inc(&self, steps: u64) {
         self.bar.inc(steps);
     }
 
-    pub fn set_position(&self, position: u64) {
+    pub(super) fn set_position(&self, position: u64) {
         self.bar.set_position(position);
     }
 
-    pub fn set_length(&self, length: u64) {
+    pub(super) fn set_length(&self, length: u64) {
         self.bar.set_length(length);
     }
 
     /// How well it goes.
     #[cfg_attr(not(feature = "attack"), allow(dead_code))]
-    pub fn set_message(&self, message: String) {
+    pub(super) fn set_message(&self, message: String) {
         self.bar.set_message(message);
     }
 
     /// The work is done; what took long enough for a line gets a last one.
-    pub fn finish_and_clear(&self) {
+    pub(super) fn finish_and_clear(&self) {
         if self.lines.stop() {
             self.lines.say(&self.lines.work.last_line(&self.bar));
         }
@@ -54,17 +54,17 @@ impl Drop for Progress {
 }
 
 /// A bar that counts photos.
-pub fn photos(what: &str, count: usize) -> Progress {
+pub(super) fn photos(what: &str, count: usize) -> Progress {
     counting(what, count, "photos")
 }
 
 /// A bar that counts frames, one whole image after the other.
-pub fn frames(what: &str, count: usize) -> Progress {
+pub(super) fn frames(what: &str, count: usize) -> Progress {
     counting(what, count, "frames")
 }
 
 /// A bar that counts the steps of a search.
-pub fn steps(what: &str, count: usize) -> Progress {
+pub(super) fn steps(what: &str, count: usize) -> Progress {
     counting(what, count, "steps")
 }
 
@@ -75,20 +75,20 @@ fn counting(what: &str, count: usize, unit: &'static str) -> Progress {
 
 /// A bar that counts the seconds or the steps of a training; its message is how well it goes.
 #[cfg(feature = "attack")]
-pub fn training(is_time: bool, length: u64) -> Progress {
+pub(super) fn training(is_time: bool, length: u64) -> Progress {
     let unit = if is_time { "s" } else { "steps" };
     let template = format!("training {{bar:30}} {{pos}}/{{len}} {unit}, {{msg}}");
     shown(ProgressBar::new(length), "training", Unit::Counted(unit), &template)
 }
 
 /// A bar that counts the bytes of a download, whose length may become known later.
-pub fn bytes(what: &str) -> Progress {
+pub(super) fn bytes(what: &str) -> Progress {
     let template = "{msg:<18} {bar:30} {bytes} of {total_bytes}, {eta} left";
     shown(ProgressBar::no_length(), what, Unit::Bytes, template)
 }
 
 /// Work whose steps nobody counts.
-pub fn busy(what: &str) -> Progress {
+pub(super) fn busy(what: &str) -> Progress {
     let progress = shown(
         ProgressBar::new_spinner(),
         what,
@@ -102,7 +102,7 @@ pub fn busy(what: &str) -> Progress {
 }
 
 /// Says what is being done, where no step can be counted.
-pub fn announce(sentence: &str) {
+pub(super) fn announce(sentence: &str) {
     if !say::is_quiet() {
         say!("{sentence}");
     }

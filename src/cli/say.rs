@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// From now on, notes and progress are not shown.
-pub fn be_quiet() {
+pub(super) fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
 /// Whether notes and progress are not to be shown.
-pub fn is_quiet() -> bool {
+pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
 /// Says a sentence on standard error, unless it is a note that `--quiet` silences. Nobody may be there to read it.
-pub fn say(sentence: fmt::Arguments) {
+pub(super) fn say(sentence: fmt::Arguments) {
     let text = sentence.to_string().replace('\n', "\\u000a");
     if is_quiet() && is_note(&text) {
         return;
@@ -40,7 +40,7 @@ macro_rules! say {
 }
 
 /// Shows control characters as `\u001b`, which is also how JSON writes them. Lines and tabs stay.
-pub struct Visible<W>(pub W);
+pub(super) struct Visible<W>(pub W);
 
 impl<W: Write> Write for Visible<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -18,7 +18,7 @@ use crate::workers;
 ///
 /// A photo that cannot be read or located is listed with its reason, and the others are scored.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
     /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
@@ -54,7 +54,7 @@ pub struct Args {
 
 /// What is made of what was found: nothing of it needs the photos again.
 #[derive(clap::Args)]
-pub struct Judging {
+pub(super) struct Judging {
     /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
     #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
     ap: ApDefinition,
@@ -67,7 +67,7 @@ pub struct Judging {
 }
 
 impl Judging {
-    pub fn criteria(&self) -> Result<Criteria, String> {
+    pub(super) fn criteria(&self) -> Result<Criteria, String> {
         if !(SCORE_FLOOR..=1.0).contains(&self.confidence) {
             let confidence = self.confidence;
             return Err(format!(
@@ -80,14 +80,14 @@ impl Judging {
         })
     }
 
-    pub fn speeds(&self, detectors: &[EvaluatedDetector]) -> Result<Option<Speeds>, SpeedError> {
+    pub(super) fn speeds(&self, detectors: &[EvaluatedDetector]) -> Result<Option<Speeds>, SpeedError> {
         self.speed.as_deref().map(|path| speeds(path, detectors)).transpose()
     }
 }
 
 /// How hard a run works and what it keeps; no result depends on it.
 #[derive(clap::Args)]
-pub struct Effort {
+pub(super) struct Effort {
     /// Threads to use; one a core when left out.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -99,11 +99,11 @@ pub struct Effort {
 
 impl Effort {
     /// As many as were asked for.
-    pub fn threads(&self) -> Option<u32> {
+    pub(super) fn threads(&self) -> Option<u32> {
         self.threads.map(u32::from)
     }
 
-    pub fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options, Box<dyn std::error::Error>> {
+    pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options, Box<dyn std::error::Error>> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
         let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());
         let folder = self
@@ -123,7 +123,7 @@ impl Effort {
 }
 
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     if let Some(RecordError::Exists { .. }) = error.downcast_ref() {
         return Some("add --replace to store it anew, or play it with --recorded".into());
     }
@@ -133,7 +133,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     }
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let criteria = args.judging.criteria()?;
     let opened = args.photos.open()?;
     for (option, is_given) in [
@@ -168,7 +168,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// What a scoring run says when its report is written.
-pub fn show(
+pub(super) fn show(
     scores: &Scores,
     speeds: Option<&Speeds>,
     page: &Path,
@@ -187,13 +187,13 @@ pub fn show(
 }
 
 /// The times of these detectors in a file.
-pub fn speeds(path: &Path, detectors: &[EvaluatedDetector]) -> Result<Speeds, SpeedError> {
+pub(super) fn speeds(path: &Path, detectors: &[EvaluatedDetector]) -> Result<Speeds, SpeedError> {
     let manifests: Vec<&Manifest> = detectors.iter().map(|c| &c.manifest).collect();
     Speeds::open(path, &manifests)
 }
 
 /// Scores sessions and shows how far it has come.
-pub fn score_with_progress(
+pub(super) fn score_with_progress(
     sessions: Vec<Session>,
     detectors: Vec<EvaluatedDetector>,
     options: &Options,
@@ -237,7 +237,7 @@ fn write_shard(
 }
 
 /// Says on standard error which photos were left out, and what to know before believing the figures.
-pub fn caution(scores: &Scores) {
+pub(super) fn caution(scores: &Scores) {
     failing_alike::say_not_scored(scores);
     for caution in &scores.cautions {
         say!("note: {caution}");

@@ -19,7 +19,7 @@ use crate::spelling;
 
 /// Make a session of photos that are there already, or show what is in one.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -32,7 +32,7 @@ enum What {
 }
 
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     if let Some(SessionImportError::NoVariant { .. }) = error.downcast_ref() {
         return Some(", or give --variant for all".into());
     }
@@ -43,7 +43,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 /// Runs `scaleproof session …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Import(args) => import::run(&args, out),
         What::New(args) => new::run(&args, out),

@@ -12,7 +12,7 @@ const PLACE: &str = "here";
 
 /// Sessions, or folders of photos.
 #[derive(clap::Args)]
-pub struct Photos {
+pub(super) struct Photos {
     /// Session folders (each with a session.json), or folders of photos with the texture each shows, as in normal=monday
     /// checker=tuesday, with --scene and --camera.
     #[arg(value_name = "SESSION|VARIANT=DIR")]
@@ -23,7 +23,7 @@ pub struct Photos {
 
 /// What a session says of its photos, and folders of photos do not.
 #[derive(clap::Args)]
-pub struct FolderFiles {
+pub(super) struct FolderFiles {
     /// With VARIANT=DIR: what stood on the table, scene.toml.
     #[arg(long, value_name = "TOML")]
     scene: Option<PathBuf>,
@@ -36,7 +36,7 @@ pub struct FolderFiles {
 }
 
 /// The sessions of a run.
-pub struct OpenedPhotos {
+pub(super) struct OpenedPhotos {
     pub sessions: Vec<Session>,
     /// Whole paths of the folders, when the photos came from folders.
     folders: Vec<PathBuf>,
@@ -49,7 +49,7 @@ impl Photos {
     ///
     /// # Errors
     /// None is named; sessions and folders are mixed; whatever is wrong with one of them.
-    pub fn open(&self) -> Result<OpenedPhotos> {
+    pub(super) fn open(&self) -> Result<OpenedPhotos> {
         let pairs = self.given.iter().map(|given| pair(given)).collect::<Result<Vec<_>>>()?;
         let count = pairs.iter().flatten().count();
         if pairs.is_empty() {
@@ -81,7 +81,7 @@ impl Photos {
 
 impl FolderFiles {
     /// Makes a session of folders in memory, and notes the images that are passed over.
-    pub fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
+    pub(super) fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
         let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;
         for found in &gathered.folders {
             if let Some(first) = found.listing.other_images.first() {
@@ -97,19 +97,19 @@ impl FolderFiles {
     }
 
     /// The scene of folders.
-    pub fn scene(&self) -> Result<&Path> {
+    pub(super) fn scene(&self) -> Result<&Path> {
         let missing =
             "photos in folders need --scene scene.toml: the model, its tags and the bins (see `scaleproof scene`)";
         Ok(self.scene.as_deref().ok_or(missing)?)
     }
 
     /// The camera of folders.
-    pub fn camera(&self) -> Result<&Path> {
+    pub(super) fn camera(&self) -> Result<&Path> {
         let missing = "photos in folders need --camera camera.yaml: make it with `scaleproof calibrate`, or `scaleproof camera guess PHOTO`";
         Ok(self.camera.as_deref().ok_or(missing)?)
     }
 
-    pub fn place(&self) -> &str {
+    pub(super) fn place(&self) -> &str {
         &self.place
     }
 
@@ -130,7 +130,7 @@ impl FolderFiles {
 
 impl OpenedPhotos {
     /// Refuses what only stored sessions can do: `option` needs files in them.
-    pub fn refuse_for_folders(&self, option: &str, is_given: bool) -> std::result::Result<(), String> {
+    pub(super) fn refuse_for_folders(&self, option: &str, is_given: bool) -> std::result::Result<(), String> {
         match is_given && !self.folders.is_empty() {
             false => Ok(()),
             true => Err(format!(
@@ -145,7 +145,7 @@ impl OpenedPhotos {
     }
 
     /// Nothing is written among the user's photos.
-    pub fn check_output(&self, output: &Path) -> std::result::Result<(), String> {
+    pub(super) fn check_output(&self, output: &Path) -> std::result::Result<(), String> {
         let real = output.canonicalize();
         match real.is_ok_and(|real| self.folders.contains(&real)) {
             false => Ok(()),
@@ -158,7 +158,7 @@ impl OpenedPhotos {
 }
 
 /// `VARIANT=DIR`; none for what names a session, which may have an equal sign in its name.
-pub fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
+pub(super) fn pair(given: &Path) -> Result<Option<PhotoFolder>> {
     if given.is_file() || given.join("session.json").exists() {
         return Ok(None);
     }
@@ -191,7 +191,7 @@ fn in_home(folder: &str) -> PathBuf {
 ///
 /// # Errors
 /// What is wrong with it; for a folder that is none, what to do with it.
-pub fn session(place: &Path) -> Result<Session> {
+pub(super) fn session(place: &Path) -> Result<Session> {
     if place.is_dir() && !place.join("session.json").exists() {
         return Err(no_session(place)?.into());
     }
@@ -249,7 +249,7 @@ fn pair_of(variant: &str, folder: &Path) -> String {
 }
 
 /// A word as a shell takes it.
-pub fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "._-/=+:,@%".contains(c);
     match word.chars().all(is_plain) && !word.is_empty() {
         true => word.to_owned(),

@@ -16,7 +16,7 @@ use crate::survey::{LeftOutReason, Sizes, Survey, SurveyError, SurveyInput, Surv
 /// Only the sizes of the tags are needed, and some tags whose place is known: a printed ground mat, or one tag. Exit code 2
 /// when a file is bad or the photos do not say where the tags stand; nothing is written then.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// Photos (JPEG or PNG) of the tags from all sides; each shows tags that others show too
     #[arg(required = true)]
     photos: Vec<PathBuf>,
@@ -43,7 +43,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scene = for_output(Scene::open(&args.scene)?, &args)?;
     let camera = Camera::open(&args.camera)?;
     let fixed = fixed(&args, &scene)?;

@@ -6,13 +6,13 @@
 use crate::scene::TagFamily;
 
 /// Side of a grid cell.
-pub const CELL_MM: f64 = 11.0;
+pub(crate) const CELL_MM: f64 = 11.0;
 /// Side of the printed patch in the middle of its cell; the rest is bare paper.
-pub const PATCH_MM: f64 = 10.0;
+pub(crate) const PATCH_MM: f64 = 10.0;
 /// The tags' family.
-pub const FAMILY: TagFamily = TagFamily::Tag36h11;
+pub(crate) const FAMILY: TagFamily = TagFamily::Tag36h11;
 /// Outer edge of a tag's black border: its white ring ends with its two by two cells.
-pub const TAG_MM: f64 = TAG_CELLS as f64 * CELL_MM * 0.8;
+pub(crate) const TAG_MM: f64 = TAG_CELLS as f64 * CELL_MM * 0.8;
 
 const TAG_CELLS: usize = 2;
 /// One cell in so many is bare paper, the reference for white.
@@ -22,7 +22,7 @@ const MORE_BLACKS: usize = 3;
 
 /// The charts there are, by their levels per channel of sRGB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ChartKind {
+pub(crate) enum ChartKind {
     Rgb6,
     Rgb5,
     Rgb4,
@@ -30,10 +30,10 @@ pub enum ChartKind {
 
 impl ChartKind {
     /// All, the largest first.
-    pub const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
+    pub(crate) const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
 
     /// The chart's name in captions and files.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Rgb6 => "rgb6",
             Self::Rgb5 => "rgb5",
@@ -42,7 +42,7 @@ impl ChartKind {
     }
 
     /// The levels of each channel, evenly from 0 to 255; every combination is a patch.
-    pub fn levels(self) -> &'static [u8] {
+    pub(crate) fn levels(self) -> &'static [u8] {
         match self {
             Self::Rgb6 => &[0, 51, 102, 153, 204, 255],
             Self::Rgb5 => &[0, 64, 128, 191, 255],
@@ -52,7 +52,7 @@ impl ChartKind {
 
     /// Ids of its tags: upper left, upper right, lower right, lower left, middle. They are the family's last, which a scene
     /// hardly uses.
-    pub fn tag_ids(self) -> [u32; 5] {
+    pub(crate) fn tag_ids(self) -> [u32; 5] {
         let first = match self {
             Self::Rgb6 => 582,
             Self::Rgb5 => 577,
@@ -73,21 +73,21 @@ impl ChartKind {
 
 /// One cell of the grid, counted from 0 at the upper left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ChartCell {
+pub(crate) struct ChartCell {
     pub row: usize,
     pub column: usize,
 }
 
 impl ChartCell {
     /// Its middle (chart frame).
-    pub fn centre_mm(self) -> [f64; 2] {
+    pub(crate) fn centre_mm(self) -> [f64; 2] {
         [self.column, self.row].map(|i| (i as f64 + 0.5) * CELL_MM)
     }
 }
 
 /// A square of one colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ColourPatch {
+pub(crate) struct ColourPatch {
     pub cell: ChartCell,
     /// 8-bit sRGB sent to the printer.
     pub asked_rgb: [u8; 3],
@@ -95,14 +95,14 @@ pub struct ColourPatch {
 
 /// A tag of the chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ChartTag {
+pub(crate) struct ChartTag {
     pub id: u32,
     pub centre_mm: [f64; 2],
 }
 
 impl ChartTag {
     /// Top-left, top-right, bottom-right, bottom-left of the upright tag (chart frame).
-    pub fn corners_mm(&self) -> [[f64; 2]; 4] {
+    pub(crate) fn corners_mm(&self) -> [[f64; 2]; 4] {
         let ([x, y], h) = (self.centre_mm, TAG_MM / 2.0);
         [[x - h, y - h], [x + h, y - h], [x + h, y + h], [x - h, y + h]]
     }
@@ -110,7 +110,7 @@ impl ChartTag {
 
 /// A chart laid out.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ChartLayout {
+pub(crate) struct ChartLayout {
     pub kind: ChartKind,
     /// Width and height.
     pub size_mm: (f64, f64),
@@ -123,7 +123,7 @@ pub struct ChartLayout {
 
 impl ChartLayout {
     /// The layout of a chart.
-    pub fn new(kind: ChartKind) -> Self {
+    pub(crate) fn new(kind: ChartKind) -> Self {
         let (columns, rows) = kind.grid();
         let (right, bottom) = (columns - TAG_CELLS, rows - TAG_CELLS);
         let blocks = [

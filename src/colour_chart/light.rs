@@ -12,7 +12,7 @@ const WORTH: f64 = 0.8;
 /// Which surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Surface {
+pub(crate) enum Surface {
     Plane,
     Quadratic,
 }

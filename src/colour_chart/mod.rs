@@ -6,9 +6,9 @@
 //! exactly what is measured, the printer.
 
 pub(crate) mod find;
-pub mod layout;
+pub(crate) mod layout;
 pub(crate) mod light;
-pub mod read;
+pub(crate) mod read;
 pub(crate) mod sample;
 
 use layout::ChartCell;
@@ -16,7 +16,7 @@ use layout::ChartCell;
 /// Why a photo of a chart was not read. Each variant says what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ColourChartError {
+pub(crate) enum ColourChartError {
     #[error("no colour chart is in the photo; photograph the whole sheet of `scaleproof print chart`, sharply")]
     NoChart,
     #[error("two colour charts are in the photo, or a copy of one; photograph one at a time")]

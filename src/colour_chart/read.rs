@@ -15,7 +15,7 @@ use crate::scene::TagFamily;
 use crate::tags::TagDetector;
 
 /// The families that a detector for [`read`] must look for.
-pub const FAMILIES: [TagFamily; 1] = [FAMILY];
+pub(crate) const FAMILIES: [TagFamily; 1] = [FAMILY];
 
 /// More clipped pixels than this, and a cell's light is unknown; less is noise.
 const MOST_CLIPPED: f64 = 0.02;
@@ -36,7 +36,7 @@ const LEAST_GAMUT: f64 = 0.01;
 
 /// What one photo says.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ChartReading {
+pub(crate) struct ChartReading {
     pub kind: ChartKind,
     /// SHA-256 of the photo's file.
     pub sha256: String,
@@ -47,7 +47,7 @@ pub struct ChartReading {
 
 /// How good a photo is for reading.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Quality {
+pub(crate) struct Quality {
     /// Pixels a side of the smallest patch.
     pub patch_px: f64,
     /// Root mean square of the tag corners from a flat sheet, mm.
@@ -68,7 +68,10 @@ pub struct Quality {
 ///
 /// # Errors
 /// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ColourChartError`].
-pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartReading, ColourChartError>, PhotoError> {
+pub(crate) fn read(
+    photo: &Photo,
+    tags: &mut impl TagDetector,
+) -> Result<Result<ChartReading, ColourChartError>, PhotoError> {
     let (luma, rgb) = (photo.luma()?, photo.rgb(1)?);
     Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))
 }
@@ -121,7 +124,10 @@ fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Char
 ///
 /// # Errors
 /// Photos of different charts, that disagree, or without colours.
-pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColours, Vec<f64>), ColourChartError> {
+pub(crate) fn average(
+    readings: &[ChartReading],
+    program: &str,
+) -> Result<(PrintedColours, Vec<f64>), ColourChartError> {
     let Some(first) = readings.first() else {
         return Err(ColourChartError::NoChart);
     };

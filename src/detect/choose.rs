@@ -6,7 +6,7 @@ use super::{Manifest, ManifestError, registered, registered_names};
 use crate::files::{self, FileError};
 
 /// The named detectors, each once, or all that ship with the program. Registered detectors take part when they are named.
-pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
+pub(crate) fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
     if names.is_empty() {
         return Manifest::all();
     }
@@ -21,7 +21,7 @@ pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
 }
 
 /// How another run, started in another folder, chooses the same detector again: a manifest's whole path, else the name.
-pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileError> {
+pub(crate) fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileError> {
     let files = names.iter().filter(|name| is_file(name));
     let mut files = files.map(|name| Path::new(name).with_extension("toml"));
     match files.find(|path| Manifest::open(path).is_ok_and(|m| m == *manifest)) {

@@ -23,7 +23,7 @@ struct CocoResult {
 
 /// COCO results JSON of some photos, given as (image id, detections); one result a line. `category_id` says which category a label is
 /// written as; labels without one are left out.
-pub fn coco_results<'a>(
+pub(crate) fn coco_results<'a>(
     photos: impl IntoIterator<Item = (u64, &'a [Detection])>,
     category_id: impl Fn(usize) -> Option<u32>,
 ) -> serde_json::Result<String> {

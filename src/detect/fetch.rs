@@ -12,7 +12,7 @@ use crate::files;
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum FetchError {
+pub(crate) enum FetchError {
     #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
     NoUrl { name: String, file: String },
     #[error("cannot reach {host} to fetch {name} ({reason}): go online, or copy {file} into {folder}", folder = folder.display())]
@@ -57,7 +57,11 @@ const SLOW_START_S: f64 = 60.0;
 ///
 /// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified. The right file that is
 /// there already stays, and another one is never replaced.
-pub fn fetch(manifest: &Manifest, folder: &Path, progress: &dyn Fn(u64, Option<u64>)) -> Result<PathBuf, FetchError> {
+pub(crate) fn fetch(
+    manifest: &Manifest,
+    folder: &Path,
+    progress: &dyn Fn(u64, Option<u64>),
+) -> Result<PathBuf, FetchError> {
     fetch_with(manifest, folder, progress, PATIENCE)
 }
 

@@ -21,33 +21,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::BoxPx;
 
-pub use choose::{choose, chosen_as};
-pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
-pub use counting::NoSuchClass;
+pub(crate) use choose::{choose, chosen_as};
+pub(crate) use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
+pub(crate) use counting::NoSuchClass;
 #[cfg(feature = "full")]
-pub use fetch::{FetchError, fetch};
+pub(crate) use fetch::{FetchError, fetch};
 #[cfg(feature = "attack")]
 pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};
 #[cfg(feature = "attack")]
 pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]
 pub(crate) use input::tensor;
-pub use labels::{Labels, LabelsError};
+pub(crate) use labels::{Labels, LabelsError};
 #[cfg(feature = "attack")]
 pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{CandidateBox, suppress};
-pub use propose::{Family, Hints, NoSuchFamily, Proposal, ProposalNote, ProposeError, propose, propose_within};
-pub use registered::{RegisterError, register, registered, registered_names, unregister};
-pub use runtime::{DetectError, Detector, Runtime};
-pub use speed::{Speed, SpeedError, Speeds};
-pub use weights::{WeightFolders, WeightsError};
+pub(crate) use propose::{Family, Hints, NoSuchFamily, Proposal, ProposalNote, ProposeError, propose, propose_within};
+pub(crate) use registered::{RegisterError, register, registered, registered_names, unregister};
+pub(crate) use runtime::{DetectError, Detector, Runtime};
+pub(crate) use speed::{Speed, SpeedError, Speeds};
+pub use weights::WeightFolders;
+pub(crate) use weights::WeightsError;
 
 /// Candidates below this score are dropped; AP needs them down to here.
-pub const SCORE_FLOOR: f64 = 0.001;
+pub(crate) const SCORE_FLOOR: f64 = 0.001;
 
 /// So many candidates are kept per photo, the best first: what COCO's evaluation looks at.
-pub const MAX_DETECTIONS: usize = 100;
+pub(crate) const MAX_DETECTIONS: usize = 100;
 
 /// One box a detector found.
 ///

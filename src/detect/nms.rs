@@ -33,7 +33,7 @@ pub(super) struct BestFirst {
 
 impl BestFirst {
     /// Equals stay in their order.
-    pub fn new(mut candidates: Vec<CandidateBox>, iou: Option<f64>) -> BestFirst {
+    pub(super) fn new(mut candidates: Vec<CandidateBox>, iou: Option<f64>) -> BestFirst {
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
         if iou.is_some() {
             candidates.truncate(MOST_SUPPRESSED);
@@ -46,7 +46,7 @@ impl BestFirst {
     }
 
     /// The highest score of those to come; nothing suppresses the best box.
-    pub fn highest_score(&self) -> Option<f64> {
+    pub(super) fn highest_score(&self) -> Option<f64> {
         self.waiting.as_slice().first().map(|c| c.score)
     }
 }

@@ -8,7 +8,7 @@ use crate::files::{self, FileError};
 /// Why a detector was not registered or taken off the list.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum RegisterError {
+pub(crate) enum RegisterError {
     #[error("no folder for detectors: set HOME or XDG_DATA_HOME")]
     NoFolder,
     #[error("{name} ships with scaleproof: give your detector another name in its manifest")]
@@ -37,7 +37,7 @@ fn path(name: &str) -> Option<PathBuf> {
 }
 
 /// The names of the registered detectors, in alphabetical order.
-pub fn registered_names() -> Vec<String> {
+pub(crate) fn registered_names() -> Vec<String> {
     let Some(Ok(entries)) = folder().map(std::fs::read_dir) else {
         return Vec::new();
     };
@@ -53,7 +53,7 @@ pub fn registered_names() -> Vec<String> {
 ///
 /// # Errors
 /// A manifest that cannot be read any more.
-pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
+pub(crate) fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
     let path = path(name).filter(|path| Manifest::is_name(name) && path.is_file());
     path.map(|path| Manifest::open(&path)).transpose()
 }
@@ -63,7 +63,7 @@ pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
 ///
 /// # Errors
 /// A name that is taken; weights that are nowhere.
-pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf, RegisterError> {
+pub(crate) fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf, RegisterError> {
     let name = manifest.name.clone();
     if Manifest::all()?.iter().any(|m| m.name == name) {
         return Err(RegisterError::BuiltIn { name });
@@ -91,7 +91,7 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
 ///
 /// # Errors
 /// A name that is not on the list.
-pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
+pub(crate) fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
     let names = registered_names();
     if !names.iter().any(|known| known == name) {
         return Err(RegisterError::NotThere {

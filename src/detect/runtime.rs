@@ -55,7 +55,7 @@ const HIGHEST_SCORE: f64 = 1.001;
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// The loaded ONNX Runtime.
-pub struct Runtime {
+pub(crate) struct Runtime {
     environment: Environment,
     /// The library's file name; distributions put the version into it.
     library: String,
@@ -63,18 +63,18 @@ pub struct Runtime {
 
 impl Runtime {
     /// Loads ONNX Runtime from `$ORT_DYLIB_PATH`, else from `lib` beside the program, else from the system's library path.
-    pub fn load() -> Result<&'static Runtime, DetectError> {
+    pub(crate) fn load() -> Result<&'static Runtime, DetectError> {
         static RUNTIME: OnceLock<Result<Runtime, DetectError>> = OnceLock::new();
         RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
     }
 
     /// The one environment a process may have, for sessions beside the detectors'.
-    pub fn environment(&self) -> &Environment {
+    pub(crate) fn environment(&self) -> &Environment {
         &self.environment
     }
 
     /// Version and build of the loaded library, for provenance.
-    pub fn provenance(&self) -> String {
+    pub(crate) fn provenance(&self) -> String {
         format!("{} ({})", self.library, ort::info())
     }
 }
@@ -118,7 +118,7 @@ fn default_library() -> String {
 }
 
 /// One detector, ready to run in one thread.
-pub struct Detector {
+pub(crate) struct Detector {
     pub manifest: Manifest,
     session: Session,
     time_limit: Duration,
@@ -126,7 +126,7 @@ pub struct Detector {
 
 impl Detector {
     /// Loads a detector's weights; one inference thread.
-    pub fn open(runtime: &Runtime, manifest: &Manifest, weights: &Path) -> Result<Detector, DetectError> {
+    pub(crate) fn open(runtime: &Runtime, manifest: &Manifest, weights: &Path) -> Result<Detector, DetectError> {
         let session = session(runtime, weights).map_err(|e| DetectError::Model {
             path: weights.to_owned(),
             reason: e.to_string().lines().next().unwrap_or_default().to_owned(),
@@ -139,17 +139,22 @@ impl Detector {
     }
 
     /// The same detector, which is stopped after another time than two minutes a photo.
-    pub fn with_time_limit(self, time_limit: Duration) -> Detector {
+    pub(crate) fn with_time_limit(self, time_limit: Duration) -> Detector {
         Detector { time_limit, ..self }
     }
 
     /// Every detection of a photo above the score floor, best first, at most [`MAX_DETECTIONS`].
-    pub fn detect(&mut self, photo: &RgbImage) -> Result<Vec<Detection>, DetectError> {
+    pub(crate) fn detect(&mut self, photo: &RgbImage) -> Result<Vec<Detection>, DetectError> {
         self.detect_reduced(photo, photo.width(), photo.height())
     }
 
     /// The same for a photo of a size in pixels of which `photo` is a reduced image, no smaller than [`Manifest::least_px`].
-    pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
+    pub(crate) fn detect_reduced(
+        &mut self,
+        photo: &RgbImage,
+        width: u32,
+        height: u32,
+    ) -> Result<Vec<Detection>, DetectError> {
         let detector = || self.manifest.name.clone();
         let failed = |reason: String| DetectError::Run {
             detector: detector(),

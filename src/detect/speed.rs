@@ -11,7 +11,7 @@ use super::{DetectError, Detector, Manifest, Runtime};
 use crate::files;
 
 /// Each photo is detected so often; its fastest round counts, which other programs on the machine disturb least.
-pub const ROUNDS: u32 = 20;
+pub(super) const ROUNDS: u32 = 20;
 
 /// Times of some detectors on one machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -160,7 +160,7 @@ fn flat_hull(points: impl Iterator<Item = Point3<f64>>) -> Result<Pieces<'static
 
 /// A mesh in the model frame, held against the scene. A `.glb`, which is in metres of the full-size car as often as of the model, is
 /// scaled to the scene's length and put on the ground; the other formats are taken as they lie.
-pub fn load(path: &Path, model: &ScaleModel) -> Result<Mesh, EnvelopeError> {
+pub(crate) fn load(path: &Path, model: &ScaleModel) -> Result<Mesh, EnvelopeError> {
     let is_gltf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     let placement = MeshPlacement {
         length_mm: is_gltf.then_some(model.size_mm[0]),

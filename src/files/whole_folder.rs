@@ -9,7 +9,7 @@ use super::{FileError, folder_of, plain, staged};
 ///
 /// # Errors
 /// Those of `fill`; a place that cannot be written.
-pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError>) -> Result<(), FileError> {
+pub(crate) fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError>) -> Result<(), FileError> {
     let failed = |e: &std::io::Error| FileError::write(path, e);
     let Some(name) = path.file_name() else {
         let reason = "it is not a folder's name".into();
@@ -33,7 +33,7 @@ pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError
 }
 
 /// Copies a file into a folder that is being made; missing folders on its way are made too.
-pub fn copy(from: &Path, to: &Path) -> Result<(), FileError> {
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), FileError> {
     let failed = |e: std::io::Error| FileError::Write {
         path: to.to_owned(),
         reason: format!("copying {} failed: {}", from.display(), plain(&e)),

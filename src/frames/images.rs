@@ -10,26 +10,26 @@ use crate::files;
 use crate::photo::{Budget, open_png};
 
 /// Linear light in 16 bits.
-pub type Linear16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
+pub(crate) type Linear16 = image::ImageBuffer<image::Rgb<u16>, Vec<u16>>;
 /// The share of each pixel that something covers, 255 is all of it.
-pub type Coverage = GrayImage;
+pub(crate) type Coverage = GrayImage;
 
-pub fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>, FramesError> {
+pub(crate) fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>, FramesError> {
     png(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8)
 }
 
-pub fn encode_grey(image: &GrayImage) -> Result<Vec<u8>, FramesError> {
+pub(crate) fn encode_grey(image: &GrayImage) -> Result<Vec<u8>, FramesError> {
     png(image.as_raw(), image.dimensions(), ExtendedColorType::L8)
 }
 
 /// `linear`: RGB in linear light, 1 is white, row by row.
-pub fn encode_linear(linear: &[[f32; 3]], size_px: [u32; 2], linear_max: f64) -> Result<Vec<u8>, FramesError> {
+pub(crate) fn encode_linear(linear: &[[f32; 3]], size_px: [u32; 2], linear_max: f64) -> Result<Vec<u8>, FramesError> {
     let level = |v: f32| (f64::from(v) / linear_max * 65535.0).round().clamp(0.0, 65535.0) as u16;
     wide(linear.iter().flatten().map(|v| level(*v)), size_px)
 }
 
 /// `positions`: x, y, z in mm, row by row; where there is no paint the value does not matter.
-pub fn encode_positions(
+pub(crate) fn encode_positions(
     positions: impl Iterator<Item = [f64; 3]>,
     size_px: [u32; 2],
     (low, high): ([f64; 3], [f64; 3]),
@@ -57,7 +57,12 @@ fn png(bytes: &[u8], (width, height): (u32, u32), kind: ExtendedColorType) -> Re
 }
 
 /// Reads a PNG of exactly this size and kind; `key` says in the sentence what it was to be.
-pub fn read_png(path: &Path, key: &str, size_px: [u32; 2], kind: ColorType) -> Result<DynamicImage, FramesError> {
+pub(super) fn read_png(
+    path: &Path,
+    key: &str,
+    size_px: [u32; 2],
+    kind: ColorType,
+) -> Result<DynamicImage, FramesError> {
     let content = |message: String| FramesError::Content {
         path: path.to_owned(),
         message,

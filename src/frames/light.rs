@@ -3,17 +3,17 @@
 use palette::encoding::{FromLinear, IntoLinear, Srgb};
 
 /// Linear light of an sRGB value.
-pub fn decode(srgb: f64) -> f64 {
+pub(crate) fn decode(srgb: f64) -> f64 {
     Srgb::into_linear(srgb)
 }
 
 /// The sRGB value of linear light; what is outside 0 to 1 is clipped, as every 8-bit image is.
-pub fn encode(linear: f64) -> f64 {
+pub(crate) fn encode(linear: f64) -> f64 {
     Srgb::from_linear(linear.clamp(0.0, 1.0))
 }
 
 /// The derivative of [`decode`], which `palette` does not have.
-pub fn decode_derivative(srgb: f64) -> f64 {
+pub(crate) fn decode_derivative(srgb: f64) -> f64 {
     if srgb <= 0.04045 {
         1.0 / 12.92
     } else {
@@ -22,17 +22,17 @@ pub fn decode_derivative(srgb: f64) -> f64 {
 }
 
 /// An 8-bit sRGB colour in linear light.
-pub fn linear_of(rgb: [u8; 3]) -> [f64; 3] {
+pub(crate) fn linear_of(rgb: [u8; 3]) -> [f64; 3] {
     rgb.map(|v| decode(f64::from(v) / 255.0))
 }
 
 /// Linear light as 8-bit sRGB, clipped.
-pub fn rgb_of(linear: [f64; 3]) -> [u8; 3] {
+pub(crate) fn rgb_of(linear: [f64; 3]) -> [u8; 3] {
     linear.map(|v| (255.0 * encode(v)).round() as u8)
 }
 
 /// A colour as six hexadecimal digits, as in `808080` or `#808080`.
-pub fn of_hex(text: &str) -> Option<[u8; 3]> {
+pub(crate) fn of_hex(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').unwrap_or(text);
     let is_plain = digits.len() == 6 && digits.chars().all(|c| c.is_ascii_hexdigit());
     let [_, r, g, b] = u32::from_str_radix(digits, 16).ok().filter(|_| is_plain)?.to_be_bytes();
@@ -40,7 +40,7 @@ pub fn of_hex(text: &str) -> Option<[u8; 3]> {
 }
 
 /// The same the other way round.
-pub fn to_hex(rgb: [u8; 3]) -> String {
+pub(crate) fn to_hex(rgb: [u8; 3]) -> String {
     rgb.map(|v| format!("{v:02x}")).concat()
 }
 

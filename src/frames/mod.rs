@@ -35,14 +35,14 @@
 //! tone curve instead of sRGB's, and only paint in the mask that every photo sees.
 
 mod images;
-pub mod import;
-pub mod light;
-pub mod photos;
+pub(crate) mod import;
+pub(crate) mod light;
+pub(crate) mod photos;
 mod read;
-pub mod render;
+pub(crate) mod render;
 mod write;
 
-pub use images::{Coverage, Linear16, encode_grey, encode_linear, encode_positions, encode_rgb};
+pub(crate) use images::{Coverage, Linear16, encode_grey, encode_linear, encode_positions, encode_rgb};
 pub(crate) use read::{outline, syntax};
 
 use std::path::PathBuf;
@@ -59,9 +59,9 @@ use crate::pattern::world_aligned::Side;
 use crate::scene::Viewpoint;
 
 /// The value of `format`.
-pub const FORMAT: &str = "scaleproof frames 1";
+pub(crate) const FORMAT: &str = "scaleproof frames 1";
 /// The name of the list in a folder of frames.
-pub const LIST: &str = "frames.json";
+pub(crate) const LIST: &str = "frames.json";
 
 /// Why frames could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -247,7 +247,7 @@ impl Frame {
 }
 
 /// The frames of each view (pose and place), in the order of the list.
-pub fn views(frames: &[Frame]) -> Vec<Vec<&Frame>> {
+pub(crate) fn views(frames: &[Frame]) -> Vec<Vec<&Frame>> {
     let mut views: Vec<Vec<&Frame>> = Vec::new();
     for frame in frames {
         let same = |view: &&mut Vec<&Frame>| {

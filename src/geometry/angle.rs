@@ -1,14 +1,14 @@
 //! Angles in degrees, the unit of every boundary of this program.
 
 /// The same direction in [0, 360).
-pub fn wrap_360(deg: f64) -> f64 {
+pub(crate) fn wrap_360(deg: f64) -> f64 {
     let wrapped = deg.rem_euclid(360.0);
     // rem_euclid of a tiny negative number rounds up to 360 itself.
     if wrapped >= 360.0 { 0.0 } else { wrapped }
 }
 
 /// The signed turn from `from` to `to`, in [-180, 180).
-pub fn turn(from: f64, to: f64) -> f64 {
+pub(crate) fn turn(from: f64, to: f64) -> f64 {
     wrap_360(to - from + 180.0) - 180.0
 }
 

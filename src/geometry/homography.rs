@@ -11,7 +11,7 @@ const STEPS: usize = 20;
 /// Zisserman 2004, algorithm 4.2), then least squares of the distances in the second plane (its section 4.2.3). Four points are met exactly.
 ///
 /// `None` for fewer than four points, points on a line, or numbers that are not finite.
-pub fn fitted(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
+pub(crate) fn fitted(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     if from.len() < 4 || from.len() != to.len() {
         return None;
     }
@@ -26,7 +26,7 @@ pub fn fitted(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
 }
 
 /// Where a map takes a point; infinite on its horizon.
-pub fn mapped(by: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn mapped(by: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
     let p = by * Vector3::new(x, y, 1.0);
     [p.x / p.z, p.y / p.z]
 }

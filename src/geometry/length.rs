@@ -4,13 +4,13 @@
 use std::ops::RangeInclusive;
 
 /// The longest length, and the farthest place: a hall. A full-size lorry takes a fifth of it.
-pub const LONGEST_MM: f64 = 100_000.0;
+pub(crate) const LONGEST_MM: f64 = 100_000.0;
 /// The smallest size of anything that is there: a micrometre.
-pub const SHORTEST_MM: f64 = 0.001;
+pub(crate) const SHORTEST_MM: f64 = 0.001;
 /// The farthest a camera stands: a kilometre.
-pub const FARTHEST_MM: f64 = 1_000_000.0;
+pub(crate) const FARTHEST_MM: f64 = 1_000_000.0;
 /// A model is 1:scale: from a fly at a hundred times its size to a city.
-pub const SCALES: RangeInclusive<f64> = 0.01..=10_000.0;
+pub(crate) const SCALES: RangeInclusive<f64> = 0.01..=10_000.0;
 
 /// A length that is refused, as a sentence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,27 +24,27 @@ pub struct BadLength {
 }
 
 /// The size of a thing. `what` begins the sentence of a refusal.
-pub fn size_mm(what: &str, value: f64) -> Result<f64, BadLength> {
+pub(crate) fn size_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, SHORTEST_MM..=LONGEST_MM)
 }
 
 /// A strip or a distance that may be 0.
-pub fn strip_mm(what: &str, value: f64) -> Result<f64, BadLength> {
+pub(crate) fn strip_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, 0.0..=LONGEST_MM)
 }
 
 /// A coordinate, which may be negative.
-pub fn place_mm(what: &str, value: f64) -> Result<f64, BadLength> {
+pub(crate) fn place_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, -LONGEST_MM..=LONGEST_MM)
 }
 
 /// Whether [`size_mm`] takes it, for those who refuse it in words of their own.
-pub fn is_size(mm: f64) -> bool {
+pub(crate) fn is_size(mm: f64) -> bool {
     (SHORTEST_MM..=LONGEST_MM).contains(&mm)
 }
 
 /// A number in a sentence: plain, or with an exponent where it would fill a line.
-pub fn shown(value: f64) -> String {
+pub(crate) fn shown(value: f64) -> String {
     let is_plain = value == 0.0 || !value.is_finite() || (1e-6..1e9).contains(&value.abs());
     if is_plain {
         value.to_string()

@@ -1,12 +1,12 @@
 //! Boxes, angles, lengths, convex hulls and rigid transforms: the words every other room speaks.
 
-pub mod angle;
-pub mod bbox;
-pub mod homography;
+pub(crate) mod angle;
+pub(crate) mod bbox;
+pub(crate) mod homography;
 mod hull;
-pub mod length;
-pub mod rigid;
+pub(crate) mod length;
+pub(crate) mod rigid;
 
 pub use bbox::BoxPx;
-pub use hull::convex_hull;
+pub(crate) use hull::convex_hull;
 pub use rigid::Rigid;

@@ -14,7 +14,7 @@ use crate::tags::SeenTag;
 
 /// What seems wrong with all photos of a set.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Diagnosis {
+pub(crate) enum Diagnosis {
     /// The tags are larger or smaller than the scene says.
     TagSize(Factor),
     /// The camera's focal length is longer or shorter than its file says.
@@ -50,7 +50,7 @@ const SMALLEST: f64 = 0.01;
 const AGREEMENT: f64 = 0.5;
 
 /// The photos without a pose, or with one that its tags hardly fit.
-pub fn is_bad(photo: &LocatedPhoto) -> bool {
+pub(crate) fn is_bad(photo: &LocatedPhoto) -> bool {
     match &photo.result {
         Ok(located) => located.warnings.contains(&Warning::PoorFit),
         Err(_) => true,
@@ -58,12 +58,12 @@ pub fn is_bad(photo: &LocatedPhoto) -> bool {
 }
 
 /// Whether nearly all photos show no tag of the families that were searched, so that others should be.
-pub fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
+pub(crate) fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
     is_most(photos, |p| matches!(p.result, Err(Abstention::NoTags)))
 }
 
 /// The one cause, if there is one. `others`: some photos searched for families that the scene lacks, if they were.
-pub fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
+pub(crate) fn diagnose(photos: &[&LocatedPhoto], others: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
     if !is_most(photos, is_bad) {
         return None;
     }
@@ -190,7 +190,7 @@ impl Factor {
 
 impl Diagnosis {
     /// The cause as a sentence that names the files, and what to do.
-    pub fn sentence(&self, scene: &Scene, scene_file: &Path, camera: &Camera, camera_file: &Path) -> String {
+    pub(crate) fn sentence(&self, scene: &Scene, scene_file: &Path, camera: &Camera, camera_file: &Path) -> String {
         let (scene_file, camera_file) = (scene_file.display(), camera_file.display());
         match self {
             Diagnosis::TagSize(size) => {

@@ -17,7 +17,7 @@ pub(super) enum FactorKind {
 
 /// A factor of what a file says with which the photos fit best, and what speaks for it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Factor {
+pub(crate) struct Factor {
     /// The truth by what the file says.
     pub factor: f64,
     /// Mean square over the photos of their corners' distances, (degrees)², each bounded.
@@ -81,7 +81,7 @@ pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Op
 }
 
 /// At most so many of some things, from the first to the last, evenly.
-pub fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
+pub(crate) fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
     let count = all.len().min(most);
     (0..count)
         .map(|i| all[i * (all.len() - 1) / (count - 1).max(1)])

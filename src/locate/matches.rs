@@ -71,7 +71,7 @@ pub(super) struct Match<'a> {
 
 impl Match<'_> {
     /// Area in the image, px².
-    pub fn area_px(&self) -> f64 {
+    pub(super) fn area_px(&self) -> f64 {
         area_px(&self.corners_px)
     }
 }
@@ -91,7 +91,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    pub fn of(matches: &[Match]) -> Corners {
+    pub(super) fn of(matches: &[Match]) -> Corners {
         Corners {
             model_mm: matches.iter().flat_map(|m| m.tag.corners_mm()).collect(),
             image_px: matches.iter().flat_map(|m| m.corners_px).collect(),

@@ -1,7 +1,7 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
 mod consensus;
-pub mod diagnosis;
+pub(crate) mod diagnosis;
 mod doubt;
 mod factor;
 mod matches;
@@ -26,15 +26,17 @@ use matches::{Corners, Match};
 use refine::NO_HUBER;
 use solver::PoseCandidate;
 
-pub use diagnosis::Diagnosis;
+pub(crate) use diagnosis::Diagnosis;
 pub use doubt::Abstention;
-pub use factor::spread;
-pub use matches::{Ignored, IgnoredTag};
-pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};
-pub use planar::planar_branches;
-pub use solver::Solver;
-pub use sqpnp::sqpnp;
-pub use uncertainty::{Sigma, Uncertainty};
+pub(crate) use factor::spread;
+pub(crate) use matches::{Ignored, IgnoredTag};
+pub use photo::{LocatedPhoto, locate_photo};
+pub(crate) use photo::{locate_luma, locate_tags};
+pub(crate) use planar::planar_branches;
+pub(crate) use solver::Solver;
+pub(crate) use sqpnp::sqpnp;
+pub use uncertainty::Sigma;
+pub(crate) use uncertainty::Uncertainty;
 
 /// A photo with a pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +74,7 @@ pub enum Warning {
 const SURE_BIN: f64 = 0.95;
 
 /// Locates the camera from the tags of one photo with the default solver.
-pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+pub(crate) fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
     locate_by(Solver::default(), seen, scene, camera)
 }
 
@@ -80,7 +82,12 @@ pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Locate
 ///
 /// The best pose and the best *different* one are compared, and a pose that cannot exclude its rival is not returned, nor one
 /// whose azimuth the tags leave open.
-pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+pub(crate) fn locate_by(
+    solver: Solver,
+    seen: &[SeenTag],
+    scene: &Scene,
+    camera: &Camera,
+) -> Result<Located, Abstention> {
     let (matches, mut ignored_tags) = matches::match_tags(seen, scene)?;
     let Consensus {
         matches,

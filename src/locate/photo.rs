@@ -32,7 +32,7 @@ pub fn locate_photo(
 }
 
 /// The same of upright luma, which EXIF turned by `turned_deg`: for frames that are no files.
-pub fn locate_luma(
+pub(crate) fn locate_luma(
     luma: &GrayImage,
     turned_deg: u32,
     scene: &Scene,
@@ -43,7 +43,7 @@ pub fn locate_luma(
 }
 
 /// The same of the tags found in an upright photo of a width and height, px.
-pub fn locate_tags(
+pub(crate) fn locate_tags(
     seen: Vec<SeenTag>,
     (width, height): (u32, u32),
     turned_deg: u32,

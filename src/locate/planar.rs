@@ -8,7 +8,7 @@ use crate::geometry::{Rigid, homography, rigid};
 
 /// `T_camera_plane` of the two branches of a planar target; none when its points are on a line or the lens model does not reach them.
 /// `in_plane_mm`: at least four points in the target's own frame, z = 0.
-pub fn planar_branches(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Vec<Rigid> {
+pub(crate) fn planar_branches(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Vec<Rigid> {
     both(in_plane_mm, seen_px, camera).map_or_else(Vec::new, Vec::from)
 }
 

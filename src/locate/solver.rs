@@ -10,7 +10,7 @@ use crate::geometry::Rigid;
 
 /// How a pose is found from matched tags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Solver {
+pub(crate) enum Solver {
     /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), as they come.
     BestTag,
     /// SQPnP over the corners of all tags (Terzakis & Lourakis 2020), as it comes.
@@ -25,7 +25,7 @@ pub enum Solver {
 
 impl Solver {
     /// Every solver, from the simplest to the default.
-    pub fn all() -> [Solver; 4] {
+    pub(crate) fn all() -> [Solver; 4] {
         [
             Solver::BestTag,
             Solver::Sqpnp,
@@ -35,7 +35,7 @@ impl Solver {
     }
 
     /// A stable name for tables and programs.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Solver::BestTag => "ippe_best_tag",
             Solver::Sqpnp => "sqpnp",

@@ -19,7 +19,7 @@ const FEWEST_POINTS: usize = 3;
 
 /// `T_camera_model` with the least Σ (X − uZ)² + (Y − vZ)² over all points, in front of the camera. Pixels that the lens model does not reach
 /// are left out; `None` when fewer than three are left or they leave the pose open.
-pub fn sqpnp(model_mm: &[Point3<f64>], image_px: &[[f64; 2]], camera: &Camera) -> Option<Rigid> {
+pub(crate) fn sqpnp(model_mm: &[Point3<f64>], image_px: &[[f64; 2]], camera: &Camera) -> Option<Rigid> {
     let reached = model_mm.iter().zip(image_px);
     let reached = reached.filter_map(|(point, pixel)| Some((*point, camera.point_at(*pixel)?)));
     let (model, seen): (Vec<Point3<f64>>, Vec<[f64; 2]>) = reached.unzip();

@@ -14,7 +14,7 @@ const MAX_DEPTH: usize = 100;
 /// What a primitive without a material is called.
 const NO_MATERIAL: &str = "none";
 
-pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let (document, blob) = document(bytes)?;
     let blob = blob
         .as_deref()

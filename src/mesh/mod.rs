@@ -9,7 +9,7 @@ mod placement;
 mod ply;
 mod stl;
 
-pub use placement::{MeshPlacement, SignedAxis};
+pub(crate) use placement::{MeshPlacement, SignedAxis};
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -20,9 +20,9 @@ use crate::files::{self, FileError};
 use crate::geometry::length::shown;
 
 /// Larger files are no model for a table. A triangle takes 50 bytes in a binary STL.
-pub const MAX_BYTES: usize = 200_000_000;
+pub(crate) const MAX_BYTES: usize = 200_000_000;
 /// More triangles than this take minutes to print and show nothing more.
-pub const MAX_TRIANGLES: usize = 1_000_000;
+pub(crate) const MAX_TRIANGLES: usize = 1_000_000;
 /// The longest side of a model that is printed, mm. A file in metres is below, one in micrometres or damaged is above.
 const LONGEST_SIDE_MM: std::ops::RangeInclusive<f64> = 10.0..=5000.0;
 /// A scale model that is longer than this was measured: a bus at 1:10 is 1.2 m.
@@ -240,7 +240,7 @@ impl Mesh {
 }
 
 /// The outward normal of a triangle, not normalised: as long as twice its area.
-pub fn doubled_area(corners: &[Point3<f64>; 3]) -> Vector3<f64> {
+pub(crate) fn doubled_area(corners: &[Point3<f64>; 3]) -> Vector3<f64> {
     (corners[1] - corners[0]).cross(&(corners[2] - corners[0]))
 }
 

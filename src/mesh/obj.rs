@@ -11,7 +11,7 @@ use super::{Soup, Trouble, corner};
 /// What faces before the first `usemtl` are of.
 const NO_MATERIAL: &str = "none";
 
-pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let names = material_names(bytes);
     // tobj knows only materials of a library: it is handed one that has every name.
     let mut file = b"mtllib names\n".to_vec();

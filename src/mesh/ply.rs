@@ -13,7 +13,7 @@ use super::{MAX_TRIANGLES, Soup, Trouble, corner};
 const MAX_ELEMENTS: usize = 4 * MAX_TRIANGLES;
 const MATERIAL: &str = "ply";
 
-pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let material = soup.material(MATERIAL);
     let parser = Parser::<DefaultElement>::new();
     let mut file = Reader::new(Cursor::new(bytes));

@@ -11,7 +11,7 @@ const MATERIAL: &str = "solid";
 const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
-pub fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let material = soup.material(MATERIAL);
     // A text file begins with "solid", but so do binary ones of some programs: those are known by their length.
     let without_the_word;

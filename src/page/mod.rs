@@ -33,13 +33,13 @@ use routes::PageContext;
 use server::Server;
 use worker::{CaptureWorker, Published, WorkerEvent};
 
-pub use state::CaptureInfo;
-pub use worker::CaptureNotice;
+pub(crate) use state::CaptureInfo;
+pub(crate) use worker::CaptureNotice;
 
 /// What keeps the page, or the capture behind it, from going on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum PageError {
+pub(crate) enum PageError {
     #[error("the port {port} cannot be opened ({reason})")]
     Port { port: u16, reason: String },
     #[error("the page cannot be served ({reason})")]
@@ -55,7 +55,7 @@ pub enum PageError {
 }
 
 /// A page that is being served.
-pub struct Page {
+pub(crate) struct Page {
     server: Server,
     /// For the source's thread.
     own: Sender<WorkerEvent>,
@@ -67,7 +67,7 @@ pub struct Page {
 }
 
 /// How a phone in the local network gets to the page.
-pub struct Lan {
+pub(crate) struct Lan {
     pub address: String,
     /// The address as a QR code, drawn with characters that are half as wide as high.
     pub code: String,
@@ -80,7 +80,7 @@ impl Page {
     ///
     /// # Errors
     /// A port that is in use; no network.
-    pub fn open(
+    pub(crate) fn open(
         port: u16,
         lan: bool,
         session: &Path,
@@ -138,7 +138,7 @@ impl Page {
     /// # Errors
     /// A photo that cannot be written, a source that is gone, an output that cannot be written; browsers are shown the sentence, and the server
     /// has ended.
-    pub fn follow(
+    pub(crate) fn follow(
         self,
         capture: &mut Capture,
         scene: &Scene,

@@ -12,7 +12,7 @@ use crate::tags::SeenTag;
 
 /// What stays the same while a capture runs.
 #[derive(Debug, Clone, Serialize)]
-pub struct CaptureInfo {
+pub(crate) struct CaptureInfo {
     pub variant: String,
     pub place: String,
     /// Where images come from, in a word.

@@ -85,7 +85,7 @@ pub(super) struct NewestFrame {
 }
 
 /// What the terminal reports.
-pub enum CaptureNotice<'a> {
+pub(crate) enum CaptureNotice<'a> {
     Seen {
         frame: &'a str,
         answer: &'a FrameAnswer,

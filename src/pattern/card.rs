@@ -11,7 +11,7 @@ use crate::geometry::length::{is_size, shown};
 
 /// What every card says; makers add what they know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Card {
+pub(crate) struct Card {
     pub pattern_sha256: String,
     /// Width of one repeat on the model.
     pub tile_mm: f64,
@@ -23,7 +23,7 @@ pub struct Card {
 /// Why a pattern has no tile size.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum CardError {
+pub(crate) enum CardError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("{path} is no card of a pattern ({reason})", path = path.display())]
@@ -36,7 +36,7 @@ pub enum CardError {
 
 impl Card {
     /// Where the card of a pattern lies.
-    pub fn path(pattern: &Path) -> PathBuf {
+    pub(crate) fn path(pattern: &Path) -> PathBuf {
         pattern.with_extension("json")
     }
 
@@ -44,7 +44,7 @@ impl Card {
     ///
     /// # Errors
     /// Only if the encoder fails.
-    pub fn to_file(&self, pattern: &Path) -> Result<(PathBuf, Vec<u8>), serde_json::Error> {
+    pub(crate) fn to_file(&self, pattern: &Path) -> Result<(PathBuf, Vec<u8>), serde_json::Error> {
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
         Ok((Self::path(pattern), text.into_bytes()))
@@ -55,7 +55,7 @@ impl Card {
 ///
 /// # Errors
 /// Nothing given, and no card, a damaged one, one whose width is none, or one of another pattern.
-pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
+pub(crate) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
     if let Some(tile_mm) = given {
         return Ok(tile_mm);
     }

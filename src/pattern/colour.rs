@@ -8,7 +8,7 @@ use palette::{FromColor, IntoColor, LinSrgb, Srgb};
 
 /// A colour in CIELAB, D65: L* 0 to 100, a* and b* around 0.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Lab {
+pub(crate) struct Lab {
     pub l: f64,
     pub a: f64,
     pub b: f64,
@@ -16,30 +16,30 @@ pub struct Lab {
 
 impl Lab {
     /// From 8-bit sRGB.
-    pub fn of(rgb: [u8; 3]) -> Self {
+    pub(crate) fn of(rgb: [u8; 3]) -> Self {
         let srgb: Srgb<f64> = Srgb::from(rgb).into_format();
         Self::from_palette(palette::Lab::from_color(srgb))
     }
 
     /// From light in the primaries of sRGB, 1 is white. Values outside 0 to 1 are allowed.
-    pub fn of_linear(rgb: [f64; 3]) -> Self {
+    pub(crate) fn of_linear(rgb: [f64; 3]) -> Self {
         Self::from_palette(palette::Lab::from_color(LinSrgb::from(rgb)))
     }
 
     /// Light in the primaries of sRGB, 1 is white; outside 0 to 1 where no screen shows it.
-    pub fn linear(self) -> [f64; 3] {
+    pub(crate) fn linear(self) -> [f64; 3] {
         let light: LinSrgb<f64> = self.palette().into_color();
         light.into()
     }
 
     /// The nearest 8-bit sRGB: channels beyond the screen's range are clipped.
-    pub fn rgb(self) -> [u8; 3] {
+    pub(crate) fn rgb(self) -> [u8; 3] {
         let srgb: Srgb<f64> = self.palette().into_color();
         srgb.into_format().into()
     }
 
     /// CIEDE2000 with all weights 1. Below 1 most people see no difference, 2.3 is just noticeable in CIE 1976's measure.
-    pub fn delta_e(self, other: Self) -> f64 {
+    pub(crate) fn delta_e(self, other: Self) -> f64 {
         self.palette().difference(other.palette())
     }
 

@@ -9,7 +9,7 @@ use super::colour::Lab;
 use super::printed::PrintedColours;
 
 /// A colour is printable when some colour that can be printed is this close (ΔE2000): what reading a chart is good for.
-pub const PRINTABLE_DELTA_E: f64 = 2.0;
+pub(crate) const PRINTABLE_DELTA_E: f64 = 2.0;
 
 /// So many grid nodes start the search for the best colour.
 const STARTS: usize = 4;
@@ -19,7 +19,7 @@ const STEPS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 
 
 /// A printer's map from what is asked for to what comes out.
 #[derive(Debug, Clone)]
-pub struct Gamut {
+pub(crate) struct Gamut {
     levels: Vec<u8>,
     /// Red slowest, blue fastest.
     nodes: Vec<Lab>,
@@ -27,7 +27,7 @@ pub struct Gamut {
 
 /// The printable colour nearest to a wanted one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Best {
+pub(crate) struct Best {
     /// 8-bit sRGB to ask the printer for.
     pub ask_rgb: [u8; 3],
     /// What then comes out.
@@ -38,7 +38,7 @@ pub struct Best {
 
 impl Gamut {
     /// From the colour that each combination of the levels gives. The levels ascend from 0 to 255.
-    pub fn new(levels: &[u8], printed: impl Fn([u8; 3]) -> Lab) -> Self {
+    pub(crate) fn new(levels: &[u8], printed: impl Fn([u8; 3]) -> Lab) -> Self {
         let mut nodes = Vec::with_capacity(levels.len().pow(3));
         for r in levels {
             for g in levels {
@@ -52,12 +52,12 @@ impl Gamut {
     }
 
     /// A printer that makes every colour of sRGB exactly, interpolated over the same levels.
-    pub fn of_srgb(levels: &[u8]) -> Self {
+    pub(crate) fn of_srgb(levels: &[u8]) -> Self {
         Self::new(levels, Lab::of)
     }
 
     /// What comes out when a colour is asked for.
-    pub fn printed(&self, asked: [u8; 3]) -> Lab {
+    pub(crate) fn printed(&self, asked: [u8; 3]) -> Lab {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];
         for channel in 0..3 {
@@ -79,7 +79,7 @@ impl Gamut {
     }
 
     /// Volume in CIELAB.
-    pub fn volume(&self) -> f64 {
+    pub(crate) fn volume(&self) -> f64 {
         let n = self.levels.len() - 1;
         let cells = (0..n).flat_map(|r| (0..n).flat_map(move |g| (0..n).map(move |b| [r, g, b])));
         let tetrahedra = cells.flat_map(|corner| STEPS.map(|steps| (corner, steps)));
@@ -94,7 +94,7 @@ impl Gamut {
     }
 
     /// The colour to ask for to come nearest to a wanted one: from the nearest grid nodes downhill, in steps that halve.
-    pub fn best(&self, wanted: Lab) -> Best {
+    pub(crate) fn best(&self, wanted: Lab) -> Best {
         let n = self.levels.len();
         let mut starts: Vec<Best> = (0..self.nodes.len())
             .map(|i| {
@@ -150,7 +150,7 @@ impl Gamut {
 
 /// A colour of a pattern on a printer.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct ColourFate {
+pub(crate) struct ColourFate {
     pub wanted_rgb: [u8; 3],
     /// How many cells have it.
     pub cells: usize,
@@ -167,7 +167,7 @@ pub struct ColourFate {
 
 /// A pattern on a printer.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct PatternFate {
+pub(crate) struct PatternFate {
     /// Non-printability score: mean over cells of the distance to the nearest measured colour, Euclidean in sRGB with channels
     /// from 0 to 1; 0 is printable, √3 the most there could be. The minimum-distance form in use since; Sharif et al. 2016,
     /// eq. 5, has the product over the palette.
@@ -182,7 +182,7 @@ pub struct PatternFate {
 }
 
 /// How a pattern fares on a printer.
-pub fn fate(pattern: &Pattern, printer: &PrintedColours) -> PatternFate {
+pub(crate) fn fate(pattern: &Pattern, printer: &PrintedColours) -> PatternFate {
     let gamut = printer.gamut();
     let counts = pattern.colour_counts();
     let mut colours: Vec<ColourFate> = counts

@@ -1,12 +1,12 @@
 //! The repeated pattern: a small grid of coloured cells, stored as a PNG with one pixel per cell.
 
-pub mod card;
-pub mod colour;
+pub(crate) mod card;
+pub(crate) mod colour;
 pub(crate) mod contrast;
-pub mod gamut;
-pub mod palette;
-pub mod printed;
-pub mod world_aligned;
+pub(crate) mod gamut;
+pub(crate) mod palette;
+pub(crate) mod printed;
+pub(crate) mod world_aligned;
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -20,7 +20,7 @@ use crate::files::{self, FileError};
 use crate::photo::{Budget, open_png};
 
 /// Most cells a pattern may have along one side. Above this an image is almost surely meant, not a grid of cells.
-pub const MAX_CELLS: u32 = 512;
+pub(crate) const MAX_CELLS: u32 = 512;
 
 /// Why there is no pattern. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]

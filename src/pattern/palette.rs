@@ -12,9 +12,9 @@ use super::colour::Lab;
 use crate::files;
 
 /// Most paints a pattern is reduced to: each is a set of stencils.
-pub const MAX_PAINTS: usize = 24;
+pub(crate) const MAX_PAINTS: usize = 24;
 /// Most paints a palette file may offer.
-pub const MAX_PALETTE: usize = 256;
+pub(crate) const MAX_PALETTE: usize = 256;
 
 /// k-means is started between so many times, and the tightest result kept: often on few colours, where that takes no time.
 const RESTARTS: (usize, usize) = (4, 200);
@@ -26,7 +26,7 @@ const MOST_STEPS: usize = 100;
 /// Why a pattern was not reduced to paints. Each variant says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PaletteError {
+pub(crate) enum PaletteError {
     #[error("{path} cannot be used ({reason}); a palette is a TOML file of [[paint]] tables with name = \"…\" and rgb = [r, g, b]", path = path.display())]
     BadFile { path: PathBuf, reason: String },
     #[error("{asked} paint{} cannot be made; ask for 2 to {MAX_PAINTS}", if *asked == 1 { "" } else { "s" })]
@@ -48,7 +48,7 @@ pub enum PaletteError {
 
 /// A paint of a palette.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Paint {
+pub(crate) struct Paint {
     pub name: String,
     /// 8-bit sRGB.
     pub rgb: [u8; 3],
@@ -56,14 +56,14 @@ pub struct Paint {
 
 impl Paint {
     /// The colour as `#rrggbb`.
-    pub fn hex(&self) -> String {
+    pub(crate) fn hex(&self) -> String {
         hex(self.rgb)
     }
 }
 
 /// The paints that someone has.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Palette {
+pub(crate) struct Palette {
     paints: Vec<Paint>,
 }
 
@@ -88,7 +88,7 @@ impl Palette {
     /// # Errors
     /// A file that is missing or no TOML, unknown keys, fewer than two paints or more than [`MAX_PALETTE`], a paint without a name,
     /// two of one name or of one colour, a channel outside 0 to 255.
-    pub fn load(path: &Path) -> Result<Self, PaletteError> {
+    pub(crate) fn load(path: &Path) -> Result<Self, PaletteError> {
         let bad = |reason: String| PaletteError::BadFile {
             path: path.to_owned(),
             reason,
@@ -128,7 +128,7 @@ impl Palette {
         Ok(Self { paints })
     }
 
-    pub fn paints(&self) -> &[Paint] {
+    pub(crate) fn paints(&self) -> &[Paint] {
         &self.paints
     }
 }
@@ -140,7 +140,7 @@ fn rgb_of(wide: [i64; 3]) -> Result<[u8; 3], std::num::TryFromIntError> {
 
 /// A paint in use: the cells it takes, and how far it is from the colours it stands for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct UsedPaint {
+pub(crate) struct UsedPaint {
     pub paint: Paint,
     /// Cells of one repeat of the pattern.
     pub cells: u32,
@@ -151,7 +151,7 @@ pub struct UsedPaint {
 
 /// A pattern in paints.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Painted {
+pub(crate) struct Painted {
     /// Most cells first.
     pub paints: Vec<UsedPaint>,
     columns: u32,
@@ -165,7 +165,7 @@ impl Painted {
     ///
     /// # Errors
     /// Fewer than two paints, more than [`MAX_PAINTS`] or than the pattern has colours, or clusters that round to one colour.
-    pub fn by_count(pattern: &Pattern, count: usize) -> Result<Self, PaletteError> {
+    pub(crate) fn by_count(pattern: &Pattern, count: usize) -> Result<Self, PaletteError> {
         if !(2..=MAX_PAINTS).contains(&count) {
             return Err(PaletteError::BadCount {
                 asked: i64::try_from(count).unwrap_or(i64::MAX),
@@ -203,7 +203,7 @@ impl Painted {
     ///
     /// # Errors
     /// One paint would be nearest to everything, or more than [`MAX_PAINTS`] would be used.
-    pub fn by_palette(pattern: &Pattern, palette: &Palette) -> Result<Self, PaletteError> {
+    pub(crate) fn by_palette(pattern: &Pattern, palette: &Palette) -> Result<Self, PaletteError> {
         let colours = Colours::of(pattern);
         let labs: Vec<Lab> = palette.paints.iter().map(|paint| Lab::of(paint.rgb)).collect();
         let of: Vec<usize> = colours
@@ -255,14 +255,14 @@ impl Painted {
     }
 
     /// Which of [`Self::paints`] a cell of the repeated pattern takes; columns and rows go on for ever.
-    pub fn paint_at(&self, column: usize, row: usize) -> usize {
+    pub(crate) fn paint_at(&self, column: usize, row: usize) -> usize {
         let columns = self.columns as usize;
         let rows = self.cells.len() / columns;
         self.cells[(row % rows) * columns + column % columns]
     }
 
     /// CIEDE2000 of the cells against their paints: mean and largest.
-    pub fn delta_e(&self) -> (f64, f64) {
+    pub(crate) fn delta_e(&self) -> (f64, f64) {
         let total: f64 = self.paints.iter().map(|p| f64::from(p.cells) * p.mean_delta_e).sum();
         let largest = self.paints.iter().map(|p| p.max_delta_e).fold(0.0, f64::max);
         (total / self.cells.len() as f64, largest)

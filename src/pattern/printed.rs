@@ -12,7 +12,7 @@ use super::gamut::Gamut;
 
 /// Where measured colours come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ChartSource {
+pub(crate) struct ChartSource {
     /// Name of the chart.
     pub chart: String,
     /// The program that read it.
@@ -25,7 +25,7 @@ pub struct ChartSource {
 /// Why a file's colours are not those that this program writes: the end of a sentence about the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ColoursError {
+pub(crate) enum ColoursError {
     #[error("the levels of its colour part do not ascend from 0 to 255")]
     Levels,
     #[error("its colour part has a colour that is none")]
@@ -39,7 +39,7 @@ pub enum ColoursError {
 /// One colour asked for, and what came out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PrintedColour {
+pub(crate) struct PrintedColour {
     pub asked_rgb: [u8; 3],
     /// The nearest 8-bit sRGB.
     pub measured_rgb: [u8; 3],
@@ -52,7 +52,7 @@ pub struct PrintedColour {
 /// A printer's measured colours; as `[colour]`, the content of a printer file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PrintedColours {
+pub(crate) struct PrintedColours {
     pub chart: String,
     pub program: String,
     pub photos_sha256: Vec<String>,
@@ -88,7 +88,7 @@ impl PrintedColour {
     }
 
     /// What came out.
-    pub fn lab(&self) -> Lab {
+    pub(crate) fn lab(&self) -> Lab {
         let [l, a, b] = self.measured_lab;
         Lab { l, a, b }
     }
@@ -97,7 +97,7 @@ impl PrintedColour {
 impl PrintedColours {
     /// From light relative to the paper's. A colour that was asked for several times is averaged. `source.levels` must be those of
     /// a chart, all of whose colours are there.
-    pub fn of_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
+    pub(crate) fn of_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
         let mut sums: BTreeMap<[u8; 3], ([f64; 3], f64)> = BTreeMap::new();
         for (asked, light) in patches {
             let (sum, count) = sums.entry(asked).or_default();
@@ -145,7 +145,7 @@ impl PrintedColours {
     }
 
     /// The colours that can be printed.
-    pub fn gamut(&self) -> Gamut {
+    pub(crate) fn gamut(&self) -> Gamut {
         let measured: BTreeMap<[u8; 3], Lab> = self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect();
         // `check` refuses a file with a colour missing, and a chart has all.
         Gamut::new(&self.levels, |asked| {
@@ -158,7 +158,7 @@ impl PrintedColours {
     ///
     /// # Errors
     /// What is wrong, as half a sentence.
-    pub fn check(&self) -> Result<(), ColoursError> {
+    pub(crate) fn check(&self) -> Result<(), ColoursError> {
         let ascends = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         if !ascends || self.levels.first() != Some(&0) || self.levels.last() != Some(&255) {
             return Err(ColoursError::Levels);
@@ -196,7 +196,7 @@ impl PrintedColours {
     ///
     /// # Errors
     /// Only if the encoder fails.
-    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+    pub(crate) fn to_toml(&self) -> Result<String, toml::ser::Error> {
         #[derive(Serialize)]
         struct Part<'a> {
             colour: &'a PrintedColours,

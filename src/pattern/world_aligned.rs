@@ -100,7 +100,7 @@ impl Side {
 
 /// A pattern laid over the world.
 #[derive(Debug, Clone, Copy)]
-pub struct WorldAligned<'a> {
+pub(crate) struct WorldAligned<'a> {
     pub pattern: &'a Pattern,
     /// Width and height of a cell on the model.
     pub cell_mm: f64,
@@ -108,13 +108,13 @@ pub struct WorldAligned<'a> {
 
 impl WorldAligned<'_> {
     /// The colour of a surface point (model frame, mm) with this outward normal of any length.
-    pub fn colour(&self, point_mm: &Point3<f64>, normal: &Vector3<f64>) -> [u8; 3] {
+    pub(crate) fn colour(&self, point_mm: &Point3<f64>, normal: &Vector3<f64>) -> [u8; 3] {
         let side = Side::of(normal);
         self.colour_at(side.project(point_mm))
     }
 
     /// The colour at (u, v) of any side, mm.
-    pub fn colour_at(&self, [u_mm, v_mm]: [f64; 2]) -> [u8; 3] {
+    pub(crate) fn colour_at(&self, [u_mm, v_mm]: [f64; 2]) -> [u8; 3] {
         let cell = |mm: f64, count: u32| (mm / self.cell_mm).floor().rem_euclid(f64::from(count)) as u32;
         let (column, row) = (cell(u_mm, self.pattern.columns()), cell(-v_mm, self.pattern.rows()));
         // rem_euclid of a tiny negative number rounds up to the count itself.

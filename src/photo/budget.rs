@@ -97,7 +97,7 @@ impl DecodeCost {
     const RGB: u64 = 3;
 
     /// Of a JPEG of width × height `size`.
-    pub fn of_jpeg(size: [u32; 2], structure: &JpegStructure, is_turned: bool) -> DecodeCost {
+    pub(super) fn of_jpeg(size: [u32; 2], structure: &JpegStructure, is_turned: bool) -> DecodeCost {
         DecodeCost {
             pixels: u64::from(size[0]) * u64::from(size[1]),
             bytes_per_pixel: DecodeCost::RGB,
@@ -117,7 +117,7 @@ impl DecodeCost {
     }
 
     /// Of a PNG, whose decoder writes so many bytes for a pixel.
-    pub fn of_png(size: [u32; 2], bytes_per_pixel: u64, is_turned: bool) -> DecodeCost {
+    pub(super) fn of_png(size: [u32; 2], bytes_per_pixel: u64, is_turned: bool) -> DecodeCost {
         DecodeCost {
             pixels: u64::from(size[0]) * u64::from(size[1]),
             bytes_per_pixel,
@@ -130,7 +130,7 @@ impl DecodeCost {
 
     /// What decoding at 1/`reduction` of the size holds at most, in bytes: while the decoder works, while its form is made into RGB, and while
     /// that is turned.
-    pub fn memory(&self, reduction: u32) -> u64 {
+    pub(super) fn memory(&self, reduction: u32) -> u64 {
         let reduced = self.pixels / (u64::from(reduction) * u64::from(reduction));
         let decoding = self.pixels * self.kept_per_pixel + reduced * self.bytes_per_pixel;
         let forming = match self.bytes_per_pixel {

@@ -29,7 +29,7 @@ pub(super) enum DecodeProblem {
 }
 
 impl DecodeProblem {
-    pub fn at(self, path: &Path) -> PhotoError {
+    pub(super) fn at(self, path: &Path) -> PhotoError {
         let path = path.to_owned();
         match self {
             DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
@@ -117,7 +117,7 @@ pub(super) struct Header {
 
 impl Header {
     /// Also gives the EXIF block.
-    pub fn of(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
+    pub(super) fn of(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
         let (size, cost, exif, jpeg, has_luma) = match FileKind::of(bytes)? {
             FileKind::Jpeg(structure) => {
                 let (decoder, size, cost) = jpeg_header(bytes, &structure, ColorSpace::RGB, budget)?;
@@ -144,7 +144,7 @@ impl Header {
     }
 
     /// Width and height of the upright image.
-    pub fn upright_size(&self) -> [u32; 2] {
+    pub(super) fn upright_size(&self) -> [u32; 2] {
         let [width, height] = self.size;
         match lies_across(self.orientation) {
             true => [height, width],
@@ -152,7 +152,7 @@ impl Header {
         }
     }
 
-    pub fn luma(&self, bytes: &[u8], budget: &Budget) -> Result<GrayImage, DecodeProblem> {
+    pub(super) fn luma(&self, bytes: &[u8], budget: &Budget) -> Result<GrayImage, DecodeProblem> {
         let Some(structure) = self.jpeg.filter(|_| self.has_luma) else {
             return Ok(imageops::grayscale(&self.rgb(bytes, budget)?));
         };
@@ -161,7 +161,7 @@ impl Header {
         Ok(self.upright(luma.into()).into_luma8())
     }
 
-    pub fn rgb(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
+    pub(super) fn rgb(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
         let stored = match &self.jpeg {
             Some(structure) => {
                 let (pixels, [width, height]) = jpeg_pixels(bytes, structure, ColorSpace::RGB, budget)?;
@@ -176,7 +176,7 @@ impl Header {
     }
 
     /// Colours at 1/`reduction` of the size.
-    pub fn reduced_rgb(&self, bytes: &[u8], budget: &Budget, reduction: u32) -> Result<RgbImage, DecodeProblem> {
+    pub(super) fn reduced_rgb(&self, bytes: &[u8], budget: &Budget, reduction: u32) -> Result<RgbImage, DecodeProblem> {
         match reduced(bytes, self.size.map(|side| side / reduction))? {
             Some(reduced) => Ok(self.upright(reduced.into()).into_rgb8()),
             None => {
@@ -195,7 +195,7 @@ impl Header {
 /// Why bytes are no PNG that can be decoded, as a clause.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum PngError {
+pub(crate) enum PngError {
     #[error("it has {0}")]
     TooLarge(String),
     #[error("{0}")]
@@ -205,7 +205,7 @@ pub enum PngError {
 }
 
 /// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
-pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, PngError> {
+pub(crate) fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, PngError> {
     match png_header(bytes, budget) {
         Ok((decoder, _)) => Ok(decoder),
         Err(DecodeProblem::TooLarge(size)) => Err(PngError::TooLarge(size)),

@@ -14,7 +14,7 @@ const MOST_TIME: Duration = Duration::from_secs(60);
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
 /// Whether the system has a decoder for HEIC files.
-pub fn reads_heif() -> bool {
+pub(crate) fn reads_heif() -> bool {
     decoder().is_some()
 }
 

@@ -24,7 +24,7 @@ impl JpegStructure {
     ///
     /// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the
     /// end (motion photos, depth maps) do not matter.
-    pub fn of(bytes: &[u8]) -> Option<JpegStructure> {
+    pub(super) fn of(bytes: &[u8]) -> Option<JpegStructure> {
         let mut structure = JpegStructure {
             scans: 0,
             components: 0,

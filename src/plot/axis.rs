@@ -2,7 +2,7 @@
 
 /// How values are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
+pub(crate) enum Scale {
     Linear,
     /// Values must be above 0; those that are not stand at the axis's low end.
     Log,
@@ -10,7 +10,7 @@ pub enum Scale {
 
 /// An axis from `low` to `high`, drawn from one pixel to another.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlotAxis {
+pub(crate) struct PlotAxis {
     pub title: String,
     pub scale: Scale,
     pub low: f64,
@@ -19,7 +19,7 @@ pub struct PlotAxis {
 
 impl PlotAxis {
     /// Wide enough for all values. On a log axis it ends at 1, 2 or 5 times a power of ten; a linear one starts at 0 or below.
-    pub fn around(title: &str, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
+    pub(crate) fn around(title: &str, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
         let usable = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for v in values.into_iter().filter(usable) {
@@ -42,7 +42,7 @@ impl PlotAxis {
     }
 
     /// Where a value stands between the ends: 0 at `low`, 1 at `high`; values beyond stand at the ends.
-    pub fn share(&self, value: f64) -> f64 {
+    pub(crate) fn share(&self, value: f64) -> f64 {
         let share = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
             Scale::Log if value <= 0.0 => 0.0,
@@ -52,7 +52,7 @@ impl PlotAxis {
     }
 
     /// Values that get a line and a label.
-    pub fn ticks(&self) -> Vec<f64> {
+    pub(crate) fn ticks(&self) -> Vec<f64> {
         match self.scale {
             Scale::Linear => self.linear_ticks(),
             Scale::Log => self.log_ticks(),
@@ -77,7 +77,7 @@ impl PlotAxis {
 }
 
 /// A tick's value as people write it.
-pub fn tick_label(value: f64) -> String {
+pub(crate) fn tick_label(value: f64) -> String {
     let digits = if value == 0.0 {
         0
     } else {

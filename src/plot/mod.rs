@@ -6,9 +6,9 @@ mod axis;
 mod panels;
 mod scatter;
 
-pub use axis::{PlotAxis, Scale, tick_label};
-pub use panels::{PlotLine, PlotPanel, panels};
-pub use scatter::{Cloud, Dot, scatter};
+pub(crate) use axis::{PlotAxis, Scale, tick_label};
+pub(crate) use panels::{PlotLine, PlotPanel, panels};
+pub(crate) use scatter::{Cloud, Dot, scatter};
 
 /// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.
 const COLOURS: [&str; 10] = [
@@ -19,7 +19,7 @@ const FAINT: &str = "#d7dce2";
 const NOTE: &str = "#5b6573";
 
 /// The colour of the n-th series.
-pub fn colour(series: usize) -> &'static str {
+pub(crate) fn colour(series: usize) -> &'static str {
     COLOURS[series % COLOURS.len()]
 }
 

@@ -7,7 +7,7 @@ use super::{FAINT, INK, NOTE, PlotAxis, colour, document, round};
 
 /// One line of a panel: values along the panel's x, gaps where nothing was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlotLine {
+pub(crate) struct PlotLine {
     pub series: usize,
     pub values: Vec<Option<f64>>,
     pub is_dashed: bool,
@@ -15,7 +15,7 @@ pub struct PlotLine {
 
 /// One small chart. The x values are evenly spaced steps with their labels: sweeps go from harmless to hopeless.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlotPanel {
+pub(crate) struct PlotPanel {
     pub title: String,
     pub steps: Vec<String>,
     pub y: PlotAxis,
@@ -27,7 +27,7 @@ const CELL: (f64, f64) = (252.0, 168.0);
 const TOP: f64 = 64.0;
 
 /// A page of panels, row by row, `across` a row, with a legend of colours and of solid and dashed lines.
-pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[PlotPanel]) -> String {
+pub(crate) fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[PlotPanel]) -> String {
     let across = across.max(1);
     let notes_height = 14.0 * notes.len() as f64;
     let top = TOP + notes_height;

@@ -26,7 +26,7 @@ impl DotShape {
 
 /// One measured method.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Dot {
+pub(crate) struct Dot {
     pub x: f64,
     pub y: f64,
     /// How much of the mark is filled, 0 to 1.
@@ -42,7 +42,7 @@ pub struct Dot {
 
 /// Dots over shared axes, with what colours and shapes stand for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cloud {
+pub(crate) struct Cloud {
     pub title: String,
     /// One line: what the third mark is.
     pub note: String,
@@ -75,7 +75,7 @@ impl Cloud {
 }
 
 /// The chart as an SVG file.
-pub fn scatter(cloud: &Cloud) -> String {
+pub(crate) fn scatter(cloud: &Cloud) -> String {
     let groups = cloud.groups.len().max(1) as f64;
     let of_note = 32.0 + LETTER * cloud.note.chars().count() as f64;
     let width = (LEFT + groups * (cloud.plot_width() + GAP)).max(of_note);

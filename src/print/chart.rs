@@ -12,7 +12,7 @@ use crate::tags::TagImage;
 /// Why no chart was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ChartPrintError {
+pub(crate) enum ChartPrintError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error("the smallest colour chart is {chart_mm} mm and the paper has {free_mm} mm for it; use larger paper")]
@@ -23,7 +23,7 @@ pub enum ChartPrintError {
 
 /// A chart ready to be written.
 #[derive(Debug, Clone)]
-pub struct PrintedChart {
+pub(crate) struct PrintedChart {
     pub layout: ChartLayout,
     /// Where it lies (page frame).
     pub area: RectMm,
@@ -34,7 +34,7 @@ pub struct PrintedChart {
 ///
 /// # Errors
 /// A roll; paper without room for the smallest chart, upright and across.
-pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
+pub(crate) fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);
     let mut marks: Vec<Mark> = layout

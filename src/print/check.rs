@@ -10,9 +10,9 @@ use super::ruler;
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 
 /// The square with its diagonals.
-pub const SQUARE_MM: f64 = 100.0;
+pub(crate) const SQUARE_MM: f64 = 100.0;
 /// The box that fits a hand: 10 × 5 cm.
-pub const BOX_MM: (f64, f64) = (100.0, 50.0);
+pub(crate) const BOX_MM: (f64, f64) = (100.0, 50.0);
 
 const LINE_MM: f64 = 0.15;
 const GAP_MM: f64 = 8.0;
@@ -28,7 +28,7 @@ const ROLL_LENGTH_MM: f64 = 260.0;
 
 /// What to print. The page is upright, so that its x is the printer's.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CheckRequest {
+pub(crate) struct CheckRequest {
     pub paper: Stock,
     pub margin_mm: f64,
     /// The correction to try out, or [`Printer::EXACT`].
@@ -38,7 +38,7 @@ pub struct CheckRequest {
 
 /// Where the measured things are on the page, in true millimetres (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CheckPlan {
+pub(crate) struct CheckPlan {
     pub frame: PageFrame,
     pub square: RectMm,
     pub long_box: RectMm,
@@ -48,7 +48,7 @@ pub struct CheckPlan {
 ///
 /// # Errors
 /// A margin that is no length, paper too small for the boxes and their blanks.
-pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
+pub(crate) fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
     let page = match request.paper {
         Stock::Cut(paper) => paper.portrait(),
         Stock::Roll { width_mm } => Paper {
@@ -93,7 +93,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
 ///
 /// # Errors
 /// As for [`plan`].
-pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
+pub(crate) fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
     let plan = plan(request)?;
     let mut marks = ruler::horizontal(plan.frame.horizontal_ruler);
     marks.extend(ruler::vertical(plan.frame.vertical_ruler));

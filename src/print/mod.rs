@@ -4,27 +4,27 @@
 //! [`chart`], [`check`]. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
 
 #[cfg(feature = "full")]
-pub mod board;
-pub mod chart;
-pub mod check;
+pub(crate) mod board;
+pub(crate) mod chart;
+pub(crate) mod check;
 pub(crate) mod date;
 pub(crate) mod frame;
 pub(crate) mod lettering;
-pub mod output;
+pub(crate) mod output;
 mod pack;
-pub mod page;
-pub mod paint;
-pub mod paper;
-pub mod patch;
-pub mod pdf;
-pub mod printer;
+pub(crate) mod page;
+pub(crate) mod paint;
+pub(crate) mod paper;
+pub(crate) mod patch;
+pub(crate) mod pdf;
+pub(crate) mod printer;
 pub(crate) mod ruler;
 pub(crate) mod shapes;
-pub mod sheet;
-pub mod svg;
-pub mod tags;
-pub mod template;
-pub mod wrap;
+pub(crate) mod sheet;
+pub(crate) mod svg;
+pub(crate) mod tags;
+pub(crate) mod template;
+pub(crate) mod wrap;
 
 use crate::geometry::length::BadLength;
 use crate::spelling;

@@ -8,7 +8,7 @@ use crate::files::{self, FileError};
 
 /// What sheets are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SheetFormat {
+pub(crate) enum SheetFormat {
     /// One file with all sheets.
     Pdf,
     /// One file a sheet, named OUTPUT-SHEET.svg.
@@ -18,7 +18,7 @@ pub enum SheetFormat {
 /// Why an output cannot take sheets.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum OutputError {
+pub(crate) enum OutputError {
     #[error("{path} does not say whether PDF or SVG is meant: let it end in .pdf or .svg", path = path.display())]
     UnknownEnding { path: PathBuf },
     #[error("SVG makes one file per page, so it cannot go to standard output: name a file")]
@@ -29,7 +29,7 @@ pub enum OutputError {
 
 /// Where sheets go, and as what.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SheetOutput {
+pub(crate) struct SheetOutput {
     path: PathBuf,
     format: SheetFormat,
 }
@@ -39,7 +39,7 @@ impl SheetOutput {
     ///
     /// # Errors
     /// Another ending, or none; SVG on standard output; what cannot be written to.
-    pub fn named(path: &Path, format: Option<SheetFormat>) -> Result<Self, OutputError> {
+    pub(crate) fn named(path: &Path, format: Option<SheetFormat>) -> Result<Self, OutputError> {
         let format = format.map_or_else(|| format_of(path), Ok)?;
         if format == SheetFormat::Svg && files::is_standard_output(path) {
             return Err(OutputError::SvgToStandardOutput);
@@ -52,7 +52,7 @@ impl SheetOutput {
     ///
     /// # Errors
     /// Only if the PDF cannot be put together.
-    pub fn files(
+    pub(crate) fn files(
         &self,
         title: &str,
         names: &[String],

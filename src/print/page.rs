@@ -10,7 +10,7 @@ use super::template::layout::{cut_from_roll, roll_page};
 use super::template::rulers;
 
 /// Border of the paper that office printers do not reach.
-pub const MARGIN_MM: f64 = 5.0;
+pub(crate) const MARGIN_MM: f64 = 5.0;
 
 const CAPTION_MM: f64 = 2.5;
 const LEADING_MM: f64 = 3.3;
@@ -19,7 +19,7 @@ const LABEL_WIDTH_MM: f64 = 24.0;
 
 /// What is printed on, and by what.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Media {
+pub(crate) struct Media {
     pub paper: Stock,
     pub printer: Printer,
 }
@@ -37,14 +37,14 @@ impl Media {
 
 /// A page that is drawn on freely: its frame's usable area is for the content.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FreePage(pub PageFrame);
+pub(crate) struct FreePage(pub PageFrame);
 
 impl FreePage {
     /// The areas of a paper used upright or across. A roll's page is as long as a page can be; [`FreePage::shortened`] cuts it off.
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn new(media: Media, orientation: Orientation) -> Result<Self, SheetError> {
+    pub(crate) fn new(media: Media, orientation: Orientation) -> Result<Self, SheetError> {
         let turned = orientation == Orientation::Landscape;
         let setup = Setup {
             margin_mm: MARGIN_MM,
@@ -63,7 +63,7 @@ impl FreePage {
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn shortened(self, media: Media, usable_mm: f64) -> Result<Self, SheetError> {
+    pub(crate) fn shortened(self, media: Media, usable_mm: f64) -> Result<Self, SheetError> {
         let Stock::Roll { width_mm } = media.paper else {
             return Ok(self);
         };
@@ -75,7 +75,7 @@ impl FreePage {
     ///
     /// # Errors
     /// Paper too small for the rulers either way.
-    pub fn both_ways(media: Media) -> Result<Vec<Self>, SheetError> {
+    pub(crate) fn both_ways(media: Media) -> Result<Vec<Self>, SheetError> {
         let upright = Self::new(media, Orientation::Portrait);
         let across = Self::new(media, Orientation::Landscape);
         match (upright, across) {
@@ -87,12 +87,12 @@ impl FreePage {
 
     /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it
     /// comes out of the printer in true size.
-    pub fn sheet(&self, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
+    pub(crate) fn sheet(&self, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
         self.cut_sheet(self.0.printable, marks, captions, label)
     }
 
     /// The same, cut out at `trim`.
-    pub fn cut_sheet(&self, trim: RectMm, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
+    pub(crate) fn cut_sheet(&self, trim: RectMm, marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
         let frame = &self.0;
         let mut all = marks;
         all.extend(rulers(frame));

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use super::SheetError;
 
 /// The longest side a PDF page may have without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
-pub const MAX_SIDE_MM: f64 = 5000.0;
+pub(crate) const MAX_SIDE_MM: f64 = 5000.0;
 
 /// A sheet of paper as it is named; which way round it is used is an [`Orientation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,7 +119,7 @@ pub enum Orientation {
 ///
 /// # Errors
 /// Anything but two numbers with an `x` between them. Whether the numbers make sense is for the caller to say.
-pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
+pub(crate) fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
     two_lengths(&text.to_ascii_lowercase()).ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })
 }
 

@@ -16,7 +16,7 @@ use crate::pattern::world_aligned::Side;
 use crate::photo::{Budget, Photo, open_png};
 
 /// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
-pub const MAX_PIXELS: u32 = 8192;
+pub(crate) const MAX_PIXELS: u32 = 8192;
 /// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger images are embedded whole.
 const MAX_RECTANGLES: u32 = 128;
 /// Around a piece on its sheets, for the line it is cut along.
@@ -27,7 +27,7 @@ const LEAST_SHARE: f64 = 1e-6;
 /// Why no patches were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PatchError {
+pub(crate) enum PatchError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error(transparent)]
@@ -52,7 +52,7 @@ pub enum PatchError {
 
 /// An image to be printed as it is.
 #[derive(Debug, Clone)]
-pub struct PatchImage {
+pub(crate) struct PatchImage {
     pixels: Arc<RgbImage>,
     sha256: String,
 }
@@ -62,7 +62,7 @@ impl PatchImage {
     ///
     /// # Errors
     /// An unreadable or damaged file, see-through pixels, more than [`MAX_PIXELS`] along a side.
-    pub fn load(path: &Path) -> Result<Self, PatchError> {
+    pub(crate) fn load(path: &Path) -> Result<Self, PatchError> {
         let bad = |reason: String| PatchError::BadImage {
             path: path.to_owned(),
             reason,
@@ -102,12 +102,12 @@ impl PatchImage {
         })
     }
 
-    pub fn pixels(&self) -> &RgbImage {
+    pub(crate) fn pixels(&self) -> &RgbImage {
         &self.pixels
     }
 
     /// Height for a width that keeps the image's proportions.
-    pub fn height_for(&self, width: f64) -> f64 {
+    pub(crate) fn height_for(&self, width: f64) -> f64 {
         width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
     }
 
@@ -150,7 +150,7 @@ impl PatchImage {
 
 /// An image on a panel.
 #[derive(Debug, Clone)]
-pub struct PanelPatch {
+pub(crate) struct PanelPatch {
     /// How the captions call it: its file name.
     pub name: String,
     pub image: PatchImage,
@@ -175,7 +175,7 @@ impl PanelPatch {
 
 /// The pages of some patches.
 #[derive(Debug, Clone)]
-pub struct Patches {
+pub(crate) struct Patches {
     /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
     /// patch as a piece. As the printer needs them.
     pub pages: Vec<Sheet>,
@@ -189,7 +189,7 @@ pub struct Patches {
 /// # Errors
 /// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
 /// layout refuses.
-pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
+pub(crate) fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
     check_scale(request.scale)?;
     // All before the first is drawn: a panel's sheets show every patch on it.
     patches.iter().try_for_each(check)?;
@@ -227,7 +227,7 @@ pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) 
 
 /// # Errors
 /// A place or size that no patch has.
-pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
+pub(crate) fn check(patch: &PanelPatch) -> Result<(), PatchError> {
     for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {
             return Err(PatchError::Size { what, value });

@@ -14,9 +14,9 @@ use crate::geometry::length::shown;
 use crate::pattern::printed::PrintedColours;
 
 /// What the rulers of every sheet measure on a perfect printer.
-pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
+pub(crate) const NOMINAL_MM: f64 = ruler::LENGTH_MM;
 /// A printer that is further off than this share scales on purpose, which its settings must undo.
-pub const MOST_OFF: f64 = 0.05;
+pub(crate) const MOST_OFF: f64 = 0.05;
 
 /// Why nothing is known of a printer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -54,7 +54,7 @@ struct Lengths {
 
 /// What a printer file says. One that only `colour read` has written has no lengths.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PrinterFile {
+pub(crate) struct PrinterFile {
     pub printer: Printer,
     pub colours: Option<PrintedColours>,
 }
@@ -155,7 +155,7 @@ impl PrinterFile {
     ///
     /// # Errors
     /// As for [`Printer::load`], and colours that contradict themselves.
-    pub fn load(path: &Path) -> Result<Self, PrinterError> {
+    pub(crate) fn load(path: &Path) -> Result<Self, PrinterError> {
         let text = files::read_text(path).map_err(|e| e.to_string());
         text.and_then(|text| Self::parse(&text))
             .map_err(|reason| PrinterError::BadFile {
@@ -189,7 +189,7 @@ impl PrinterFile {
     ///
     /// # Errors
     /// Only if the encoder fails.
-    pub fn to_toml(&self) -> Result<String, PrinterError> {
+    pub(crate) fn to_toml(&self) -> Result<String, PrinterError> {
         let failed = |e: toml::ser::Error| PrinterError::Encoding { reason: e.to_string() };
         let mut parts = Vec::new();
         if self.printer != Printer::EXACT || self.colours.is_none() {
@@ -210,7 +210,7 @@ impl PrinterFile {
 
 /// The sheets as they must be drawn, so that a printer which divides lengths by `stretch` puts them on paper as they are. The
 /// page keeps its size and its centre. Lines keep their width.
-pub fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
+pub(crate) fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
     if stretch == (1.0, 1.0) {
         return sheets;
     }
@@ -222,7 +222,7 @@ pub fn corrected(sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
 }
 
 /// [`corrected`] for one sheet that shares no stamps with others.
-pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
+pub(crate) fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
     if stretch == (1.0, 1.0) {
         sheet
     } else {

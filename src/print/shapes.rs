@@ -8,7 +8,7 @@ pub(crate) type OutlineMm = Vec<PointMm>;
 
 /// Where a square of modules lies on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TagPlacement {
+pub(crate) struct TagPlacement {
     pub centre: PointMm,
     /// Unit vector along the square's rows, to its right.
     pub right: [f64; 2],
@@ -17,7 +17,7 @@ pub struct TagPlacement {
 
 impl TagPlacement {
     /// The page's place of a point (x right, y up, mm) from the centre of the square.
-    pub fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
+    pub(crate) fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
         let [c, s] = self.right;
         PointMm::new(
             self.centre.x_mm + c * x_mm - s * y_mm,
@@ -26,14 +26,14 @@ impl TagPlacement {
     }
 
     /// A rectangle of the square's frame (x right, y up, from its centre).
-    pub fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> OutlineMm {
+    pub(crate) fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> OutlineMm {
         [(left, bottom), (right, bottom), (right, top), (left, top)]
             .map(|(x, y)| self.at(x, y))
             .to_vec()
     }
 
     /// A triangle on the square's vertical axis that points up, its base `y_mm` above the centre.
-    pub fn up_mark(&self, x_mm: f64, y_mm: f64, size_mm: f64) -> OutlineMm {
+    pub(crate) fn up_mark(&self, x_mm: f64, y_mm: f64, size_mm: f64) -> OutlineMm {
         let half = 0.5 * size_mm;
         vec![
             self.at(x_mm - half, y_mm),

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use image::RgbImage;
 
 /// 8-bit sRGB.
-pub type Srgb8 = [u8; 3];
+pub(crate) type Srgb8 = [u8; 3];
 
-pub const BLACK: Srgb8 = [0, 0, 0];
-pub const WHITE: Srgb8 = [255, 255, 255];
+pub(crate) const BLACK: Srgb8 = [0, 0, 0];
+pub(crate) const WHITE: Srgb8 = [255, 255, 255];
 
 /// A place on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]

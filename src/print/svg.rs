@@ -15,7 +15,7 @@ use super::lettering::{self, FAMILY};
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
 
 /// Writes one sheet. The same sheet gives the same text.
-pub fn write(title: &str, sheet: &Sheet) -> String {
+pub(crate) fn write(title: &str, sheet: &Sheet) -> String {
     let [width, height] = [sheet.width_mm, sheet.height_mm].map(length);
     let page = SvgPage::of(sheet);
     format!(

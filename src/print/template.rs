@@ -7,9 +7,10 @@ mod seams;
 
 use std::sync::Arc;
 
-pub use furniture::{Captions, around, guides, rulers};
-pub use layout::{LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
-pub use seams::{SheetSeams, letters};
+pub(crate) use furniture::{Captions, around, guides, rulers};
+pub use layout::LayoutRequest;
+pub(crate) use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
+pub(crate) use seams::{SheetSeams, letters};
 
 use super::SheetError;
 use super::date::Date;
@@ -20,9 +21,9 @@ use crate::geometry::length::{SCALES, shown};
 use crate::pattern::Pattern;
 
 /// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
-pub const MIN_CELL_MM: f64 = 0.2;
+pub(crate) const MIN_CELL_MM: f64 = 0.2;
 /// The widest repeat: a full-size car twice over. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
-pub const MAX_TILE_MM: f64 = 10_000.0;
+pub(crate) const MAX_TILE_MM: f64 = 10_000.0;
 
 /// A stamp is made of as many repeats as reach this length, so that tiny patterns do not fill the file with placements.
 const STAMP_MM: f64 = 50.0;
@@ -154,7 +155,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
 ///
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`].
-pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
+pub(crate) fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
     let tile_mm = request.tile_mm;
     if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
         return Err(TemplateError::TileWidth { tile_mm });
@@ -171,7 +172,7 @@ pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, Temp
 }
 
 /// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
-pub fn check_scale(scale: f64) -> Result<(), TemplateError> {
+pub(crate) fn check_scale(scale: f64) -> Result<(), TemplateError> {
     // False for NaN too.
     if SCALES.contains(&scale) {
         return Ok(());

@@ -25,7 +25,11 @@ struct Page<'a> {
 }
 
 /// Writes every file of a comparison into a folder, or none, and returns the path of the page to open.
-pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison) -> Result<PathBuf, ReportError> {
+pub(crate) fn write_comparison(
+    folder: &Path,
+    scores: &Scores,
+    comparison: &Comparison,
+) -> Result<PathBuf, ReportError> {
     let page = folder.join("comparison.html");
     files::replace_all_atomically(&[
         (page.clone(), page::render(scores, comparison).into_bytes()),
@@ -42,7 +46,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
 }
 
 /// The whole of `comparison.json`.
-pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
+pub(crate) fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = Page {
         comparison,
         classes: counted::classes(scores).labels(),
@@ -55,7 +59,7 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
 }
 
 /// Three lines per detector and variant: the drop of each figure, its interval, and the finding.
-pub fn comparison_table(comparison: &Comparison) -> String {
+pub(crate) fn comparison_table(comparison: &Comparison) -> String {
     let mut lines = Vec::new();
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);

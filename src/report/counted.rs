@@ -9,7 +9,7 @@ pub(super) fn classes(scores: &Scores) -> &Classes {
 }
 
 /// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
-pub fn counted(scores: &Scores) -> String {
+pub(crate) fn counted(scores: &Scores) -> String {
     let mapped: Vec<String> = scores.detectors.iter().filter_map(mapped).collect();
     match mapped.is_empty() {
         true => classes(scores).to_string(),

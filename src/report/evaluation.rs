@@ -5,7 +5,7 @@ use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figu
 use crate::spelling;
 
 /// What the tables of an evaluation are made of.
-pub struct Evaluation<'a> {
+pub(crate) struct Evaluation<'a> {
     pub scores: &'a Scores,
     /// The variants as the tables list them, the base first.
     pub patterns: Vec<String>,
@@ -16,11 +16,11 @@ pub struct Evaluation<'a> {
 }
 
 impl<'a> Evaluation<'a> {
-    pub fn targets(&self) -> Vec<&'a EvaluatedDetector> {
+    pub(crate) fn targets(&self) -> Vec<&'a EvaluatedDetector> {
         self.detectors(|name| self.targets.is_empty() || self.targets.iter().any(|t| t == name))
     }
 
-    pub fn others(&self) -> Vec<&'a EvaluatedDetector> {
+    pub(crate) fn others(&self) -> Vec<&'a EvaluatedDetector> {
         let targets = self.targets();
         self.detectors(|name| targets.iter().all(|t| t.manifest.name != name))
     }
@@ -54,7 +54,7 @@ pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and lig
 const WIDTHS: (usize, usize) = (16, 16);
 
 /// The paper's tables, and the differences of AP@0.5 with their intervals.
-pub fn evaluation_tables(evaluation: &Evaluation) -> String {
+pub(crate) fn evaluation_tables(evaluation: &Evaluation) -> String {
     let (targets, others) = (evaluation.targets(), evaluation.others());
     let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
     let ap = evaluation.scores.criteria.ap.name();

@@ -11,7 +11,7 @@ use crate::files;
 use crate::score::Finding;
 
 /// Writes every file of an evaluation into a folder, or none, and returns the path of the page to open.
-pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBuf, ReportError> {
+pub(crate) fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBuf, ReportError> {
     let page = folder.join("evaluation.html");
     files::replace_all_atomically(&[
         (page.clone(), page::render(evaluation).into_bytes()),

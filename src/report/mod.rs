@@ -22,12 +22,12 @@ use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 
-pub use comparison::{comparison_json, comparison_table, write_comparison};
-pub use counted::counted;
-pub use evaluation::{Evaluation, evaluation_tables};
-pub use evaluation_files::write_evaluation;
+pub(crate) use comparison::{comparison_json, comparison_table, write_comparison};
+pub(crate) use counted::counted;
+pub(crate) use evaluation::{Evaluation, evaluation_tables};
+pub(crate) use evaluation_files::write_evaluation;
 pub use table::summary_table;
-pub use truth::truth_boxes;
+pub(crate) use truth::truth_boxes;
 
 const SUMMARY: &str = "summary.json";
 
@@ -87,7 +87,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
 ///
 /// # Errors
 /// Figures that JSON has no words for.
-pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, ReportError> {
+pub(crate) fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, ReportError> {
     Ok(summary_json::render(scores, speeds)?)
 }
 

@@ -7,7 +7,7 @@ use crate::scene::Envelope;
 use crate::score::Scores;
 
 /// How many truth boxes were drawn around which envelope, and how many came with the sessions, as one line.
-pub fn truth_boxes(scores: &Scores) -> String {
+pub(crate) fn truth_boxes(scores: &Scores) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for photo in &scores.photos {
         let source = match photo.truth_given {

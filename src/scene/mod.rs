@@ -12,12 +12,14 @@ mod viewpoint;
 mod write;
 
 pub use bins::{Bin, Bins};
-pub use classes::{ClassError, Classes};
+pub(crate) use classes::ClassError;
+pub use classes::Classes;
 pub use envelope::Envelope;
-pub use fault::SceneFault;
+pub(crate) use fault::SceneFault;
 pub use file::SceneError;
-pub use ring::{RingError, TagRing};
-pub use tag::{Tag, TagFamily, TagSigma};
+pub(crate) use ring::{RingError, TagRing};
+pub(crate) use tag::TagSigma;
+pub use tag::{Tag, TagFamily};
 pub use viewpoint::Viewpoint;
 
 use nalgebra::Point3;

@@ -19,7 +19,7 @@ const FEWEST: u32 = 3;
 /// `count` tent cards at equal angles, the first before the model's front, and as many flat tags: in a row along each side of the
 /// model, so that few sheets carry them all; or, where the ring leaves no room for rows, half way between each two cards.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TagRing {
+pub(crate) struct TagRing {
     pub model: ScaleModel,
     pub bins: Bins,
     /// Of the circle on which all stand.
@@ -36,7 +36,7 @@ pub struct TagRing {
 /// Why there is no such ring.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RingError {
+pub(crate) enum RingError {
     #[error(transparent)]
     Length(#[from] BadLength),
     /// What no scene file may say either.
@@ -67,7 +67,7 @@ impl TagRing {
     ///
     /// # Errors
     /// Numbers out of bounds, too few or too many tags, and a ring in which things would overlap.
-    pub fn scene(&self) -> Result<Scene, RingError> {
+    pub(crate) fn scene(&self) -> Result<Scene, RingError> {
         self.check()?;
         let bins = checked_bins(self.bins.clone())?;
         let step_deg = 360.0 / f64::from(self.count);

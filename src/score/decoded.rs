@@ -12,7 +12,7 @@ pub(super) struct DecodedPhoto<'a> {
 }
 
 impl DecodedPhoto<'_> {
-    pub fn of(file: &Photo) -> DecodedPhoto<'_> {
+    pub(super) fn of(file: &Photo) -> DecodedPhoto<'_> {
         DecodedPhoto {
             file,
             images: Vec::new(),
@@ -21,7 +21,7 @@ impl DecodedPhoto<'_> {
 
     /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
     /// image whichever others take part.
-    pub fn at_least(&mut self, least: [u32; 2]) -> Result<&RgbImage, PhotoError> {
+    pub(super) fn at_least(&mut self, least: [u32; 2]) -> Result<&RgbImage, PhotoError> {
         let reduction = self.file.reduction(least);
         let at = match self.images.iter().position(|(r, _)| *r == reduction) {
             Some(at) => at,

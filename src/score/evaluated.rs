@@ -119,7 +119,7 @@ impl EvaluatedDetector {
 }
 
 /// The detectors with the weights in `folders`, or played back from the recordings of the sessions without any.
-pub fn evaluated_detectors(
+pub(crate) fn evaluated_detectors(
     sessions: &[Session],
     manifests: Vec<Manifest>,
     folders: Option<&WeightFolders>,
@@ -136,7 +136,7 @@ pub fn evaluated_detectors(
 }
 
 /// The ONNX Runtime, when some detector runs.
-pub fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
+pub(crate) fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
     let is_needed = detectors.iter().any(|c| !c.is_recorded());
     is_needed.then(Runtime::load).transpose()
 }

@@ -15,40 +15,45 @@ mod record;
 mod reliability;
 mod run;
 mod scores;
-pub mod shard;
+pub(crate) mod shard;
 mod summary;
 mod transfer;
 
-pub use crate::ap::{ApDefinition, AveragePrecision, ImageBoxes, average_precision, average_precision_as};
-pub use cache::Cache;
-pub use compare::{
-    BinHits, CompareError, Compared, Comparison, Difference, Finding, Hits, PlanError, Unpaired, compare, compare_with,
-    pairs_needed, power,
+pub use crate::ap::ApDefinition;
+pub(crate) use crate::ap::{AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+pub(crate) use cache::Cache;
+pub(crate) use compare::{
+    BinHits, CompareError, Compared, Difference, Finding, Hits, PlanError, Unpaired, compare_with, pairs_needed, power,
 };
-pub use criteria::Criteria;
+pub use compare::{Comparison, compare};
+pub(crate) use criteria::Criteria;
 pub use error::ScoreError;
-pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors, runtime};
-pub use observe::{LeftOutReason, Observation, Options, libraries};
-pub use outcome::{PhotoOutcome, Verdict};
-pub use photo::{NotScored, ScoredPhoto, TagMark};
-pub use record::{RecordError, check_recordings, record};
-pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
-pub use run::{merge, observe, score};
+pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
+pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
+pub use observe::Options;
+pub(crate) use observe::{LeftOutReason, Observation, libraries};
+pub(crate) use outcome::{PhotoOutcome, Verdict};
+pub(crate) use photo::TagMark;
+pub use photo::{NotScored, ScoredPhoto};
+pub(crate) use record::{RecordError, check_recordings, record};
+pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
+pub use run::score;
+pub(crate) use run::{merge, observe};
 pub use scores::Scores;
-pub use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
-pub use transfer::{TransferDrop, TransferRow, transfer};
+pub(crate) use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
+pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 
 /// A detection counts for the model when their boxes overlap by at least this much.
-pub const MATCH_IOU: f64 = 0.5;
+pub(crate) const MATCH_IOU: f64 = 0.5;
 
 /// A photo counts as a hit when the matching detection is at least this confident, unless [`Criteria`] say otherwise.
-pub const HIT_CONFIDENCE: f64 = 0.5;
+pub(crate) const HIT_CONFIDENCE: f64 = 0.5;
 
 /// The variant that drops are measured from.
-pub const BASE_VARIANT: &str = "normal";
+pub(crate) const BASE_VARIANT: &str = "normal";
 
 /// What the words of a comparison mean, stored beside its numbers: (name, definition).
-pub const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [
+pub(crate) const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [
     (
         "pairs",
         "a photo of the base and one of the variant from the same place and bin, in the order of the sessions; photos left over are listed and \

@@ -34,13 +34,13 @@ impl Default for Options {
 }
 
 /// What the results depend on besides the photos, the detectors and this program: versions of libraries.
-pub fn libraries() -> String {
+pub(crate) fn libraries() -> String {
     TagDetectorChoice::default().provenance()
 }
 
 /// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Observation {
+pub(crate) struct Observation {
     /// SHA-256 of the file, hex.
     pub sha256: String,
     /// Of the upright photo, in pixels.
@@ -59,7 +59,7 @@ pub struct Observation {
 /// Why a photo is left out, as a sentence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{0}")]
-pub struct LeftOutReason(pub(super) String);
+pub(crate) struct LeftOutReason(pub(super) String);
 
 impl LeftOutReason {
     fn of(reason: impl ToString) -> LeftOutReason {
@@ -77,7 +77,7 @@ pub(super) struct ScoringJob<'a> {
 }
 
 impl ScoringJob<'_> {
-    pub fn all(sessions: &[Session]) -> Vec<ScoringJob<'_>> {
+    pub(super) fn all(sessions: &[Session]) -> Vec<ScoringJob<'_>> {
         let entries = sessions
             .iter()
             .enumerate()
@@ -93,7 +93,7 @@ impl ScoringJob<'_> {
             .collect()
     }
 
-    pub fn left_out(&self, reason: LeftOutReason) -> NotScored {
+    pub(super) fn left_out(&self, reason: LeftOutReason) -> NotScored {
         NotScored {
             session: self.session.name.clone(),
             file: self.entry.file.clone(),
@@ -176,7 +176,7 @@ impl From<PhotoError> for Stop {
 }
 
 impl<'a> Observer<'a> {
-    pub fn new(
+    pub(super) fn new(
         families: &'a [TagFamily],
         detectors: &'a [EvaluatedDetector],
         runtime: Option<&'static Runtime>,
@@ -195,7 +195,10 @@ impl<'a> Observer<'a> {
     }
 
     /// The outer error ends the run, the inner one only leaves the photo out.
-    pub fn photo(&mut self, job: &ScoringJob) -> Result<Result<(Observation, PlacedModel), NotScored>, ScoreError> {
+    pub(super) fn photo(
+        &mut self,
+        job: &ScoringJob,
+    ) -> Result<Result<(Observation, PlacedModel), NotScored>, ScoreError> {
         match self.observe(job) {
             Ok(seen) => Ok(Ok(seen)),
             Err(Stop::Photo(reason)) => Ok(Err(job.left_out(reason))),

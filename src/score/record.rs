@@ -8,7 +8,7 @@ use crate::session::Session;
 /// Why the detections of a run cannot be stored.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum RecordError {
+pub(crate) enum RecordError {
     #[error("{session} has a recording of {detector} already")]
     Exists { session: String, detector: String },
     #[error(transparent)]
@@ -16,7 +16,7 @@ pub enum RecordError {
 }
 
 /// Finds out before a run that its detections can be stored, and, unless `replace`, that none are stored yet.
-pub fn check_recordings(
+pub(crate) fn check_recordings(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
     replace: bool,
@@ -36,7 +36,7 @@ pub fn check_recordings(
 }
 
 /// Stores the detections of every scored photo in the folders of the sessions.
-pub fn record(scores: &Scores) -> Result<(), RecordedError> {
+pub(crate) fn record(scores: &Scores) -> Result<(), RecordedError> {
     for (session_index, session) in scores.sessions.iter().enumerate() {
         let photos: Vec<_> = scores.photos.iter().filter(|p| p.session == session_index).collect();
         for (index, detector) in scores.detectors.iter().enumerate() {

@@ -8,14 +8,14 @@ use super::{EvaluatedDetector, MATCH_IOU, Rate, ScoredPhoto};
 use crate::statistics::wilson_95;
 
 /// Detections below this are left out: there are up to a hundred a photo, nearly all wrong and known to be.
-pub const RELIABILITY_FLOOR: f64 = 0.1;
+pub(crate) const RELIABILITY_FLOOR: f64 = 0.1;
 
 /// Steps of confidence from 0 to 1; the first lies below the floor.
 const STEPS: usize = 10;
 
 /// Confidence against correctness of one detector, over all variants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reliability {
+pub(crate) struct Reliability {
     pub detector: String,
     /// From the floor up; those without a detection are there with none.
     pub bins: Vec<ConfidenceBin>,
@@ -28,7 +28,7 @@ pub struct Reliability {
 
 /// The detections of one step of confidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ConfidenceBin {
+pub(crate) struct ConfidenceBin {
     /// At least `low` and below `high`; 1 belongs to the last.
     pub low: f64,
     pub high: f64,
@@ -40,7 +40,7 @@ pub struct ConfidenceBin {
 }
 
 /// The reliability of every detector, in their order.
-pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
+pub(crate) fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
     let of = |(index, detector): (usize, &EvaluatedDetector)| {
         let detections = photos.iter().flat_map(|p| judged(p, index, &detector.counted));
         Reliability::of(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())

@@ -29,7 +29,7 @@ pub fn score(
 }
 
 /// Looks at the photos of one shard only; [`merge`] judges them with the others.
-pub fn observe(
+pub(crate) fn observe(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
     options: &Options,
@@ -45,7 +45,7 @@ pub fn observe(
 }
 
 /// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.
-pub fn merge(
+pub(crate) fn merge(
     sessions: Vec<Session>,
     detectors: Vec<EvaluatedDetector>,
     mut observed: BTreeMap<u64, Result<Observation, LeftOutReason>>,

@@ -14,11 +14,11 @@ use crate::files::{self, FileError};
 use crate::session::{Session, SessionError};
 
 /// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
-pub type ShardObservations = Vec<(u64, Result<Observation, LeftOutReason>)>;
+pub(crate) type ShardObservations = Vec<(u64, Result<Observation, LeftOutReason>)>;
 
 /// Which photos a shard looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ShardId {
+pub(crate) struct ShardId {
     /// From 1 to `count`.
     pub index: u64,
     pub count: u64,
@@ -26,7 +26,7 @@ pub struct ShardId {
 
 impl ShardId {
     /// Photos are dealt like cards, so that every shard gets some of each texture and all take about as long.
-    pub fn holds(&self, photo: u64) -> bool {
+    pub(crate) fn holds(&self, photo: u64) -> bool {
         photo % self.count == self.index % self.count
     }
 
@@ -35,7 +35,7 @@ impl ShardId {
     }
 
     /// Reads `2/3`, `slurm`, or `k8s/3`. The environment is looked at only when it is named.
-    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, ShardIdError> {
+    pub(crate) fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, ShardIdError> {
         let number = |name: &'static str| {
             let value = environment(name).ok_or(ShardIdError::NotSet { name })?;
             value.parse::<u64>().map_err(|_| ShardIdError::NoNumber { name, value })
@@ -70,7 +70,7 @@ impl ShardId {
     }
 
     /// The name of this shard's file.
-    pub fn file_name(&self) -> String {
+    pub(crate) fn file_name(&self) -> String {
         format!("shard_{}_of_{}.scaleproof", self.index, self.count)
     }
 }
@@ -92,7 +92,7 @@ impl FromStr for ShardId {
 /// Why it is not clear which shard is meant.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ShardIdError {
+pub(crate) enum ShardIdError {
     #[error(
         "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
     )]
@@ -109,7 +109,7 @@ pub enum ShardIdError {
 
 /// What all shards of a run have in common.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Run {
+pub(crate) struct Run {
     pub sessions: Vec<SessionSeen>,
     pub detectors: Vec<DetectorUsed>,
     /// True when detections were played back.
@@ -122,7 +122,7 @@ pub struct Run {
 
 impl Run {
     /// A run of detectors over sessions; `chosen_as` has the name or the manifest that chooses each detector again.
-    pub fn of(
+    pub(crate) fn of(
         sessions: &[Session],
         detectors: &[EvaluatedDetector],
         chosen_as: Vec<String>,
@@ -144,7 +144,7 @@ impl Run {
     }
 
     /// The sessions as they were when the shards were scored, with the same libraries.
-    pub fn sessions(&self) -> Result<Vec<Session>, ShardError> {
+    pub(crate) fn sessions(&self) -> Result<Vec<Session>, ShardError> {
         let (theirs, own) = (self.libraries.clone(), libraries());
         if theirs != own {
             return Err(ShardError::OtherLibraries { theirs, own });
@@ -153,7 +153,7 @@ impl Run {
     }
 
     /// The detectors as they were, given their manifests; they need no weights here.
-    pub fn detectors(
+    pub(crate) fn detectors(
         &self,
         manifests: Vec<Manifest>,
         sessions: &[Session],
@@ -175,7 +175,7 @@ impl Run {
 
 /// A session, and what it was made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SessionSeen {
+pub(crate) struct SessionSeen {
     pub folder: PathBuf,
     /// File name and SHA-256 of `session.json` and the files it names.
     pub hashes: Vec<(String, String)>,
@@ -200,7 +200,7 @@ impl SessionSeen {
 
 /// A detector: how it was chosen, and what it was.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DetectorUsed {
+pub(crate) struct DetectorUsed {
     /// The name or the manifest that chooses it again.
     pub chosen_as: String,
     /// SHA-256 of its manifest, which names the weights by theirs, and of what was played back.
@@ -209,7 +209,7 @@ pub struct DetectorUsed {
 
 /// One shard's file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Shard {
+pub(crate) struct Shard {
     pub run: Run,
     pub id: ShardId,
     pub observed: ShardObservations,
@@ -218,7 +218,7 @@ pub struct Shard {
 /// Why shards cannot be merged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ShardError {
+pub(crate) enum ShardError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -276,7 +276,7 @@ const MAGIC: &str = "scaleproof shard, version ";
 
 impl Shard {
     /// Writes the shard into a folder and returns the file's path.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, ShardError> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<PathBuf, ShardError> {
         let content = postcard::to_allocvec(self)?;
         let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
         let path = folder.join(self.id.file_name());
@@ -285,7 +285,7 @@ impl Shard {
     }
 
     /// Reads a shard and makes sure that it is whole and of this version.
-    pub fn open(path: &Path) -> Result<Shard, ShardError> {
+    pub(crate) fn open(path: &Path) -> Result<Shard, ShardError> {
         let bytes = files::read(path)?;
         let path = || path.to_owned();
         let after_magic = bytes.strip_prefix(MAGIC.as_bytes());
@@ -313,10 +313,10 @@ fn line(bytes: &[u8]) -> Option<(&str, &[u8])> {
 }
 
 /// The run that some shards are all of, and what they saw, by photo id.
-pub type WholeRun = (Run, BTreeMap<u64, Result<Observation, LeftOutReason>>);
+pub(crate) type WholeRun = (Run, BTreeMap<u64, Result<Observation, LeftOutReason>>);
 
 /// Puts the shards of one run together: every one once, and none of another run.
-pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
+pub(crate) fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
     let mut run: Option<Run> = None;
     let (mut seen, mut observed) = (BTreeMap::<u64, &PathBuf>::new(), BTreeMap::new());
     let mut count = 0;

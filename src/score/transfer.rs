@@ -6,7 +6,7 @@ use super::{Drop, Summary};
 
 /// The drops of one variant over all photos.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TransferRow {
+pub(crate) struct TransferRow {
     pub variant: String,
     /// One per detector, in the order of the run.
     pub detectors: Vec<TransferDrop>,
@@ -14,14 +14,14 @@ pub struct TransferRow {
 
 /// The drop of one detector.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TransferDrop {
+pub(crate) struct TransferDrop {
     pub detector: String,
     #[serde(flatten)]
     pub drop: Drop,
 }
 
 /// A row for every variant but the base, in the order of the summaries; none when the run has no base.
-pub fn transfer(summaries: &[Summary]) -> Vec<TransferRow> {
+pub(crate) fn transfer(summaries: &[Summary]) -> Vec<TransferRow> {
     let mut rows: Vec<TransferRow> = Vec::new();
     for (summary, drop) in summaries.iter().filter_map(|s| Some((s, s.drop?))) {
         let detector = TransferDrop {

@@ -9,11 +9,11 @@ use crate::photo::PhotoError;
 use crate::scene::{Bins, Classes, TagFamily};
 
 /// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read.
-pub type Look = Result<String, PhotoError>;
+pub(crate) type Look = Result<String, PhotoError>;
 
 /// A session in short, for people and programs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Contents {
+pub(crate) struct Contents {
     /// Name of the session's folder.
     pub session: String,
     pub scene: SceneInShort,
@@ -29,7 +29,7 @@ pub struct Contents {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SceneInShort {
+pub(crate) struct SceneInShort {
     pub model: String,
     /// The label that detectors should give.
     pub class: Classes,
@@ -46,7 +46,7 @@ pub struct SceneInShort {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BinsInShort {
+pub(crate) struct BinsInShort {
     pub count: usize,
     /// Step from one to the next.
     pub azimuth_deg: f64,
@@ -57,7 +57,7 @@ pub struct BinsInShort {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CameraInShort {
+pub(crate) struct CameraInShort {
     pub width_px: u32,
     pub height_px: u32,
     /// Focal lengths.
@@ -68,14 +68,14 @@ pub struct CameraInShort {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PhotoGroup {
+pub(crate) struct PhotoGroup {
     pub variant: String,
     pub place: Option<String>,
     pub photos: usize,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct UnreadablePhoto {
+pub(crate) struct UnreadablePhoto {
     pub file: String,
     /// A sentence.
     pub reason: String,
@@ -83,7 +83,7 @@ pub struct UnreadablePhoto {
 
 impl Contents {
     /// Of a session whose photos were looked at, in its order.
-    pub fn of(session: &Session, looks: &[Look]) -> Contents {
+    pub(crate) fn of(session: &Session, looks: &[Look]) -> Contents {
         let mut groups: BTreeMap<(&str, Option<&str>), usize> = BTreeMap::new();
         for photo in &session.photos {
             *groups.entry((&photo.variant, photo.place.as_deref())).or_default() += 1;

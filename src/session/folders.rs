@@ -19,7 +19,7 @@ const OTHER_IMAGES: [&str; 15] = [
 /// Why folders make no session.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum FoldersError {
+pub(crate) enum FoldersError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -47,7 +47,7 @@ fn given(variant: &str, folder: &Path) -> String {
 
 /// A folder whose photos all show one texture.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PhotoFolder {
+pub(crate) struct PhotoFolder {
     /// The texture on the model.
     pub variant: String,
     pub folder: PathBuf,
@@ -55,7 +55,7 @@ pub struct PhotoFolder {
 
 /// What a folder of photos has, each sorted by name. Hidden files are passed over.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Listing {
+pub(crate) struct Listing {
     /// Names of JPEG and PNG files, by their ending.
     pub photos: Vec<String>,
     /// Names of images in formats that are not read.
@@ -66,7 +66,7 @@ pub struct Listing {
 
 /// A folder that was listed.
 #[derive(Debug, Clone)]
-pub struct Listed {
+pub(crate) struct Listed {
     pub given: PhotoFolder,
     /// Its whole path, without links.
     pub real: PathBuf,
@@ -75,7 +75,7 @@ pub struct Listed {
 
 /// A session that exists in memory only, and the folders it is made of.
 #[derive(Debug, Clone)]
-pub struct Gathered {
+pub(crate) struct Gathered {
     /// Its folder is the closest one that holds all photos.
     pub session: Session,
     /// In the order they were given.
@@ -86,7 +86,12 @@ pub struct Gathered {
 ///
 /// # Errors
 /// Folders that are missing, given twice or without photos; whatever is wrong with the scene, the camera or the names.
-pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str) -> Result<Gathered, FoldersError> {
+pub(crate) fn gather(
+    folders: &[PhotoFolder],
+    scene: &Path,
+    camera: &Path,
+    place: &str,
+) -> Result<Gathered, FoldersError> {
     let mut listed: Vec<Listed> = Vec::new();
     for folder in folders {
         let found = list(folder)?;
@@ -172,7 +177,7 @@ impl Listing {
     ///
     /// # Errors
     /// It cannot be read; a photo's name that is no text.
-    pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
+    pub(crate) fn of(folder: &Path) -> Result<Listing, FoldersError> {
         let mut listing = Listing::default();
         for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
             let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
@@ -215,7 +220,7 @@ impl Listing {
     }
 
     /// Whether a file is taken for a photo, by its name.
-    pub fn is_photo(path: &Path) -> bool {
+    pub(crate) fn is_photo(path: &Path) -> bool {
         is_readable(&path.extension().unwrap_or_default().to_string_lossy().to_lowercase())
     }
 }

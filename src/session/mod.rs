@@ -1,8 +1,8 @@
 //! A stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
 
 mod contents;
-pub mod folders;
-pub mod import;
+pub(crate) mod folders;
+pub(crate) mod import;
 mod new;
 
 use std::collections::HashSet;
@@ -16,8 +16,8 @@ use crate::files;
 use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
 
-pub use contents::{Contents, Look};
-pub use new::{MadeSession, NewSession, NewSessionError, mesh_below};
+pub(crate) use contents::{Contents, Look};
+pub(crate) use new::{MadeSession, NewSession, NewSessionError, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
@@ -180,7 +180,12 @@ impl Session {
 ///
 /// # Errors
 /// Whatever keeps [`Session::open`] from opening it.
-pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEntry>) -> Result<String, SessionError> {
+pub(crate) fn text(
+    path: &Path,
+    scene: &str,
+    camera: Option<&str>,
+    photos: Vec<PhotoEntry>,
+) -> Result<String, SessionError> {
     let file = SessionFile {
         scene: scene.into(),
         camera: camera.map(Into::into),

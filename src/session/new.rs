@@ -11,7 +11,7 @@ use crate::scene::Scene;
 /// Why no session was made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum NewSessionError {
+pub(crate) enum NewSessionError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -30,7 +30,7 @@ pub enum NewSessionError {
 
 /// What a session is made of, and where.
 #[derive(Debug, Clone, Copy)]
-pub struct NewSession<'a> {
+pub(crate) struct NewSession<'a> {
     pub folder: &'a Path,
     /// From [`super::folders::gather`], with the scene and the camera below.
     pub photos: &'a Gathered,
@@ -42,7 +42,7 @@ pub struct NewSession<'a> {
 
 /// A session that was written.
 #[derive(Debug, Clone)]
-pub struct MadeSession {
+pub(crate) struct MadeSession {
     /// The `session.json`.
     pub path: PathBuf,
     pub photos: Vec<PhotoEntry>,
@@ -61,7 +61,7 @@ impl NewSession<'_> {
     ///
     /// # Errors
     /// A session that is there already, files in the way, a file that cannot be read or written.
-    pub fn write(&self) -> Result<MadeSession, NewSessionError> {
+    pub(crate) fn write(&self) -> Result<MadeSession, NewSessionError> {
         let path = self.folder.join("session.json");
         if path.exists() {
             let folder = self.folder.to_owned();
@@ -179,7 +179,7 @@ impl NewSession<'_> {
 ///
 /// # Errors
 /// A mesh beside or above the scene's folder, which a copy of the scene would not find.
-pub fn mesh_below(scene: &Scene) -> Result<Option<PathBuf>, PathBuf> {
+pub(crate) fn mesh_below(scene: &Scene) -> Result<Option<PathBuf>, PathBuf> {
     match scene.model.envelope.mesh() {
         None => Ok(None),
         Some(mesh) if mesh.is_absolute() => Ok(None),

@@ -7,7 +7,7 @@ use super::{SimulatedView, Simulator, visible};
 
 /// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SimulatedFault {
+pub(crate) enum SimulatedFault {
     /// A card was shifted on the table, in any direction.
     MovedTag { mm: f64 },
     /// A card was turned about its normal.

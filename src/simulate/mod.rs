@@ -14,11 +14,11 @@ use crate::geometry::{Rigid, rigid};
 use crate::scene::{Scene, Viewpoint};
 use crate::tags::SeenTag;
 
-pub use fault::SimulatedFault;
+pub(crate) use fault::SimulatedFault;
 
 /// Errors of a detector's corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
+pub(crate) struct Noise {
     /// Standard deviation of most corners, px per axis.
     pub sigma_px: f64,
     /// Share of corners whose standard deviation is four times that: the tails of real detectors.
@@ -27,7 +27,7 @@ pub struct Noise {
 
 /// A photo that was never taken.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedView {
+pub(crate) struct SimulatedView {
     /// The truth: where the camera stood, and `T_camera_model`.
     pub viewpoint: Viewpoint,
     pub pose: Rigid,
@@ -41,7 +41,7 @@ pub struct SimulatedView {
 }
 
 /// Makes views, the same for the same seed.
-pub struct Simulator<'a> {
+pub(crate) struct Simulator<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     noise: Noise,
@@ -50,7 +50,7 @@ pub struct Simulator<'a> {
 
 impl<'a> Simulator<'a> {
     /// The scene and the camera as they truly are.
-    pub fn new(scene: &'a Scene, camera: &'a Camera, noise: Noise, seed: u64) -> Simulator<'a> {
+    pub(crate) fn new(scene: &'a Scene, camera: &'a Camera, noise: Noise, seed: u64) -> Simulator<'a> {
         Simulator {
             scene,
             camera,
@@ -60,7 +60,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// A viewpoint of any azimuth, with pitch (degrees) and distance (mm) from these ranges.
-    pub fn viewpoint(&mut self, pitch_deg: Range<f64>, distance_mm: Range<f64>) -> Viewpoint {
+    pub(crate) fn viewpoint(&mut self, pitch_deg: Range<f64>, distance_mm: Range<f64>) -> Viewpoint {
         Viewpoint {
             azimuth_deg: self.rng.random_range(0.0..360.0),
             pitch_deg: self.rng.random_range(pitch_deg),
@@ -69,7 +69,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// The view from a viewpoint towards the model, with a fault or none.
-    pub fn view(&mut self, viewpoint: &Viewpoint, fault: Option<SimulatedFault>) -> SimulatedView {
+    pub(crate) fn view(&mut self, viewpoint: &Viewpoint, fault: Option<SimulatedFault>) -> SimulatedView {
         let pose = looking_at(viewpoint, self.scene.model.target_mm());
         let mut view = SimulatedView {
             viewpoint: *viewpoint,
@@ -86,7 +86,7 @@ impl<'a> Simulator<'a> {
     }
 
     /// What a detector sees of the scene's tags under a pose `T_camera_model`.
-    pub fn seen(&mut self, pose: &Rigid) -> Vec<SeenTag> {
+    pub(crate) fn seen(&mut self, pose: &Rigid) -> Vec<SeenTag> {
         let visible = visible::tags(self.scene, self.camera, pose);
         let noisy = |(tag, pixels): (&crate::scene::Tag, [[f64; 2]; 4])| SeenTag {
             id: tag.id,
@@ -108,7 +108,7 @@ impl<'a> Simulator<'a> {
 }
 
 /// `T_camera_model` of an upright camera at a viewpoint, looking at the target (model frame, mm).
-pub fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
+pub(crate) fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
     let centre = viewpoint.camera_centre_mm(target_mm);
     let z = (target_mm - centre).normalize();
     let x = z.cross(&Vector3::z()).normalize();
@@ -117,7 +117,7 @@ pub fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
 }
 
 /// Normal noise of σ = 1 (Box & Muller 1958).
-pub fn normal(rng: &mut impl Rng) -> f64 {
+pub(crate) fn normal(rng: &mut impl Rng) -> f64 {
     let (a, b): (f64, f64) = (rng.random::<f64>().max(1e-12), rng.random());
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }

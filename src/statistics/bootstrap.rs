@@ -8,13 +8,13 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::normal;
 
 /// Resamplings of the clusters behind each interval.
-pub const DRAWS: usize = 2000;
+pub(crate) const DRAWS: usize = 2000;
 
 /// The seed of every interval: same photos, same interval.
-pub const SEED: u64 = 1;
+pub(crate) const SEED: u64 = 1;
 
 /// With fewer clusters no exact paired test can reach p < 0.05 (2 / 2⁵ = 0.06), and no resampling knows better.
-pub const FEWEST_CLUSTERS: usize = 6;
+pub(crate) const FEWEST_CLUSTERS: usize = 6;
 
 /// A 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,7 +31,7 @@ pub struct Interval {
 ///
 /// `None` when the clusters are fewer than six, or when every draw gave the same figure: then the data say nothing
 /// about how far off it is.
-pub fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<Interval> {
+pub(crate) fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<Interval> {
     if clusters < FEWEST_CLUSTERS {
         return None;
     }

@@ -1,23 +1,23 @@
 //! Medians, distributions, intervals and exact tests.
 
 mod bootstrap;
-pub mod normal;
+pub(crate) mod normal;
 mod paired;
 mod wilson;
 
-pub use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95};
-pub use paired::{holm, mcnemar_p};
-pub use wilson::wilson_95;
+pub(crate) use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95};
+pub(crate) use paired::{holm, mcnemar_p};
+pub(crate) use wilson::wilson_95;
 
 /// The middle value, or the mean of the middle two; `None` of nothing.
-pub fn median(values: &[f64]) -> Option<f64> {
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let sorted = sorted(values);
     let (lower, upper) = (sorted.len().checked_sub(1)? / 2, sorted.len() / 2);
     Some((sorted[lower] + sorted[upper]) / 2.0)
 }
 
 /// The middle value, or the larger of the middle two: always one that was measured. `None` of nothing.
-pub fn upper_median(values: &[f64]) -> Option<f64> {
+pub(crate) fn upper_median(values: &[f64]) -> Option<f64> {
     sorted(values).get(values.len() / 2).copied()
 }
 

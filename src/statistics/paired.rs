@@ -5,7 +5,7 @@
 /// `differences` has, for each cluster, the photos hit on the base side minus those hit on the other. If the texture made no
 /// difference, each could as well have had the other sign; p is the share of all sign patterns whose sum is as far from 0 as
 /// the one seen. With one pair a cluster this is the binomial of the discordant pairs, which is McNemar's.
-pub fn mcnemar_p(differences: &[i64]) -> f64 {
+pub(crate) fn mcnemar_p(differences: &[i64]) -> f64 {
     let reach: i64 = differences.iter().map(|d| d.abs()).sum();
     let seen = differences.iter().sum::<i64>().abs();
     // Probability of each sum, from −reach to reach.
@@ -24,7 +24,7 @@ pub fn mcnemar_p(differences: &[i64]) -> f64 {
 }
 
 /// p values corrected for their number, in the order given (Holm 1979): each may be held against 0.05 by itself.
-pub fn holm(p: &[f64]) -> Vec<f64> {
+pub(crate) fn holm(p: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p.len()).collect();
     order.sort_by(|a, b| p[*a].total_cmp(&p[*b]));
     let mut corrected = vec![0.0; p.len()];

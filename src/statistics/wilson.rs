@@ -3,7 +3,7 @@
 use super::normal::TWO_SIDED_95 as Z;
 
 /// 95 % interval of `hits` out of `n`; `None` for n = 0.
-pub fn wilson_95(hits: usize, n: usize) -> Option<(f64, f64)> {
+pub(crate) fn wilson_95(hits: usize, n: usize) -> Option<(f64, f64)> {
     if n == 0 {
         return None;
     }

@@ -18,7 +18,7 @@ type Files = Vec<(PathBuf, Vec<u8>)>;
 
 /// Images of one view in several flat colours, in linear light.
 #[derive(Debug, Clone)]
-pub struct Additive {
+pub(crate) struct Additive {
     /// Reflectance of each image's colour.
     colours: Vec<[f64; 3]>,
     images: Vec<Vec<[f32; 3]>>,
@@ -26,7 +26,7 @@ pub struct Additive {
 
 /// Why colours could not be made.
 #[derive(Debug, thiserror::Error)]
-pub enum AdditiveError {
+pub(crate) enum AdditiveError {
     #[error(transparent)]
     Frames(#[from] FramesError),
     #[error(
@@ -41,7 +41,7 @@ impl Additive {
     ///
     /// # Errors
     /// Fewer than three colours, or images that cannot be read.
-    pub fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, AdditiveError> {
+    pub(crate) fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, AdditiveError> {
         let mut additive = Self {
             colours: Vec::new(),
             images: Vec::new(),
@@ -69,7 +69,7 @@ impl Additive {
 
     /// The same of other images, each made of one of these by a linear map, as parts and means of pixels are.
     #[must_use]
-    pub fn mapped(self, map: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Self {
+    pub(crate) fn mapped(self, map: impl Fn(&[[f32; 3]]) -> Vec<[f32; 3]>) -> Self {
         Self {
             images: self.images.iter().map(|image| map(image)).collect(),
             colours: self.colours,
@@ -77,16 +77,16 @@ impl Additive {
     }
 
     /// Colours it is made of.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.colours.len()
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.colours.is_empty()
     }
 
     /// The view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.
-    pub fn light(&self, rgb: [u8; 3]) -> Vec<[f32; 3]> {
+    pub(crate) fn light(&self, rgb: [u8; 3]) -> Vec<[f32; 3]> {
         let at = light::linear_of(rgb);
         let weights: [Vec<f64>; 3] = std::array::from_fn(|channel| {
             let levels: Vec<f64> = self.colours.iter().map(|c| c[channel]).collect();
@@ -103,7 +103,7 @@ impl Additive {
     }
 
     /// The same as 8-bit sRGB, as a frame has it.
-    pub fn rgb(&self, rgb: [u8; 3]) -> Vec<[u8; 3]> {
+    pub(crate) fn rgb(&self, rgb: [u8; 3]) -> Vec<[u8; 3]> {
         let linear = self.light(rgb);
         linear.iter().map(|p| light::rgb_of(p.map(f64::from))).collect()
     }
@@ -113,7 +113,7 @@ impl Additive {
 ///
 /// # Errors
 /// A view with fewer than three colours, images that cannot be read.
-pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<(Files, usize), AdditiveError> {
+pub(crate) fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<(Files, usize), AdditiveError> {
     let mut list = set.list.clone();
     list.frames.clear();
     list.made_by = format!("attack colours (of: {})", set.list.made_by);

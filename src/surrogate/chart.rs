@@ -14,7 +14,7 @@ use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
-pub enum SurrogateChartError {
+pub(crate) enum SurrogateChartError {
     #[error(transparent)]
     Frames(#[from] FramesError),
     #[error(transparent)]
@@ -31,7 +31,7 @@ pub enum SurrogateChartError {
 
 /// One model with so many reference colours, over all views.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SurrogateFigures {
+pub(crate) struct SurrogateFigures {
     /// The name of a closed form or of a network.
     pub model: String,
     /// `None` for closed forms.
@@ -180,7 +180,7 @@ impl<'a> Method<'a> {
 ///
 /// # Errors
 /// A view without a reference colour, a network whose reference is none, nothing to predict, images that cannot be read.
-pub fn measure(
+pub(crate) fn measure(
     set: &FrameSet,
     references: &[[u8; 3]],
     networks: &[&dyn NeuralRenderer],
@@ -313,7 +313,7 @@ fn fastest<R>(work: impl Fn() -> R) -> (R, f64) {
 }
 
 /// Mean squared error over the pixels the paint covers by half or more (`None` without such pixels), and over all.
-pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
+pub(crate) fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
     let (mut paint, mut all) = (Mean::default(), Mean::default());
     for ((p, truth), covered) in predicted.iter().zip(image.pixels()).zip(mask.pixels()) {
         // A prediction becomes an image of 8 bits, too, but what is measured is the model.
@@ -332,7 +332,7 @@ pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option
 ///
 /// # Errors
 /// A list of frames that cannot be read any more.
-pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
+pub(crate) fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
     #[derive(Serialize)]
     struct Numbers<'a> {
         scaleproof: &'static str,
@@ -352,7 +352,7 @@ pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures])
 }
 
 /// Lines of text, the most accurate first.
-pub fn table(rows: &[SurrogateFigures]) -> String {
+pub(crate) fn table(rows: &[SurrogateFigures]) -> String {
     let mut sorted: Vec<&SurrogateFigures> = rows.iter().collect();
     sorted.sort_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint));
     let mut text = format!(
@@ -399,7 +399,7 @@ fn series_and_shape(row: &SurrogateFigures) -> (String, String) {
 }
 
 /// The chart: colours for models and encoders, shapes for reference colours and depths.
-pub fn draw(rows: &[SurrogateFigures]) -> String {
+pub(crate) fn draw(rows: &[SurrogateFigures]) -> String {
     let frames = rows.first().map_or(0, |row| row.frames);
     let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
     let title = "Renderer models: error in unseen colours against time";
@@ -407,7 +407,7 @@ pub fn draw(rows: &[SurrogateFigures]) -> String {
 }
 
 /// The networks' chart: error against the time of their training. `None` without a network.
-pub fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
+pub(crate) fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
     let trained: Vec<SurrogateFigures> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
     let closed = rows.iter().filter(|r| r.training_seconds.is_none());
     let best = closed.min_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint))?;

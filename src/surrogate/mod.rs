@@ -6,9 +6,9 @@
 //! - `dtn` (Cargo feature `attack`): those that are trained, DTN and NTR;
 //! - [`chart`]: those models against each other.
 
-pub mod additive;
-pub mod chart;
+pub(crate) mod additive;
+pub(crate) mod chart;
 #[cfg(feature = "attack")]
-pub mod dtn;
-pub mod projection;
-pub mod renderer;
+pub(crate) mod dtn;
+pub(crate) mod projection;
+pub(crate) mod renderer;

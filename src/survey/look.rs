@@ -14,7 +14,7 @@ use crate::workers;
 /// Why photos cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum SurveyPhotoError {
+pub(crate) enum SurveyPhotoError {
     #[error(transparent)]
     Tags(#[from] StartError),
     #[error(transparent)]
@@ -27,7 +27,7 @@ pub enum SurveyPhotoError {
 
 /// What was seen in the photos of a survey.
 #[derive(Debug)]
-pub struct SurveyPhotos {
+pub(crate) struct SurveyPhotos {
     /// In the order of the photos.
     pub photos: Vec<PhotoTags>,
     /// What to know before believing a survey from these photos, as sentences.
@@ -41,7 +41,7 @@ pub struct SurveyPhotos {
 ///
 /// # Errors
 /// A photo that cannot be used, or is given twice.
-pub fn look(
+pub(crate) fn look(
     photos: &[PathBuf],
     scene: &Scene,
     family: TagFamily,

@@ -22,9 +22,9 @@ use adjust::{Free, Loss, adjust};
 use network::{Poses, Sighting, SizedTag, TagKey, TagNetwork};
 use suspects::TagFault;
 
-pub use look::{SurveyPhotoError, SurveyPhotos, look};
-pub use problem::{LeftOutReason, SurveyError};
-pub use sizes::{Sizes, SizesError};
+pub(crate) use look::{SurveyPhotoError, SurveyPhotos, look};
+pub(crate) use problem::{LeftOutReason, SurveyError};
+pub(crate) use sizes::{Sizes, SizesError};
 
 /// A noise above this angle is no noise: the wrong camera, or wrong sizes.
 const MAX_NOISE_DEG: f64 = 0.1;
@@ -42,7 +42,7 @@ const NOISE_FLOOR_PX: f64 = 0.1;
 
 /// The tags that were found in one photo.
 #[derive(Debug, Clone)]
-pub struct PhotoTags {
+pub(crate) struct PhotoTags {
     /// What messages call the photo.
     pub name: String,
     pub seen: Vec<SeenTag>,
@@ -50,7 +50,7 @@ pub struct PhotoTags {
 
 /// What is known before the survey.
 #[derive(Debug, Clone, Copy)]
-pub struct SurveyInput<'a> {
+pub(crate) struct SurveyInput<'a> {
     /// Model, bins, and the fixed tags' poses; other tags only lend their sizes.
     pub scene: &'a Scene,
     /// The tags that keep the scene's pose.
@@ -62,7 +62,7 @@ pub struct SurveyInput<'a> {
 
 /// A surveyed scene.
 #[derive(Debug, Clone)]
-pub struct Survey {
+pub(crate) struct Survey {
     /// The given model and bins; the fixed tags as given, then the surveyed ones with their σ, by family and id.
     pub scene: Scene,
     pub tags: Vec<TagReport>,
@@ -77,7 +77,7 @@ pub struct Survey {
 
 /// One tag of the surveyed scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TagReport {
+pub(crate) struct TagReport {
     pub family: TagFamily,
     pub id: u32,
     pub is_fixed: bool,
@@ -89,7 +89,7 @@ pub struct TagReport {
 
 /// A seen tag that is not in the surveyed scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOutTag {
+pub(crate) struct LeftOutTag {
     pub family: TagFamily,
     pub id: u32,
     pub reason: LeftOutReason,
@@ -97,7 +97,7 @@ pub struct LeftOutTag {
 
 /// What one photo gave.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PhotoReport {
+pub(crate) struct PhotoReport {
     pub name: String,
     /// `T_camera_model`, mm; `None` when the photo could not be used.
     pub pose: Option<Rigid>,
@@ -114,7 +114,7 @@ pub struct PhotoReport {
 /// (`grow.rs`). All poses are then adjusted together under a robust loss, with one shift that all tag edges share (`edges.rs`).
 /// Tags that the photos disagree about are named and left out (`suspects.rs`). The rest is adjusted once more by least squares,
 /// whose covariance, inflated by the residuals, gives each σ.
-pub fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Result<Survey, SurveyError> {
+pub(crate) fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Result<Survey, SurveyError> {
     let (mut net, mut left_out) = network(photos, given, camera)?;
     check_connected(&net)?;
     let mut poses = grow::grown(&net, camera).map_err(|_| SurveyError::TwoArrangements)?;
@@ -533,7 +533,7 @@ fn standing(tag: &SizedTag, pose: &Rigid) -> Tag {
 }
 
 /// How far two poses are apart, mm and degrees.
-pub fn shift(a: &Rigid, b: &Rigid) -> (f64, f64) {
+pub(crate) fn shift(a: &Rigid, b: &Rigid) -> (f64, f64) {
     let mm = (a.translation.vector - b.translation.vector).norm();
     (mm, a.rotation.angle_to(&b.rotation).to_degrees())
 }

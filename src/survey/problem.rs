@@ -3,7 +3,7 @@
 /// Why there is no survey at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SurveyError {
+pub(crate) enum SurveyError {
     #[error(
         "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"
     )]
@@ -42,7 +42,7 @@ pub enum SurveyError {
 
 /// Why a seen tag is not in the surveyed scene.
 #[derive(Debug, Clone, PartialEq)]
-pub enum LeftOutReason {
+pub(crate) enum LeftOutReason {
     /// Neither the sizes nor the scene has it.
     NoSize,
     /// It was never seen whole and once in a photo.
@@ -66,7 +66,7 @@ pub enum LeftOutReason {
 
 impl LeftOutReason {
     /// A stable name for programs.
-    pub fn code(&self) -> &'static str {
+    pub(crate) fn code(&self) -> &'static str {
         match self {
             LeftOutReason::NoSize => "no_size",
             LeftOutReason::NeverWhole => "never_whole",

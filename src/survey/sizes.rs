@@ -4,11 +4,11 @@ use std::str::FromStr;
 
 /// Tag sizes in mm by id.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sizes(Vec<(std::ops::RangeInclusive<u32>, f64)>);
+pub(crate) struct Sizes(Vec<(std::ops::RangeInclusive<u32>, f64)>);
 
 impl Sizes {
     /// The size of a tag, when one is given.
-    pub fn of(&self, id: u32) -> Option<f64> {
+    pub(crate) fn of(&self, id: u32) -> Option<f64> {
         self.0.iter().find(|(ids, _)| ids.contains(&id)).map(|(_, size)| *size)
     }
 }
@@ -16,7 +16,7 @@ impl Sizes {
 /// Why a text gives no sizes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SizesError {
+pub(crate) enum SizesError {
     #[error("`{0}` is not ID:MM or FIRST-LAST:MM, as in 0-7:50,8-15:40")]
     Unclear(String),
     #[error("`{0}` runs backwards; write the smaller id first")]

@@ -17,7 +17,7 @@ const END_CELLS: f64 = 0.5;
 
 /// What the whole tags of a photo say of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Appearance {
+pub(crate) struct Appearance {
     /// Standard deviation of the blur across the tags' borders, px, in the direction (across or along the image) that is more blurred:
     /// motion blurs one only. The median of the sides; infinity when most are too blurred to be fitted, `None` when no whole tag is
     /// large enough to tell.
@@ -28,7 +28,7 @@ pub struct Appearance {
 
 impl Appearance {
     /// Looks at the whole tags; covered and cut ones say nothing of focus.
-    pub fn of(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
+    pub(crate) fn of(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
         let whole = || tags.iter().filter(|tag| tag.is_whole);
         let (mut across, mut along) = (Vec::new(), Vec::new());
         for tag in whole() {
@@ -49,7 +49,7 @@ impl Appearance {
 }
 
 /// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the image.
-pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
+pub(crate) fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
     let (width, height) = rgb.dimensions();
     let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| Luma([rgb.get_pixel(x, y).0[c]])));
     let level = |tag: &SeenTag| {

@@ -14,14 +14,14 @@ const MAX_HAMMING: usize = 1;
 const MIN_DECISION_MARGIN: f32 = 20.0;
 
 /// C AprilTag at full resolution. Holds C memory, so each thread makes its own.
-pub struct AprilTagC {
+pub(crate) struct AprilTagC {
     /// The C library does not say which family a tag belongs to, so each family gets a detector.
     detectors: Vec<(TagFamily, Detector)>,
 }
 
 impl AprilTagC {
     /// A detector for some families.
-    pub fn new(families: &[TagFamily]) -> Result<AprilTagC, StartError> {
+    pub(crate) fn new(families: &[TagFamily]) -> Result<AprilTagC, StartError> {
         let detectors = families
             .iter()
             .map(|family| Ok((*family, detector(*family)?)))
@@ -72,7 +72,7 @@ impl TagDetector for AprilTagC {
 
 impl AprilTagC {
     /// Name and version, for a result's provenance; the build script knows which C library is linked.
-    pub const PROVENANCE: &str = concat!(
+    pub(crate) const PROVENANCE: &str = concat!(
         "apriltag C ",
         env!("APRILTAG_VERSION"),
         " (",

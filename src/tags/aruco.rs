@@ -9,7 +9,7 @@ use super::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetector, TagDetect
 use crate::scene::TagFamily;
 
 /// OpenCV's ArUco detector at full size.
-pub struct ArucoOpenCv {
+pub(crate) struct ArucoOpenCv {
     searches: Vec<(TagFamily, MarkerSearch)>,
     /// Where the refiner has the centre of the first pixel, px.
     pixel_centre: f64,
@@ -17,7 +17,7 @@ pub struct ArucoOpenCv {
 
 impl ArucoOpenCv {
     /// A detector for some families.
-    pub fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
+    pub(crate) fn new(families: &[TagFamily], refiner: ArucoRefiner) -> Result<ArucoOpenCv, StartError> {
         let choice = TagDetectorChoice::Aruco(refiner, CornersBy::Fit);
         choice.check_families(families)?;
         let known = families

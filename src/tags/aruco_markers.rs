@@ -31,7 +31,7 @@ const NAMES: [&str; 21] = [
 /// Why there are no markers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum DictionaryError {
+pub(crate) enum DictionaryError {
     #[error("dictionary '{name}' is not known; use one of OpenCV's, as DICT_5X5_100 or DICT_4X4_50")]
     Unknown { name: String },
     #[error("OpenCV could not give the dictionary {name}: {reason}")]
@@ -40,7 +40,7 @@ pub enum DictionaryError {
 
 /// All markers of a dictionary, each inside its one-module black border.
 #[derive(Debug, Clone)]
-pub struct MarkerDictionary {
+pub(crate) struct MarkerDictionary {
     name: &'static str,
     markers: Vec<Modules>,
 }
@@ -50,24 +50,24 @@ impl MarkerDictionary {
     ///
     /// # Errors
     /// A name OpenCV does not have.
-    pub fn named(name: &str) -> Result<Self, DictionaryError> {
+    pub(crate) fn named(name: &str) -> Result<Self, DictionaryError> {
         let (name, number) = known(name)?;
         let markers = markers(number).map_err(|e| failed(name, e))?;
         Ok(Self { name, markers })
     }
 
     /// OpenCV's name.
-    pub fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         self.name
     }
 
     /// How many markers there are; ids run from 0 to one below it.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.markers.len()
     }
 
     /// One marker with its black border.
-    pub fn marker(&self, id: usize) -> Option<&Modules> {
+    pub(crate) fn marker(&self, id: usize) -> Option<&Modules> {
         self.markers.get(id)
     }
 }
@@ -76,7 +76,7 @@ impl MarkerDictionary {
 ///
 /// # Errors
 /// A name OpenCV does not have.
-pub fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSearch, DictionaryError> {
+pub(crate) fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSearch, DictionaryError> {
     let (name, number) = known(dictionary)?;
     let border_modules = i32::try_from(border_modules).unwrap_or(i32::MAX);
     MarkerSearch::new(number, border_modules, ArucoRefiner::None).map_err(|e| failed(name, e))

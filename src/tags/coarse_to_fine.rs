@@ -18,7 +18,7 @@ const SEARCHED_LIVE_PX: u32 = 640;
 const ENOUGH_TAGS: usize = 2;
 
 /// C AprilTag on a reduced image, and our own corners. Holds C memory, so each thread makes its own.
-pub struct CoarseToFine {
+pub(crate) struct CoarseToFine {
     search: AprilTagC,
     searched_px: u32,
     /// With fewer whole tags the image is searched again at full size.
@@ -27,7 +27,7 @@ pub struct CoarseToFine {
 
 impl CoarseToFine {
     /// A detector for some families.
-    pub fn new(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
+    pub(crate) fn new(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
         Ok(CoarseToFine {
             search: AprilTagC::new(families)?,
             searched_px: SEARCHED_PX,
@@ -36,7 +36,7 @@ impl CoarseToFine {
     }
 
     /// A faster one, which misses small tags: it searches a smaller image, and never twice.
-    pub fn live(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
+    pub(crate) fn live(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
         Ok(CoarseToFine {
             searched_px: SEARCHED_LIVE_PX,
             enough_tags: 0,

@@ -8,14 +8,14 @@ use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
 /// locus-core with its standard settings, at full size.
-pub struct Locus {
+pub(crate) struct Locus {
     /// Its detections do not say which family they belong to, so each family gets a detector.
     detectors: Vec<(TagFamily, locus_core::Detector)>,
 }
 
 impl Locus {
     /// A detector for some families.
-    pub fn new(families: &[TagFamily]) -> Result<Locus, StartError> {
+    pub(crate) fn new(families: &[TagFamily]) -> Result<Locus, StartError> {
         TagDetectorChoice::Locus(CornersBy::Fit).check_families(families)?;
         let start = |family: LocusFamily| {
             // Photos are spread over threads instead.

@@ -29,21 +29,22 @@ use serde::{Deserialize, Serialize};
 use crate::scene::TagFamily;
 use homography::TagHomography;
 
-pub use appearance::{Appearance, paper_levels};
-pub use apriltag_c::AprilTagC;
+pub(crate) use appearance::{Appearance, paper_levels};
+pub(crate) use apriltag_c::AprilTagC;
 #[cfg(feature = "full")]
-pub use aruco::ArucoOpenCv;
+pub(crate) use aruco::ArucoOpenCv;
 #[cfg(feature = "full")]
-pub use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
-pub use choice::{ArucoRefiner, CornersBy, StartError, TagDetectorChoice};
-pub use coarse_to_fine::CoarseToFine;
+pub(crate) use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
+pub use choice::TagDetectorChoice;
+pub(crate) use choice::{ArucoRefiner, CornersBy, StartError};
+pub(crate) use coarse_to_fine::CoarseToFine;
 #[cfg(feature = "full")]
-pub use locus::Locus;
-pub use modules::Modules;
+pub(crate) use locus::Locus;
+pub(crate) use modules::Modules;
 #[cfg(feature = "full")]
-pub use opencv_markers::{MarkerSearch, SeenMarker};
+pub(crate) use opencv_markers::{MarkerSearch, SeenMarker};
 pub(crate) use search::{enlarged, least_reduction, reduced};
-pub use tag_image::TagImage;
+pub(crate) use tag_image::TagImage;
 
 /// One tag found in a photo.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -18,13 +18,13 @@ use super::{ArucoRefiner, Modules};
 
 /// One square marker: OpenCV's id, and its corners in px, clockwise from OpenCV's first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeenMarker {
+pub(crate) struct SeenMarker {
     pub id: i32,
     pub corners_px: [[f64; 2]; 4],
 }
 
 /// A search for the markers of one dictionary.
-pub struct MarkerSearch {
+pub(crate) struct MarkerSearch {
     #[cfg(not(opencv_aruco_in_objdetect))]
     dictionary: Ptr<Dictionary>,
     #[cfg(not(opencv_aruco_in_objdetect))]
@@ -38,7 +38,7 @@ impl MarkerSearch {
     ///
     /// # Errors
     /// An exception of OpenCV, as for a number that it does not have.
-    pub fn new(dictionary: i32, border_modules: i32, refiner: ArucoRefiner) -> opencv::Result<Self> {
+    pub(crate) fn new(dictionary: i32, border_modules: i32, refiner: ArucoRefiner) -> opencv::Result<Self> {
         let dictionary = get_predefined_dictionary_i32(dictionary)?;
         let mut parameters = DetectorParameters::default()?;
         parameters.set_marker_border_bits(border_modules);
@@ -64,7 +64,7 @@ impl MarkerSearch {
     ///
     /// # Errors
     /// An exception of OpenCV.
-    pub fn find(&self, image: &impl ToInputArray) -> opencv::Result<Vec<SeenMarker>> {
+    pub(crate) fn find(&self, image: &impl ToInputArray) -> opencv::Result<Vec<SeenMarker>> {
         let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
         #[cfg(not(opencv_aruco_in_objdetect))]
         detect_markers(

@@ -32,7 +32,7 @@ pub(super) struct TagSides([(EdgeLine, EdgeLine); 4]);
 
 impl TagSides {
     /// Where the sides meet once each is moved outwards, px; `None` when two are almost parallel.
-    pub fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
+    pub(super) fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
         let mut corners = [[0.0; 2]; 4];
         for (i, corner) in corners.iter_mut().enumerate() {
             let (before, after) = (self.0[(i + 3) % 4].1, self.0[i].0);

@@ -15,7 +15,7 @@ pub(super) struct Found {
 
 impl Found {
     /// The tag with the corners that were found.
-    pub fn seen(&self, grey: &GrayImage) -> SeenTag {
+    pub(super) fn seen(&self, grey: &GrayImage) -> SeenTag {
         SeenTag::new(self.family, self.id, self.corners_px, grey)
     }
 }

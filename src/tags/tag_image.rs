@@ -9,14 +9,14 @@ use crate::scene::TagFamily;
 
 /// The image of one tag, with the white around it that a detector needs.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TagImage {
+pub(crate) struct TagImage {
     modules: Modules,
     border: usize,
 }
 
 impl TagImage {
     /// The image of a tag; `None` for an id its family does not have, or when the C library has no memory.
-    pub fn new(family: TagFamily, id: u32) -> Option<TagImage> {
+    pub(crate) fn new(family: TagFamily, id: u32) -> Option<TagImage> {
         let c = CFamily::new(family)?;
         let drawn = c.modules(id)?;
         // The Standard families have bits outside their border, up to the image's edge; the white ring is ours to add.
@@ -32,17 +32,17 @@ impl TagImage {
     }
 
     /// The tag inside a ring of white modules.
-    pub fn modules(&self) -> &Modules {
+    pub(crate) fn modules(&self) -> &Modules {
         &self.modules
     }
 
     /// Width in modules of the square whose corners a detector gives: a scene's `size_mm`.
-    pub fn border_modules(&self) -> usize {
+    pub(crate) fn border_modules(&self) -> usize {
         self.border
     }
 
     /// Width of the whole image, white ring included, of a tag of `size_mm`.
-    pub fn width_mm(&self, size_mm: f64) -> f64 {
+    pub(crate) fn width_mm(&self, size_mm: f64) -> f64 {
         size_mm * self.modules.side() as f64 / self.border as f64
     }
 }

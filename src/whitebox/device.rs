@@ -2,7 +2,7 @@
 
 /// A kind of device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum DeviceKind {
+pub(crate) enum DeviceKind {
     #[default]
     Cpu,
     /// NVIDIA's (Cargo feature `cuda`).
@@ -13,7 +13,7 @@ pub enum DeviceKind {
 
 /// Why a device cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum DeviceError {
+pub(crate) enum DeviceError {
     #[error("this program was built without {0}")]
     NotBuilt(&'static str),
     #[error("{0} finds no device on this machine: install its driver")]
@@ -21,9 +21,9 @@ pub enum DeviceError {
 }
 
 impl DeviceKind {
-    pub const ALL: [Self; 3] = [Self::Cpu, Self::Cuda, Self::Wgpu];
+    pub(crate) const ALL: [Self; 3] = [Self::Cpu, Self::Cuda, Self::Wgpu];
 
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Cpu => "cpu",
             Self::Cuda => "cuda",
@@ -36,7 +36,7 @@ impl DeviceKind {
     /// # Errors
     /// A kind the program was built without, or of which the machine has none.
     #[cfg(feature = "attack")]
-    pub fn open(self) -> Result<burn::tensor::Device, DeviceError> {
+    pub(crate) fn open(self) -> Result<burn::tensor::Device, DeviceError> {
         match self {
             Self::Cpu => Ok(burn::tensor::Device::flex()),
             Self::Cuda => self.cuda(),

@@ -8,11 +8,11 @@
 //! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
 
 #[cfg(feature = "attack")]
-pub mod detector;
-pub mod device;
+pub(crate) mod detector;
+pub(crate) mod device;
 mod fault;
 #[cfg(feature = "attack")]
-pub mod onnx;
+pub(crate) mod onnx;
 #[cfg(feature = "attack")]
 mod quietly;
 #[cfg(feature = "attack")]
@@ -20,9 +20,9 @@ mod resample;
 pub(crate) mod separable;
 
 #[cfg(feature = "attack")]
-pub use quietly::is_refusing;
+pub(crate) use quietly::is_refusing;
 
-pub use fault::NetworkFault;
+pub(crate) use fault::NetworkFault;
 
 use crate::files::FileError;
 use crate::geometry::BoxPx;

@@ -17,6 +17,6 @@ pub(super) fn quietly<T>(may_panic: impl FnOnce() -> T) -> Option<T> {
 
 /// Whether a panic of this thread would be caught and returned as an error. A program's panic hook may ask, to stay silent; the library
 /// itself leaves the hook alone, since it is the whole process's.
-pub fn is_refusing() -> bool {
+pub(crate) fn is_refusing() -> bool {
     IS_REFUSING.get()
 }

@@ -75,7 +75,7 @@ struct Answered {
 ///
 /// # Errors
 /// A detector that cannot look.
-pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> Result<Vec<Rgb>, RunError> {
+pub(crate) fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> Result<Vec<Rgb>, RunError> {
     let device = device.clone().autodiff();
     device.seed(config.seed);
     let side = config.cells as usize;

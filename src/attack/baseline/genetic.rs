@@ -24,7 +24,7 @@ const NOTED_EVERY: u32 = 4;
 ///
 /// # Errors
 /// A detector that cannot look.
-pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
+pub(crate) fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
     let mut rng = drawn_by(config.seed, u32::MAX);
     let count = oracle.view_set.grid.cells();
     let mut population: Vec<Vec<Rgb>> = (0..POPULATION)

@@ -7,9 +7,9 @@
 //! Random and flat patterns need no search. All are judged by the same views as the attack.
 
 #[cfg(feature = "attack")]
-pub mod camou;
-pub mod genetic;
-pub mod patches;
+pub(crate) mod camou;
+pub(crate) mod genetic;
+pub(crate) mod patches;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,7 +27,7 @@ use crate::whitebox::WhiteBox;
 
 /// Everything a search depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SearchConfig {
+pub(crate) struct SearchConfig {
     pub method: &'static str,
     pub cells: u32,
     pub tile_mm: f64,
@@ -45,7 +45,7 @@ pub struct SearchConfig {
 ///
 /// Answers are kept. A search that is interrupted asks the same questions again, and gets those answers without
 /// waiting, so it needs no checkpoint of its own.
-pub struct BlackBox<'a> {
+pub(crate) struct BlackBox<'a> {
     pub view_set: &'a ViewSet,
     detectors: &'a [Box<dyn WhiteBox>],
     config: &'a SearchConfig,
@@ -63,7 +63,7 @@ pub struct BlackBox<'a> {
 impl<'a> BlackBox<'a> {
     /// # Errors
     /// A checkpoint in the folder that is damaged or of another search.
-    pub fn begin(
+    pub(crate) fn begin(
         view_set: &'a ViewSet,
         detectors: &'a [Box<dyn WhiteBox>],
         config: &'a SearchConfig,
@@ -99,7 +99,7 @@ impl<'a> BlackBox<'a> {
     ///
     /// # Errors
     /// A detector that cannot look, or whose answer is not a number.
-    pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, RunError> {
+    pub(crate) fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, RunError> {
         if self.asked as u64 >= self.config.queries {
             return Ok(None);
         }
@@ -130,7 +130,11 @@ impl<'a> BlackBox<'a> {
     ///
     /// # Errors
     /// Those of [`BlackBox::score`].
-    pub fn mean_score(&mut self, views: &[(usize, Augmentation)], cells: &[Rgb]) -> Result<Option<f64>, RunError> {
+    pub(crate) fn mean_score(
+        &mut self,
+        views: &[(usize, Augmentation)],
+        cells: &[Rgb],
+    ) -> Result<Option<f64>, RunError> {
         let mut sum = 0.0;
         for (view, draw) in views {
             match self.score(*view, cells, draw)? {
@@ -145,7 +149,7 @@ impl<'a> BlackBox<'a> {
     ///
     /// # Errors
     /// A detector that cannot look.
-    pub fn note(&mut self, cells: &[Rgb], score: Option<f64>) -> Result<(), RunError> {
+    pub(crate) fn note(&mut self, cells: &[Rgb], score: Option<f64>) -> Result<(), RunError> {
         self.noted += 1;
         if self.noted <= self.checkpoint.history.len() {
             return Ok(());
@@ -167,7 +171,7 @@ impl<'a> BlackBox<'a> {
     ///
     /// # Errors
     /// A folder that takes no files.
-    pub fn finish(mut self) -> Result<Vec<Entry>, RunError> {
+    pub(crate) fn finish(mut self) -> Result<Vec<Entry>, RunError> {
         self.save()?;
         Ok(self.checkpoint.history)
     }

@@ -10,7 +10,7 @@ use crate::pattern::world_aligned::Side;
 
 /// An image on one side of the model. The hood is part of the roof's side: both look up.
 #[derive(Debug, Clone)]
-pub struct PlacedPatch {
+pub(crate) struct PlacedPatch {
     pub image: RgbImage,
     pub side: Side,
     /// Its middle in the side's (u, v), mm, as `print patch` takes it.
@@ -43,7 +43,7 @@ impl PlacedPatch {
 ///
 /// # Errors
 /// Images that cannot be read.
-pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
+pub(crate) fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Option<bool>, FramesError> {
     let points = set.surface(frame)?;
     Ok(points.map(|points| points.iter().any(|point| patch.colour(point).is_some())))
 }
@@ -53,7 +53,7 @@ pub fn is_seen(set: &FrameSet, frame: &Frame, patch: &PlacedPatch) -> Result<Opt
 ///
 /// # Errors
 /// Images that cannot be read.
-pub fn paint(
+pub(crate) fn paint(
     set: &FrameSet,
     frame: &Frame,
     patches: &[PlacedPatch],

@@ -21,7 +21,7 @@ use crate::session::{self, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
-pub enum EvaluateError {
+pub(crate) enum EvaluateError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -45,7 +45,7 @@ pub enum EvaluateError {
 
 /// A rendered photo and the truth about it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RenderedPhoto {
+pub(crate) struct RenderedPhoto {
     /// PNG below the evaluation's folder.
     pub file: PathBuf,
     /// Which paint is on the model.
@@ -59,7 +59,7 @@ pub struct RenderedPhoto {
 
 /// Every paint from every viewpoint under every light.
 #[derive(Debug)]
-pub struct RenderedSet {
+pub(crate) struct RenderedSet {
     plan: RenderPlan,
     /// What the request's paints are called, in its order.
     variants: Vec<String>,
@@ -72,7 +72,7 @@ impl RenderedSet {
     ///
     /// # Errors
     /// What [`RenderPlan::new`] refuses, names that cannot be folders or are there twice, a model that is not whole in every image.
-    pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
+    pub(crate) fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
         let mut seen = HashSet::new();
         if let Some(name) = variants
             .iter()
@@ -101,7 +101,7 @@ impl RenderedSet {
     }
 
     /// Those of one paint together, in the order of the paints.
-    pub fn photos(&self) -> Vec<RenderedPhoto> {
+    pub(crate) fn photos(&self) -> Vec<RenderedPhoto> {
         let mut photos = self.photos.clone();
         let order = |photo: &RenderedPhoto| self.variants.iter().position(|v| *v == photo.variant);
         photos.sort_by_key(order);
@@ -113,7 +113,7 @@ impl RenderedSet {
     ///
     /// # Errors
     /// A folder that takes no files.
-    pub fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
+    pub(crate) fn write_session(&self, folder: &Path, model: (&str, &Classes, f64)) -> Result<(), EvaluateError> {
         let request = self.plan.request();
         let scene = scene::of(&request.mesh, &request.viewpoints, model);
         files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
@@ -135,7 +135,7 @@ impl RenderedSet {
     ///
     /// # Errors
     /// A folder of other views or paints, damaged photos, no Blender, and whatever Blender cannot do. Whole photos stay, and the next call goes on.
-    pub fn render(
+    pub(crate) fn render(
         &self,
         folder: &Path,
         python: impl FnOnce() -> Result<blender::Python, RenderError>,

@@ -9,14 +9,14 @@ const EPSILON: f64 = 1e-8;
 
 /// The moments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Adam {
+pub(crate) struct Adam {
     steps: i32,
     first: Vec<Rgb>,
     second: Vec<Rgb>,
 }
 
 impl Adam {
-    pub fn new(cells: usize) -> Self {
+    pub(crate) fn new(cells: usize) -> Self {
         Self {
             steps: 0,
             first: vec![[0.0; 3]; cells],
@@ -25,7 +25,7 @@ impl Adam {
     }
 
     /// One step against the gradient; cells stay between `low` and `high`.
-    pub fn step(&mut self, cells: &mut [Rgb], gradient: &[Rgb], learning_rate: f64, [low, high]: [f64; 2]) {
+    pub(crate) fn step(&mut self, cells: &mut [Rgb], gradient: &[Rgb], learning_rate: f64, [low, high]: [f64; 2]) {
         self.steps = self.steps.saturating_add(1);
         let unbias = BETA.map(|beta| 1.0 - beta.powi(self.steps));
         for (i, g) in gradient.iter().enumerate() {

@@ -166,7 +166,7 @@ fn normal(rng: &mut impl Rng) -> f64 {
 
 /// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is
 /// the transposed map.
-pub fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
+pub(crate) fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
     if shift_tiles == [0.0, 0.0] {
         return cells.to_vec();
     }

@@ -11,16 +11,16 @@ use super::{RunError, encode};
 use crate::files;
 
 /// Its name in the folder of the run.
-pub const FILE: &str = "checkpoint";
+pub(crate) const FILE: &str = "checkpoint";
 /// Between two of them.
-pub const AT_MOST: Duration = Duration::from_secs(20);
+pub(crate) const AT_MOST: Duration = Duration::from_secs(20);
 
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
 /// The content of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Checkpoint {
+pub(crate) struct Checkpoint {
     /// SHA-256 of what the run depends on.
     key: String,
     /// Steps done.
@@ -34,13 +34,13 @@ pub struct Checkpoint {
 ///
 /// # Errors
 /// Only if the encoder fails.
-pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
+pub(crate) fn key(settings: &impl Serialize) -> Result<String, RunError> {
     let text = serde_json::to_string(settings)?;
     Ok(files::sha256_hex(text.as_bytes()))
 }
 
 impl Checkpoint {
-    pub fn new(key: String, content: Vec<u8>) -> Self {
+    pub(crate) fn new(key: String, content: Vec<u8>) -> Self {
         Self {
             key,
             steps: 0,
@@ -53,7 +53,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// One that is damaged, or of another run.
-    pub fn load(folder: &Path, key: &str) -> Result<Option<Self>, RunError> {
+    pub(crate) fn load(folder: &Path, key: &str) -> Result<Option<Self>, RunError> {
         let path = folder.join(FILE);
         if !path.exists() {
             return Ok(None);
@@ -73,7 +73,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// A folder that takes no files.
-    pub fn save(&self, folder: &Path) -> Result<(), RunError> {
+    pub(crate) fn save(&self, folder: &Path) -> Result<(), RunError> {
         let rest = postcard::to_allocvec(self).map_err(encode)?;
         let mut bytes = files::sha256_hex(&rest).into_bytes();
         bytes.extend(rest);

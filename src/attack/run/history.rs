@@ -10,7 +10,7 @@ use crate::files;
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 
 /// The name of the file in the folder of a run.
-pub const FILE: &str = "history.json";
+pub(crate) const FILE: &str = "history.json";
 
 /// After a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub struct Entry {
 
 /// The history of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct History {
+pub(crate) struct History {
     pub scaleproof: String,
     /// As `dta` or `er`.
     pub method: String,
@@ -45,7 +45,7 @@ impl History {
     ///
     /// # Errors
     /// None there, or a damaged one.
-    pub fn load(folder: &Path) -> Result<Self, RunError> {
+    pub(crate) fn load(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(FILE);
         serde_json::from_str(&files::read_text(&path)?).map_err(|e| RunError::NotAHistory {
             path,
@@ -57,28 +57,28 @@ impl History {
     ///
     /// # Errors
     /// Only if the encoder fails.
-    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), RunError> {
+    pub(crate) fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), RunError> {
         Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
     }
 
     /// Two histories stand on one chart only when both were made with the same frames and detectors.
-    pub fn is_comparable(&self, other: &Self) -> bool {
+    pub(crate) fn is_comparable(&self, other: &Self) -> bool {
         self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors
     }
 
     /// Images looked at in all.
-    pub fn queries(&self) -> u64 {
+    pub(crate) fn queries(&self) -> u64 {
         self.entries.last().map_or(0, |e| e.queries)
     }
 
-    pub fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
+    pub(crate) fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
         self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
     }
 }
 
 /// The chart: AP@0.5 on the held-out views against wall time, a colour for each method; the filled share of a
 /// mark is the hit rate.
-pub fn draw(histories: &[History]) -> String {
+pub(crate) fn draw(histories: &[History]) -> String {
     let mut methods: Vec<String> = Vec::new();
     for history in histories {
         if !methods.contains(&history.method) {

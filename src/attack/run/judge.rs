@@ -27,7 +27,11 @@ pub struct HeldOutFigures {
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
-pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<HeldOutFigures, RunError> {
+pub(crate) fn judge(
+    view_set: &ViewSet,
+    detectors: &[Box<dyn WhiteBox>],
+    cells: &[Rgb],
+) -> Result<HeldOutFigures, RunError> {
     judge_images(view_set, detectors, |view| {
         Ok(view_set.textured(view, cells, &Augmentation::NONE).augmented.image)
     })
@@ -37,7 +41,7 @@ pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb])
 ///
 /// # Errors
 /// Those of `image`, and of the detectors.
-pub fn judge_images(
+pub(crate) fn judge_images(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
     image: impl Fn(usize) -> Result<Vec<Rgb>, RunError>,
@@ -73,7 +77,7 @@ pub fn judge_images(
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
-pub fn confidence(
+pub(crate) fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
     (view, image, outline): (usize, &[Rgb], &BoxPx),

@@ -5,10 +5,10 @@ use crate::whitebox::Prediction;
 
 /// A box meets the model from this overlap with the box around its mask. Less than a hit's 0.5, so that a box does not
 /// win by moving a little; others, such as those of cars in the background, never drive the loss.
-pub const MEETS_IOU: f64 = 0.3;
+pub(crate) const MEETS_IOU: f64 = 0.3;
 /// A hit, as `score` counts it: this overlap, and this confidence.
-pub const HIT_IOU: f64 = 0.5;
-pub const HIT_CONFIDENCE: f64 = 0.5;
+pub(crate) const HIT_IOU: f64 = 0.5;
+pub(crate) const HIT_CONFIDENCE: f64 = 0.5;
 
 /// DTA's loss counted from another confidence than a half: `ln(1 + odds(C) / odds(floor))`, and its derivative with respect to
 /// `loss`, which is `−ln(1 − C)`.
@@ -16,7 +16,7 @@ pub const HIT_CONFIDENCE: f64 = 0.5;
 /// By the logit of C it changes by σ(logit C − logit floor): the gradient fades at `floor`. With a half it is DTA's own, which ignores a box
 /// that is no hit any more; AP still counts that box, down to the floor of scoring. `floor` is above 0 and at most a half. All
 /// numbers are finite however large `loss` is.
-pub fn from_floor(loss: f64, floor: f64) -> (f64, f64) {
+pub(crate) fn from_floor(loss: f64, floor: f64) -> (f64, f64) {
     let times = (1.0 - floor) / floor;
     // odds = e^loss − 1; e^−loss stays finite where that does not.
     let missed = -(-loss).exp_m1();
@@ -27,7 +27,7 @@ pub fn from_floor(loss: f64, floor: f64) -> (f64, f64) {
 
 /// The most confident prediction that overlaps `outline` so much; `None` when no box does. A prediction that is not a number is
 /// the most confident, so that it is found and refused instead of passed over.
-pub fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: f64) -> Option<usize> {
+pub(crate) fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: f64) -> Option<usize> {
     let meets =
         |prediction: &Prediction| !prediction.confidence.is_finite() || prediction.box_px.iou(outline) >= least_iou;
     let candidates = predictions

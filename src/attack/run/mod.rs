@@ -7,15 +7,15 @@
 //! - [`judge`]: how often a pattern is still detected in the views held out;
 //! - [`history`], [`checkpoint`]: what is kept of a run.
 
-pub mod adam;
-pub mod augmentation;
-pub mod checkpoint;
-pub mod history;
-pub mod judge;
-pub mod loss;
-pub mod penalty;
+pub(crate) mod adam;
+pub(crate) mod augmentation;
+pub(crate) mod checkpoint;
+pub(crate) mod history;
+pub(crate) mod judge;
+pub(crate) mod loss;
+pub(crate) mod penalty;
 mod resample;
-pub mod view_set;
+pub(crate) mod view_set;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -39,7 +39,7 @@ use crate::surrogate::renderer::FitError;
 use crate::whitebox::{WhiteBox, WhiteBoxError};
 
 /// A value of each channel.
-pub type Rgb = [f64; 3];
+pub(crate) type Rgb = [f64; 3];
 
 /// So many times in a run the pattern is judged.
 const JUDGED_TIMES: u32 = 12;
@@ -137,14 +137,14 @@ pub struct Attack<'a> {
 
 /// The state of the cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AttackState {
+pub(crate) struct AttackState {
     pub cells: Vec<Rgb>,
     pub adam: Adam,
 }
 
 /// What detectors make of one image: sums over the detectors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LossAndGradient {
+pub(crate) struct LossAndGradient {
     /// [`loss::from_floor`] of the most confident box that meets the model, summed; 0 where none does.
     pub loss: f64,
     /// `Σ C` of it.
@@ -296,7 +296,7 @@ impl<'a> Attack<'a> {
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
-pub fn loss_and_gradient(
+pub(crate) fn loss_and_gradient(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
     (view, cells, draw): (usize, &[Rgb], &Augmentation),
@@ -351,7 +351,7 @@ pub fn loss_and_gradient(
 }
 
 /// What a pattern is to be besides adversarial: the weighted sum, and its derivative.
-pub fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>) {
+pub(crate) fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>) {
     let mut value = 0.0;
     let mut gradient = vec![[0.0; 3]; cells.len()];
     let mut include = |weight: f64, (part, derivative): (f64, Vec<Rgb>)| {
@@ -381,7 +381,7 @@ fn eight_bits(v: f64) -> f64 {
 }
 
 /// Views of a step: every view comes once before any comes again, in an order drawn anew each time.
-pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
+pub(crate) fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
     let size = (size as usize).min(views.len());
     let shuffled = |round: usize| {
         let mut order = views.to_vec();
@@ -399,7 +399,7 @@ pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
 }
 
 /// A generator that depends on the seed and the step alone, so that a resumed run draws as one that never stopped.
-pub fn drawn_by(seed: u64, step: u32) -> Pcg32 {
+pub(crate) fn drawn_by(seed: u64, step: u32) -> Pcg32 {
     Pcg32::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(u64::from(step)))
 }
 
@@ -415,12 +415,12 @@ fn add(sum: &mut [Rgb], other: &[Rgb], weight: f64) {
 }
 
 /// 8-bit colours as sRGB of 0 to 1.
-pub fn srgb(colours: &[[u8; 3]]) -> Vec<Rgb> {
+pub(crate) fn srgb(colours: &[[u8; 3]]) -> Vec<Rgb> {
     colours.iter().map(|rgb| rgb.map(|v| f64::from(v) / 255.0)).collect()
 }
 
 /// A pattern's cells, row by row.
-pub fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
+pub(crate) fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
     pattern
         .cells()
         .pixels()
@@ -429,7 +429,7 @@ pub fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
 }
 
 /// Cells as a pattern of so many columns.
-pub fn to_image(cells: &[Rgb], columns: u32) -> RgbImage {
+pub(crate) fn to_image(cells: &[Rgb], columns: u32) -> RgbImage {
     RgbImage::from_fn(columns, cells.len() as u32 / columns, |x, y| {
         image::Rgb(cells[(y * columns + x) as usize].map(|v| (255.0 * v).round() as u8))
     })

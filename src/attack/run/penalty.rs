@@ -8,7 +8,7 @@ const SOFT: f64 = 1e-6;
 
 /// Total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the
 /// neighbours on the right and below, round and round, for the pattern is repeated.
-pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
+pub(crate) fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
     let (rows, count) = (cells.len() / columns, cells.len() as f64);
     let mut gradient = vec![[0.0; 3]; cells.len()];
     let mut sum = 0.0;
@@ -35,7 +35,7 @@ pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
 /// The mean over cells of the distance to the nearest of some colours: with a printer's measured colours the
 /// non-printability score as `pattern check` states it, with a palette the camouflage loss of ACTIVE (ICCV 2023). 0
 /// without colours.
-pub fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
+pub(crate) fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
     let count = cells.len() as f64;
     let mut sum = 0.0;
     let gradient = cells.iter().map(|cell| match nearest(*cell, colours) {
@@ -57,7 +57,7 @@ pub fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
 }
 
 /// The nearest of some colours, the first of equals.
-pub fn nearest(cell: Rgb, colours: &[Rgb]) -> Option<Rgb> {
+pub(crate) fn nearest(cell: Rgb, colours: &[Rgb]) -> Option<Rgb> {
     colours
         .iter()
         .copied()

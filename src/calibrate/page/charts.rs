@@ -8,7 +8,7 @@ use crate::geometry::convex_hull;
 const DOT: &str = "#c62f3b";
 
 /// Where corners were seen, on the grid of their counts, and the region they span.
-pub fn coverage(found: &Calibration) -> Markup {
+pub(super) fn coverage(found: &Calibration) -> Markup {
     let (w, h) = size(found);
     let most = f64::from(found.coverage.iter().copied().max().unwrap_or(1).max(1));
     let (cell_w, cell_h) = (w / COVERAGE as f64, h / COVERAGE as f64);
@@ -32,7 +32,7 @@ pub fn coverage(found: &Calibration) -> Markup {
 }
 
 /// Seen minus projected, enlarged.
-pub fn residuals(found: &Calibration) -> Markup {
+pub(super) fn residuals(found: &Calibration) -> Markup {
     let (w, _) = size(found);
     let mut lengths: Vec<f64> = found
         .photos
@@ -60,7 +60,7 @@ pub fn residuals(found: &Calibration) -> Markup {
 }
 
 /// The map of the projection's standard deviation.
-pub fn uncertainty(found: &Calibration) -> Markup {
+pub(super) fn uncertainty(found: &Calibration) -> Markup {
     let (w, h) = size(found);
     let map = &found.map;
     let (cell_w, cell_h) = (w / f64::from(map.columns), h / f64::from(map.rows));

@@ -9,7 +9,7 @@ use super::{Calibration, numbers};
 const STYLE: &str = include_str!("style.css");
 
 /// The whole page.
-pub fn page(found: &Calibration) -> String {
+pub(crate) fn page(found: &Calibration) -> String {
     let camera = &found.camera;
     html! {
         (DOCTYPE)

@@ -15,7 +15,7 @@ use crate::camera::Camera;
 
 /// A camera that the system knows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ListedCamera {
+pub(crate) struct ListedCamera {
     /// What `camera:N` calls it.
     pub number: u32,
     pub name: String,
@@ -42,7 +42,7 @@ const PERMISSION: Duration = Duration::from_secs(60);
 ///
 /// # Errors
 /// A system whose cameras cannot be listed.
-pub fn list_cameras() -> Result<Vec<ListedCamera>, LiveCameraError> {
+pub(crate) fn list_cameras() -> Result<Vec<ListedCamera>, LiveCameraError> {
     allowed()?;
     let found = nokhwa::query(ApiBackend::Auto).map_err(failed)?;
     let mut cameras: Vec<ListedCamera> = found

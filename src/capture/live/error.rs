@@ -3,7 +3,7 @@
 /// As a clause; the source says which camera it is.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum LiveCameraError {
+pub(crate) enum LiveCameraError {
     /// What its driver says.
     #[error("{0}")]
     Driver(String),

@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use crate::camera::Camera;
 
-pub use device::{ListedCamera, list_cameras};
-pub use error::LiveCameraError;
-pub use pixels::{PixelFormat, RawImage};
-pub use settings::{CameraSettings, Setting};
+pub(crate) use device::{ListedCamera, list_cameras};
+pub(crate) use error::LiveCameraError;
+pub(crate) use pixels::{PixelFormat, RawImage};
+pub(crate) use settings::{CameraSettings, Setting};
 
 /// Exposure, focus and white balance find their values within this time; they are then held, and frames are given from then on.
 const SETTLING: Duration = Duration::from_millis(1500);
@@ -32,7 +32,7 @@ const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
 
 /// What a camera must be able to do. It stays on the thread that opened it.
-pub trait Device {
+pub(crate) trait Device {
     /// The next image, waited for.
     ///
     /// # Errors
@@ -44,7 +44,7 @@ pub trait Device {
 }
 
 /// The frames of a running camera, the newest one each time it is asked.
-pub struct LiveCamera {
+pub(crate) struct LiveCamera {
     number: u32,
     shared: Arc<SharedState>,
 }
@@ -73,7 +73,7 @@ impl LiveCamera {
     ///
     /// # Errors
     /// No such camera, one that is in use or may not be used, or that has no image of the camera file's shape.
-    pub fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
+    pub(crate) fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
         let camera = camera.clone();
         LiveCamera::of(number, move || device::open(number, &camera))
     }
@@ -82,7 +82,7 @@ impl LiveCamera {
     ///
     /// # Errors
     /// What `open` says.
-    pub fn of(
+    pub(crate) fn of(
         number: u32,
         open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
     ) -> Result<LiveCamera, SourceError> {
@@ -93,7 +93,7 @@ impl LiveCamera {
     ///
     /// # Errors
     /// What `open` says, or that it took longer.
-    pub fn of_within(
+    pub(crate) fn of_within(
         number: u32,
         limit: Duration,
         open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,

@@ -9,7 +9,7 @@ use crate::capture::Original;
 
 /// How a camera packs its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PixelFormat {
+pub(crate) enum PixelFormat {
     /// One JPEG an image, often without the Huffman tables that all of them share.
     Mjpeg,
     /// Y'CbCr 4:2:2 of BT.601, video range, as Y U Y V.
@@ -23,7 +23,7 @@ pub enum PixelFormat {
 
 /// An image as the camera sent it. The bytes may go on behind it: drivers hand out whole buffers.
 #[derive(Debug, Clone)]
-pub struct RawImage {
+pub(crate) struct RawImage {
     pub format: PixelFormat,
     pub width: u32,
     pub height: u32,
@@ -37,7 +37,7 @@ impl RawImage {
     ///
     /// # Errors
     /// A sentence, for an image that is not whole.
-    pub fn original(self) -> Result<Original, &'static str> {
+    pub(crate) fn original(self) -> Result<Original, &'static str> {
         if self.format == PixelFormat::Mjpeg {
             return Ok(Original::Encoded(jpeg_file(&self.bytes).ok_or(BROKEN)?));
         }

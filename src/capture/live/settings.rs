@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// What a camera was set to when its photos were taken.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CameraSettings {
+pub(crate) struct CameraSettings {
     /// As the camera calls itself.
     pub device: String,
     /// Pixel format, size and images a second, as the camera gives them.
@@ -20,7 +20,7 @@ pub struct CameraSettings {
 /// One setting.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Setting {
+pub(crate) struct Setting {
     /// Whether it stays as it is until the capture ends.
     pub is_locked: bool,
     /// In the driver's unit: exposure on Linux in 100 µs, white balance in kelvin. `None` where the driver does not say.

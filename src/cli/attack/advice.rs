@@ -12,7 +12,7 @@ use crate::surrogate::dtn::DtnError;
 use crate::whitebox::device::DeviceError;
 
 /// The option that helps.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     let fixed = None
         .or_else(|| error.downcast_ref().and_then(of_rendering))
         .or_else(|| error.downcast_ref().and_then(of_evaluation))

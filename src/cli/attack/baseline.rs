@@ -24,7 +24,7 @@ use crate::whitebox::device::DeviceKind;
 
 /// Make the patterns an attack must beat, and judge them by the same views
 #[derive(clap::Args)]
-pub struct BaselineArgs {
+pub(super) struct BaselineArgs {
     #[command(subcommand)]
     method: Method,
 }
@@ -89,7 +89,7 @@ struct PatchesArgs {
     flat: String,
 }
 
-pub fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
     match &args.method {
         Method::Random(args) => {
             let pattern = Pattern::random(args.on.cells, args.on.seed)?;

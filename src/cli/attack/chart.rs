@@ -13,7 +13,7 @@ use crate::surrogate::renderer::NeuralRenderer;
 
 /// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
-pub struct ChartArgs {
+pub(super) struct ChartArgs {
     /// A folder of frames
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -35,7 +35,7 @@ pub struct ChartArgs {
     json: bool,
 }
 
-pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     let references = args
         .reference

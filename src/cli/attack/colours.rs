@@ -17,7 +17,7 @@ use crate::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
-pub struct ColoursArgs {
+pub(super) struct ColoursArgs {
     /// Frames with linear light, in three flat colours or more per view
     #[arg(value_name = "FRAMES")]
     frames: PathBuf,
@@ -37,7 +37,7 @@ pub struct ColoursArgs {
     json: bool,
 }
 
-pub fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     if args.output.join(LIST).exists() {
         return Err(format!(

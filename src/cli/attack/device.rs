@@ -3,7 +3,7 @@
 use crate::whitebox::device::DeviceKind;
 
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
-pub struct OnDevice {
+pub(super) struct OnDevice {
     /// What the networks run on: cpu; cuda or wgpu where the program was built with it
     #[arg(long, value_name = "DEVICE", default_value = "cpu", value_parser = kind)]
     pub device: DeviceKind,

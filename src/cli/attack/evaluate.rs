@@ -23,7 +23,7 @@ use crate::session::Session;
 ///
 /// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
 #[derive(clap::Args)]
-pub struct EvaluateArgs {
+pub(super) struct EvaluateArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
@@ -78,7 +78,7 @@ pub struct EvaluateArgs {
     output: PathBuf,
 }
 
-pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let patterns = args.named_patterns()?;
     let mut variants = vec![BASE_VARIANT.to_owned()];
     variants.extend(patterns.iter().map(|(name, _)| name.clone()));

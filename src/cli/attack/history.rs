@@ -9,7 +9,7 @@ use crate::files;
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]
-pub struct HistoryArgs {
+pub(super) struct HistoryArgs {
     /// Folders of results
     #[arg(value_name = "DIR", required = true)]
     results: Vec<PathBuf>,
@@ -21,7 +21,7 @@ pub struct HistoryArgs {
     json: bool,
 }
 
-pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
     let histories = args
         .results
         .iter()

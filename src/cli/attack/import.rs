@@ -10,7 +10,7 @@ use crate::frames::import::import;
 
 /// Make frames of a folder that another engine exported (CARLA's layout; see the guide, `frames.md`)
 #[derive(clap::Args)]
-pub struct ImportArgs {
+pub(super) struct ImportArgs {
     /// The folder with import.json, poses.csv, rgb/ and mask/
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -22,7 +22,7 @@ pub struct ImportArgs {
     json: bool,
 }
 
-pub fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     let list = args.output.join(LIST);
     if list.exists() {
         return Err(format!("{} is there already; give another folder", list.display()).into());

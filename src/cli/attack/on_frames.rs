@@ -28,7 +28,7 @@ use crate::whitebox::detector::OnnxDetector;
 use crate::whitebox::device::DeviceKind;
 
 #[derive(Debug, Clone, clap::Args)]
-pub struct OnFrames {
+pub(super) struct OnFrames {
     /// A folder of frames, each view in three flat colours or more
     #[arg(value_name = "FRAMES")]
     pub frames: PathBuf,
@@ -75,7 +75,7 @@ fn texture_mapping() -> impl TypedValueParser<Value = TextureMapping> {
 }
 
 impl OnFrames {
-    pub fn open(&self) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
         let detectors = white_boxes(&self.detector, &self.folder, &self.class, self.device.device)?;
         let frames = FrameSet::open(&self.frames)?;
@@ -88,7 +88,7 @@ impl OnFrames {
     }
 
     /// Writes the result of a method, and says what it is.
-    pub fn write(
+    pub(super) fn write(
         &self,
         setup: &Setup,
         (method, cells, entries): (&str, &[Rgb], Vec<Entry>),
@@ -112,7 +112,7 @@ impl OnFrames {
     }
 
     /// The result for programs: what `history.json` ends with, and where the pattern is.
-    pub fn write_json(
+    pub(super) fn write_json(
         &self,
         history: &History,
         pattern: Option<&Path>,
@@ -129,7 +129,7 @@ impl OnFrames {
 }
 
 /// What the held-out views say, and that they are predictions.
-pub fn say_figures(
+pub(super) fn say_figures(
     setup: &Setup,
     history: &History,
     class: &Classes,
@@ -173,7 +173,7 @@ fn check_tile(tile_mm: f64) -> Result<(), String> {
 }
 
 /// The cells of a pattern file, which must be square and of so many cells.
-pub fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
     let pattern = Pattern::load(path)?;
     match pattern.columns() == pattern.rows() {
         true => Ok(pattern),
@@ -191,7 +191,7 @@ type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
 /// The detectors as networks that can be followed back, with their names and hashes.
 #[cfg(feature = "attack")]
-pub fn white_boxes(
+pub(super) fn white_boxes(
     names: &[String],
     folder: &Folder,
     class: &Classes,

@@ -23,7 +23,7 @@ use crate::session::Session;
 /// Photos are located by their tags and laid onto the reference photo of their view through the mesh that the scene names, at its
 /// exposure. Photos and views that do not fit are left out and named; the photos are never changed.
 #[derive(clap::Args)]
-pub struct PhotosArgs {
+pub(super) struct PhotosArgs {
     /// Sessions with photos of the model: photos of one place may be in several
     #[arg(value_name = "SESSION", required = true)]
     sessions: Vec<PathBuf>,
@@ -47,7 +47,7 @@ pub struct PhotosArgs {
 /// Exposures that differ by more cost accuracy, as cameras' tone curves are not sRGB's.
 const MOST_GAIN: f64 = 1.2;
 
-pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     let flats = flats(&args.flat)?;
     let sessions = args
         .sessions

@@ -15,7 +15,7 @@ use crate::scene::Viewpoint;
 
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
 #[derive(clap::Args)]
-pub struct RenderArgs {
+pub(super) struct RenderArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90
@@ -62,7 +62,7 @@ pub struct RenderArgs {
     json: bool,
 }
 
-pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     let plan = RenderPlan::new(args.request()?)?;
     crate::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
@@ -74,7 +74,7 @@ pub fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
-pub fn cache() -> PathBuf {
+pub(super) fn cache() -> PathBuf {
     match std::env::var_os("SCALEPROOF_HOME").filter(|home| !home.is_empty()) {
         Some(home) => Path::new(&home).join(".cache"),
         None => dirs::cache_dir().unwrap_or_else(std::env::temp_dir).join("scaleproof"),
@@ -161,7 +161,7 @@ impl RenderArgs {
 }
 
 /// Every combination.
-pub fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
+pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<Viewpoint> {
     let mut all = Vec::new();
     for &distance_mm in distances {
         for &pitch_deg in pitches {
@@ -177,7 +177,7 @@ pub fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -> Vec<V
     all
 }
 
-pub fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
+pub(super) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     let bad = |text: &String| {
         format!("azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step, as in every45")
     };
@@ -205,7 +205,7 @@ pub fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(all)
 }
 
-pub fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     match (width.parse(), height.parse()) {
         (Ok(width), Ok(height)) => Ok([width, height]),
@@ -214,7 +214,7 @@ pub fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
 }
 
 /// A colour as six hexadecimal digits.
-pub fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
+pub(super) fn hex(text: &str) -> Result<[u8; 3], Box<dyn Error>> {
     light::of_hex(text)
         .ok_or_else(|| format!("colour '{text}' is not understood; write six hexadecimal digits, as in 808080").into())
 }

@@ -14,7 +14,7 @@ use crate::print::printer::PrinterFile;
 
 /// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
 #[derive(clap::Args)]
-pub struct RunArgs {
+pub(super) struct RunArgs {
     #[command(flatten)]
     on: OnFrames,
     /// Steps of Adam
@@ -60,7 +60,7 @@ pub struct RunArgs {
     range: Vec<u8>,
 }
 
-pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let settings = args.settings()?;
     let setup = args.on.open()?;
     let config = settings.config(&args.on, &setup);
@@ -70,7 +70,11 @@ pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Runs the attack with a bar that shows where it stands.
-pub fn optimise(on: &OnFrames, setup: &Setup, config: &AttackConfig) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
+pub(super) fn optimise(
+    on: &OnFrames,
+    setup: &Setup,
+    config: &AttackConfig,
+) -> Result<(Vec<Rgb>, Vec<Entry>), Box<dyn Error>> {
     let bar = progress::steps("attacking", config.steps as usize);
     let attack = Attack::begin(&setup.view_set, &setup.detectors, config, &on.output)?;
     let finished = attack.run(&on.output, |done, entry| {
@@ -84,7 +88,7 @@ pub fn optimise(on: &OnFrames, setup: &Setup, config: &AttackConfig) -> Result<(
 }
 
 /// What of a run frames and detectors do not say.
-pub struct Settings {
+pub(super) struct Settings {
     pub steps: u32,
     pub batch: u32,
     pub learning_rate: f64,
@@ -96,7 +100,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    pub fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
+    pub(super) fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
         AttackConfig {
             cells: on.cells,
             tile_mm: on.tile_mm,

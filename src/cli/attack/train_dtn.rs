@@ -18,7 +18,7 @@ use crate::surrogate::dtn::{Architecture, Encoder, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
 #[derive(clap::Args)]
-pub struct TrainArgs {
+pub(super) struct TrainArgs {
     /// Folders of frames; with linear light in three flat colours a view, all colours are made of those
     #[arg(value_name = "FRAMES", required = true)]
     frames: Vec<PathBuf>,
@@ -58,7 +58,7 @@ pub struct TrainArgs {
     json: bool,
 }
 
-pub fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     if args.seconds.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
         return Err("--seconds must be above 0".into());
     }

@@ -11,7 +11,7 @@ use crate::detect::{
 use crate::files;
 
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// The network (ONNX).
     model: PathBuf,
     /// The manifest to write; beside the network and named as it is, when left out.
@@ -38,7 +38,7 @@ pub struct Args {
 }
 
 /// What to do about an error of the library, or about what it takes for granted.
-pub fn advice(error: &(dyn std::error::Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn std::error::Error + 'static)) -> Option<String> {
     let advice = match (error.downcast_ref(), error.downcast_ref()) {
         (Some(ProposeError::OtherSize { .. }), _) => "leave --size out",
         (Some(ProposeError::Trial { .. }), _) => "name the input's size by --size",
@@ -53,7 +53,7 @@ pub fn advice(error: &(dyn std::error::Error + 'static)) -> Option<String> {
     Some(advice.into())
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let path = args.output.clone().unwrap_or_else(|| args.model.with_extension("toml"));
     if path.exists() {
         let text = format!(

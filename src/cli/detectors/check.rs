@@ -14,7 +14,7 @@ use crate::geometry::BoxPx;
 use crate::photo::Photo;
 
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     looking: Looking,
     /// Boxes below this confidence are not printed.
@@ -42,7 +42,7 @@ struct DetectionLine<'a> {
     box_px: BoxPx,
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if !(0.0..=1.0).contains(&args.confidence) {
         return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
     }

@@ -22,12 +22,12 @@ const COLOURS: [[u8; 3]; 6] = [
 ];
 
 /// The colour of the detector with this number.
-pub fn colour(detector: usize) -> [u8; 3] {
+pub(super) fn colour(detector: usize) -> [u8; 3] {
     COLOURS[detector % COLOURS.len()]
 }
 
 /// Draws a box and what it is called.
-pub fn draw_box(image: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]) {
+pub(super) fn draw_box(image: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]) {
     let (width_px, size_px) = draw::readable_px(image);
     // A box counts from the image's edge, a drawing from the middle of its first pixel.
     let [left, top, right, bottom] = [box_px.x1, box_px.y1, box_px.x2, box_px.y2].map(|v| v - 0.5);
@@ -41,7 +41,7 @@ pub fn draw_box(image: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]
 }
 
 /// A image as the bytes of a JPEG file.
-pub fn jpeg(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
+pub(super) fn jpeg(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
     image.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
     Ok(copies::marked(&bytes))
@@ -51,7 +51,7 @@ pub fn jpeg(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
 ///
 /// # Errors
 /// A folder that holds one of the photos, or a file of such a name that no run has drawn.
-pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesError> {
+pub(super) fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesError> {
     copies::places(folder, photos, "--save", |stem, number| match number {
         1 => format!("{stem}_detections.jpg"),
         number => format!("{stem}_detections_{number}.jpg"),

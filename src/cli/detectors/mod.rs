@@ -6,7 +6,7 @@ mod drawn;
 mod registry;
 mod speed;
 
-pub use crate::detect::choose as chosen;
+pub(crate) use crate::detect::choose as chosen;
 
 use std::error::Error;
 use std::io::Write;
@@ -26,7 +26,7 @@ use crate::score::EvaluatedDetectorError;
 
 /// List, fetch, try out and add object detectors.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(subcommand)]
     command: Command,
 }
@@ -54,7 +54,7 @@ enum Command {
 
 /// Where weights are.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Folder {
+pub(super) struct Folder {
     /// Folder with weights; looked up before $SCALEPROOF_DETECTORS, $SCALEPROOF_SHARED/detectors and the user's cache.
     #[arg(long = "detectors", value_name = "DIR")]
     weights_folder: Option<PathBuf>,
@@ -62,7 +62,7 @@ pub struct Folder {
 
 impl Folder {
     /// The folders to look in; a named one must be there.
-    pub fn folders(&self) -> Result<WeightFolders, String> {
+    pub(super) fn folders(&self) -> Result<WeightFolders, String> {
         match &self.weights_folder {
             Some(folder) if !folder.is_dir() => {
                 Err(format!("--detectors {}: there is no such folder", folder.display()))
@@ -121,7 +121,7 @@ struct FetchArgs {
 }
 
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     match error.downcast_ref() {
         Some(EvaluatedDetectorError::Weights(e)) => return advice(e),
         Some(EvaluatedDetectorError::Recorded(e)) => return advice(e),
@@ -154,7 +154,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| add::advice(error))
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.command {
         Command::List(args) => list(args, out),
         #[cfg(feature = "full")]
@@ -232,7 +232,7 @@ fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The weights of a detector: those already there when they are the right ones, else downloaded.
-pub fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<PathBuf> {
+pub(super) fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<PathBuf> {
     if let Ok(path) = folders.checked(manifest) {
         return Ok(path);
     }
@@ -259,7 +259,7 @@ fn download(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<Pat
 }
 
 /// The named detectors, or all whose weights are here.
-pub fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec<Manifest>> {
+pub(super) fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec<Manifest>> {
     let mut manifests = chosen(names)?;
     if names.is_empty() {
         manifests.retain(|m| folders.find(m).is_some());

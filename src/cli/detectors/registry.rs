@@ -7,7 +7,7 @@ use crate::cli::{CommandResult, Outcome};
 use crate::detect;
 
 #[derive(clap::Args)]
-pub struct RegisterArgs {
+pub(super) struct RegisterArgs {
     /// The detector's manifest (.toml), or its ONNX file with the manifest beside it.
     manifest: String,
     #[command(flatten)]
@@ -15,12 +15,12 @@ pub struct RegisterArgs {
 }
 
 #[derive(clap::Args)]
-pub struct RemoveArgs {
+pub(super) struct RemoveArgs {
     /// The registered detector.
     name: String,
 }
 
-pub fn register(args: &RegisterArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn register(args: &RegisterArgs, out: &mut dyn Write) -> CommandResult {
     let folders = args.folder.folders()?;
     for manifest in chosen(std::slice::from_ref(&args.manifest))? {
         let path = detect::register(&manifest, &folders)?;
@@ -30,7 +30,7 @@ pub fn register(args: &RegisterArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-pub fn remove(args: &RemoveArgs, out: &mut dyn Write) -> CommandResult {
+pub(super) fn remove(args: &RemoveArgs, out: &mut dyn Write) -> CommandResult {
     let path = detect::unregister(&args.name)?;
     writeln!(out, "{}: taken off the list ({})", args.name, path.display())?;
     Ok(Outcome::Done)

@@ -13,7 +13,7 @@ use crate::detect::{Speed, Speeds};
 /// Give photos of the size that will be scored. The time runs from the decoded photo to its boxes; the fastest of twenty rounds counts for
 /// each photo.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     looking: Looking,
     /// What to call the machine, e.g. "laptop, Core i5-1240P"; stands beside the chart.
@@ -27,7 +27,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let (detectors, photos) = args.looking.open()?;
     let photos = photos.iter().map(|photo| photo.rgb(1));
     let photos = photos.collect::<Result<Vec<_>, _>>()?;

@@ -40,7 +40,7 @@ const NO_POSE: DrawColour = [150, 20, 20];
 
 /// Why there is no overlay.
 #[derive(Debug, thiserror::Error)]
-pub enum OverlayError {
+pub(super) enum OverlayError {
     #[error(transparent)]
     Photo(#[from] PhotoError),
     #[error(transparent)]
@@ -53,7 +53,7 @@ pub enum OverlayError {
 ///
 /// # Errors
 /// A folder that holds one of the photos, or a file of such a name that no run has drawn.
-pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesError> {
+pub(super) fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesError> {
     copies::places(folder, photos, "--overlay", |stem, number| match number {
         1 => format!("{stem}.overlay.jpg"),
         number => format!("{stem}-{number}.overlay.jpg"),
@@ -61,7 +61,7 @@ pub fn places(folder: &Path, photos: &[PathBuf]) -> Result<Vec<PathBuf>, CopiesE
 }
 
 /// Draws what was found in a photo and writes the copy.
-pub fn write(
+pub(super) fn write(
     place: &Path,
     photo: &Path,
     examined: &LocatedPhoto,

@@ -165,7 +165,7 @@ impl SheetArgs {
 
 /// Runs `scaleproof print wrap`.
 /// What to do about an error of the library.
-pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     match error.downcast_ref()? {
         MeshError::NoModel { .. } | MeshError::LifeSize { .. } => Some(" (--length-mm)".into()),
         _ => None,

@@ -11,7 +11,7 @@ use crate::spelling;
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// COCO annotations (.json), or a table (.csv) with the header file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm
     file: PathBuf,
     /// The folder with the photos, from which their names count; it gets the session.json
@@ -31,7 +31,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let scene = args.scene.clone().unwrap_or_else(|| args.photos.join("scene.toml"));
     let imported = import::import(&ImportRequest {
         file: &args.file,

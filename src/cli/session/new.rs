@@ -13,7 +13,7 @@ use crate::session::folders::PhotoFolder;
 ///
 /// The session gets a session.json, and copies of the scene and the camera unless they lie in it. The photos stay as and where they are.
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// The session's folder; one that is there keeps its files
     folder: PathBuf,
     /// Folders with the texture their photos show, as in normal=monday checker=tuesday
@@ -29,7 +29,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let folders = folders(args)?;
     let gathered = args.about.gather(&folders)?;
     let made = NewSession {

@@ -20,7 +20,7 @@ const MOST_GROUPS: usize = 16;
 
 /// Show what is in a session: the scene, the camera, photos by texture and place, recordings, and what is amiss
 #[derive(clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// The session's folder
     session: PathBuf,
     /// Print it as one JSON object
@@ -46,7 +46,7 @@ struct Stored {
     photos: usize,
 }
 
-pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let session = sessions::session(&args.session)?;
     let page = page(&session);
     match args.json {

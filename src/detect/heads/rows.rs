@@ -15,7 +15,7 @@ pub(super) struct Rows<'a> {
 impl<'a> Rows<'a> {
     /// Picks the lists by type and size, in whatever order they come: whole-number labels n, boxes n×4, scores n. Other
     /// outputs (masks) are passed over. `None` when they are not there.
-    pub fn pick(outputs: &'a [Tensor]) -> Option<Rows<'a>> {
+    pub(super) fn pick(outputs: &'a [Tensor]) -> Option<Rows<'a>> {
         let labels = outputs.iter().find_map(|t| match &t.data {
             Data::I64(v) => Some(v.clone()),
             Data::F32(_) => None,
@@ -38,7 +38,7 @@ impl<'a> Rows<'a> {
 
     /// The candidates; `first_label` is the number of the list's first entry. A label outside the list is an error, since
     /// then the others are most likely other things than they are called, too.
-    pub fn candidates(
+    pub(super) fn candidates(
         &self,
         first_label: i64,
         labels: usize,

@@ -7,7 +7,7 @@ use crate::detect::manifest::{Channels, FirstLabel, Head, Input, Kernel, Layout,
 
 /// A family of detectors that are fed and read alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
+pub(crate) enum Family {
     Yolov4,
     /// Also v6 and v7.
     Yolov5,
@@ -68,16 +68,16 @@ const NAMES: [(Family, &str, &str); 16] = [
 /// A name that no family has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is no family `{0}`: choose one of {names}", names = NAMES.map(|(_, name, _)| name).join(", "))]
-pub struct NoSuchFamily(String);
+pub(crate) struct NoSuchFamily(String);
 
 impl Family {
     /// Its name, as users write it.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         NAMES[self as usize].1
     }
 
     /// The family of that name; the error lists the names.
-    pub fn from_name(name: &str) -> Result<Family, NoSuchFamily> {
+    pub(crate) fn from_name(name: &str) -> Result<Family, NoSuchFamily> {
         let named = NAMES.into_iter().find(|(_, known, _)| *known == name);
         named
             .map(|(family, ..)| family)
@@ -85,7 +85,7 @@ impl Family {
     }
 
     /// What people call it.
-    pub fn title(self) -> &'static str {
+    pub(crate) fn title(self) -> &'static str {
         NAMES[self as usize].2
     }
 

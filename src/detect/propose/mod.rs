@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
-pub use family::{Family, NoSuchFamily};
+pub(crate) use family::{Family, NoSuchFamily};
 
 use super::heads::{self, HeadError, Tensor};
 use super::manifest::{Input, SIDES_PX, Values, Weights};
@@ -20,7 +20,7 @@ use recognise::FamilyCandidate;
 
 /// What the user knows and the file may not say.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Hints {
+pub(crate) struct Hints {
     pub family: Option<Family>,
     pub labels: Option<Labels>,
     /// Width, height of the input, for files that leave it open.
@@ -29,7 +29,7 @@ pub struct Hints {
 
 /// A manifest that the network was run with, and what it rests on.
 #[derive(Debug, Clone)]
-pub struct Proposal {
+pub(crate) struct Proposal {
     pub family: Family,
     pub manifest: Manifest,
     /// The manifest as TOML.
@@ -41,7 +41,7 @@ pub struct Proposal {
 /// What was read from a file or taken for granted, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ProposalNote {
+pub(crate) enum ProposalNote {
     #[error(
         "{title}: told from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
     )]
@@ -66,7 +66,7 @@ pub enum ProposalNote {
 /// Why no manifest can be proposed, as a sentence.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ProposeError {
+pub(crate) enum ProposeError {
     #[error(transparent)]
     File(#[from] files::FileError),
     #[error(transparent)]
@@ -127,7 +127,7 @@ const TRIAL_LIMIT: Duration = Duration::from_secs(30);
 ///
 /// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those
 /// are errors that say what to name. How a photo is prepared is the family's usual way; the notes say so.
-pub fn propose(
+pub(crate) fn propose(
     runtime: &Runtime,
     path: &Path,
     weights: &str,
@@ -138,7 +138,7 @@ pub fn propose(
 }
 
 /// The same with another time limit for each run of the network than 30 s.
-pub fn propose_within(
+pub(crate) fn propose_within(
     runtime: &Runtime,
     path: &Path,
     weights: &str,

@@ -6,7 +6,7 @@ use crate::geometry::rigid::{self, Rigid};
 
 /// What `actor.get_transform()` gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transform {
+pub(crate) struct Transform {
     pub place_m: [f64; 3],
     /// Nose up.
     pub pitch_deg: f64,
@@ -17,7 +17,7 @@ pub struct Transform {
 }
 
 impl Transform {
-    pub fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let angles = [self.pitch_deg, self.yaw_deg, self.roll_deg];
         self.place_m.iter().chain(&angles).all(|v| v.is_finite())
     }
@@ -41,7 +41,7 @@ impl Transform {
 }
 
 /// `T_camera_model` (mm): the model frame is the vehicle's with y to the left, the camera's is OpenCV's.
-pub fn pose(camera: &Transform, vehicle: &Transform) -> Rigid {
+pub(crate) fn pose(camera: &Transform, vehicle: &Transform) -> Rigid {
     let (to_world, from_vehicle) = (camera.rotation(), vehicle.rotation());
     let camera_place = from_vehicle.transpose() * (Vector3::from(camera.place_m) - Vector3::from(vehicle.place_m));
     let flip = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));

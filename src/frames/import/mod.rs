@@ -14,7 +14,7 @@
 //!
 //! A semantic mask tells no part of a pixel, so coverage is 0 or 1. No linear light comes with such images.
 
-pub mod carla;
+pub(crate) mod carla;
 
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ use crate::photo::{Photo, PhotoError};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
-pub enum FrameImportError {
+pub(crate) enum FrameImportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -103,7 +103,7 @@ impl Row {
 ///
 /// # Errors
 /// Missing or damaged files, unknown keys or columns, images of different sizes, masks without the object.
-pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBuf, Vec<u8>)>, FrameImportError> {
+pub(crate) fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBuf, Vec<u8>)>, FrameImportError> {
     let about = about(&folder.join("import.json"))?;
     let mut new = Vec::new();
     let mut list: Option<FrameList> = None;

@@ -18,7 +18,7 @@ use crate::photo::Photo;
 const CLIPPED: f64 = 0.99;
 
 /// What all views of a folder share.
-pub struct Canvas<'a> {
+pub(super) struct Canvas<'a> {
     pub request: &'a PhotoFramesRequest,
     pub size_px: [u32; 2],
     pub pinhole: Pinhole,
@@ -27,7 +27,7 @@ pub struct Canvas<'a> {
 }
 
 /// The images of a view, and what was seen of it.
-pub struct ViewImages {
+pub(super) struct ViewImages {
     pub object_mask: GrayImage,
     pub paint_mask: GrayImage,
     /// At [`FACTOR`]² places of each pixel, row by row of the finer image.
@@ -60,7 +60,7 @@ enum Place {
 }
 
 impl<'a> Canvas<'a> {
-    pub fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
+    pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
         let is_paint = |material: usize| request.materials.is_empty() || request.materials.contains(&material);
         let side = |t: &crate::mesh::Triangle| {
             is_paint(t.material).then(|| Side::of(&doubled_area(&request.mesh.corners_mm(t))))
@@ -77,7 +77,7 @@ impl<'a> Canvas<'a> {
     ///
     /// # Errors
     /// Photos that cannot be read.
-    pub fn draw(&self, view: &PhotoGroup) -> Result<Option<ViewImages>, PhotosError> {
+    pub(super) fn draw(&self, view: &PhotoGroup) -> Result<Option<ViewImages>, PhotosError> {
         let fine = self.size_px.map(|px| (px * FACTOR) as usize);
         let pinhole = self.fine_pinhole();
         let (mesh, reference) = (&self.request.mesh, view.reference);

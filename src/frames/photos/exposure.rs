@@ -15,7 +15,7 @@ const MOST_SPREAD: f64 = 0.1;
 
 /// Why two photos cannot be brought to one exposure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unmatched {
+pub(crate) enum Unmatched {
     #[error(
         "it shares {count} located tags with {reference}, and needs {least} for its exposure: let the same tags be seen",
         least = LEAST_TAGS
@@ -38,7 +38,7 @@ pub enum Unmatched {
 ///
 /// # Errors
 /// Too few tags in both, their paper clipped or dark, light that changed from tag to tag.
-pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatched> {
+pub(crate) fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatched> {
     let pairs: Vec<(&TagPaper, &TagPaper)> = photo
         .papers
         .iter()

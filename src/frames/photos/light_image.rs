@@ -5,7 +5,7 @@ use image::RgbImage;
 use crate::frames::light;
 
 /// A photo's light, reduced by the mean of squares of pixels: linear in sRGB's primaries, 1 is white.
-pub struct LightImage {
+pub(super) struct LightImage {
     width: usize,
     height: usize,
     /// Width and height of the photo, px.
@@ -17,7 +17,7 @@ pub struct LightImage {
 
 impl LightImage {
     /// Pixels at the right and lower border that fill no square are left to the last one.
-    pub fn new(photo: &RgbImage, reduction: usize) -> Self {
+    pub(super) fn new(photo: &RgbImage, reduction: usize) -> Self {
         let levels: [f32; 256] = std::array::from_fn(|level| light::decode(level as f64 / 255.0) as f32);
         let (width, height) = (photo.width() as usize / reduction, photo.height() as usize / reduction);
         let mut pixels = vec![[0.0_f32; 3]; width * height];
@@ -38,7 +38,7 @@ impl LightImage {
     }
 
     /// The light at a pixel of the photo, bilinear; `None` outside the image.
-    pub fn at(&self, pixel: [f64; 2]) -> Option<[f64; 3]> {
+    pub(super) fn at(&self, pixel: [f64; 2]) -> Option<[f64; 3]> {
         if (0..2).any(|i| !(-0.5..=self.photo[i] - 0.5).contains(&pixel[i])) {
             return None;
         }

@@ -11,12 +11,12 @@
 //! like the neighbours' paint, or else as in the reference photo.
 
 mod draw;
-pub mod exposure;
+pub(crate) mod exposure;
 mod light_image;
 mod pinhole;
-pub mod raster;
-pub mod sessions;
-pub mod views;
+pub(crate) mod raster;
+pub(crate) mod sessions;
+pub(crate) mod views;
 
 use std::path::{Path, PathBuf};
 
@@ -36,11 +36,11 @@ use draw::{Canvas, ViewImages};
 use views::PhotoGroup;
 
 /// Places along each side of a pixel at which the surface is looked at.
-pub const FACTOR: u32 = 3;
+pub(crate) const FACTOR: u32 = 3;
 
 /// Why there are no frames.
 #[derive(Debug, thiserror::Error)]
-pub enum PhotosError {
+pub(crate) enum PhotosError {
     #[error(transparent)]
     Photo(#[from] PhotoError),
     #[error(transparent)]
@@ -55,7 +55,7 @@ pub enum PhotosError {
 
 /// The white paper of a tag in a photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TagPaper {
+pub(crate) struct TagPaper {
     pub family: TagFamily,
     pub id: u32,
     /// 8-bit level of each channel.
@@ -64,7 +64,7 @@ pub struct TagPaper {
 
 /// A located photo of the model in a flat colour.
 #[derive(Debug, Clone)]
-pub struct FlatPhoto {
+pub(crate) struct FlatPhoto {
     pub file: PathBuf,
     /// 8-bit sRGB of the paint's reflectance.
     pub flat_rgb: [u8; 3],
@@ -80,7 +80,7 @@ pub struct FlatPhoto {
 
 /// What frames are made of, besides the photos.
 #[derive(Debug, Clone)]
-pub struct PhotoFramesRequest {
+pub(crate) struct PhotoFramesRequest {
     pub mesh: Mesh,
     /// Indices of the materials that are the paint; all when empty.
     pub materials: Vec<usize>,
@@ -95,14 +95,14 @@ pub struct PhotoFramesRequest {
 
 /// What makes no frames, and why.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOutPhoto {
+pub(crate) struct LeftOutPhoto {
     pub what: String,
     pub reason: String,
 }
 
 /// A view that became frames, for people.
 #[derive(Debug, Clone)]
-pub struct PhotoView {
+pub(crate) struct PhotoView {
     pub name: String,
     pub reference: String,
     /// Each other photo: its name, the angle between the cameras, the factors of its channels.
@@ -113,7 +113,7 @@ pub struct PhotoView {
 
 /// Frames that are not yet written.
 #[derive(Debug, Default)]
-pub struct PhotoFrames {
+pub(crate) struct PhotoFrames {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     pub frames: usize,
     pub views: Vec<PhotoView>,
@@ -122,7 +122,7 @@ pub struct PhotoFrames {
 
 impl FlatPhoto {
     /// The photo's file name.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         self.file
             .file_name()
             .map(|n| n.to_string_lossy().into_owned())
@@ -153,7 +153,7 @@ impl FlatPhoto {
 ///
 /// # Errors
 /// A mesh without paint, photos that cannot be read.
-pub fn make(
+pub(crate) fn make(
     request: &PhotoFramesRequest,
     photos: &[FlatPhoto],
     folder: &Path,

@@ -13,7 +13,7 @@ const PLACES: usize = 64;
 
 /// The pinhole of frames of this size that show nothing beyond the images of a camera: its lens without the distortion, and so much longer
 /// that no corner of the frame is empty. `None` when there is none.
-pub fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
+pub(super) fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     let scale = f64::from(size_px[0]) / f64::from(camera.width);
     let place = |c: f64| (c + 0.5) * scale - 0.5;
     let start = Pinhole {
@@ -24,7 +24,7 @@ pub fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
 }
 
 /// The same pinhole, or a longer one, inside another camera's images as well.
-pub fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
+pub(super) fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     let steps = (MOST.ln() / STEP.ln()) as i32;
     (0..=steps)
         .map(|step| Pinhole {
@@ -35,7 +35,7 @@ pub fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Option<Pinh
 }
 
 /// The frame's height for the camera's images.
-pub fn size_px(camera: &Camera, width_px: u32) -> [u32; 2] {
+pub(super) fn size_px(camera: &Camera, width_px: u32) -> [u32; 2] {
     let height = f64::from(width_px) * f64::from(camera.height) / f64::from(camera.width);
     [width_px, (height.round() as u32).max(1)]
 }

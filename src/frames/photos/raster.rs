@@ -19,7 +19,7 @@ const MARGIN_PX: i64 = 2;
 
 /// Pixels of an image, or of a part that reaches beyond it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RasterWindow {
+pub(crate) struct RasterWindow {
     pub left: i64,
     pub top: i64,
     pub width: usize,
@@ -28,7 +28,7 @@ pub struct RasterWindow {
 
 /// What a pixel's centre shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// Along the camera's axis, mm.
     pub depth_mm: f64,
     /// Index into the mesh's triangles.
@@ -36,7 +36,7 @@ pub struct Hit {
 }
 
 /// A mesh as one camera sees it. Both sides of a triangle are seen: shells have only one.
-pub struct Raster<'a> {
+pub(crate) struct Raster<'a> {
     mesh: &'a Mesh,
     /// `T_camera_model`.
     pose: Rigid,
@@ -64,7 +64,7 @@ impl Seen {
 }
 
 /// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the camera.
-pub fn outline(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<BoxPx> {
+pub(crate) fn outline(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<BoxPx> {
     Seen::of(mesh, pose, pinhole)?.outline()
 }
 
@@ -76,7 +76,7 @@ fn pixel(pinhole: &Pinhole, p: &Point3<f64>) -> [f64; 2] {
 }
 
 /// The point at depth 1 that a pixel shows.
-pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
+pub(crate) fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
     let [cx, cy] = pinhole.centre_px;
     let f = pinhole.focal_length_px;
     Point3::new((x - cx) / f, (y - cy) / f, 1.0)
@@ -84,7 +84,7 @@ pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
 
 impl<'a> Raster<'a> {
     /// What an image of this size shows; `None` when part of the mesh is not before the camera.
-    pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, [width, height]: [usize; 2]) -> Option<Self> {
+    pub(crate) fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, [width, height]: [usize; 2]) -> Option<Self> {
         let window = RasterWindow {
             left: 0,
             top: 0,
@@ -101,7 +101,7 @@ impl<'a> Raster<'a> {
     }
 
     /// The whole mesh, also what lies beyond the image, up to its width and height on each side.
-    pub fn whole(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
+    pub(crate) fn whole(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
         let seen = Seen::of(mesh, pose, pinhole)?;
         let around = seen.outline()?;
         let span = |low: f64, high: f64, size: usize| {
@@ -168,7 +168,7 @@ impl<'a> Raster<'a> {
     }
 
     /// What a pixel shows; nothing beyond the window.
-    pub fn at(&self, x: i64, y: i64) -> Option<Hit> {
+    pub(crate) fn at(&self, x: i64, y: i64) -> Option<Hit> {
         let (column, row) = (x - self.window.left, y - self.window.top);
         let is_inside =
             (0..self.window.width as i64).contains(&column) && (0..self.window.height as i64).contains(&row);
@@ -176,7 +176,7 @@ impl<'a> Raster<'a> {
     }
 
     /// The surface point (model frame, mm) at a pixel's centre.
-    pub fn point(&self, x: i64, y: i64, hit: &Hit) -> Point3<f64> {
+    pub(crate) fn point(&self, x: i64, y: i64, hit: &Hit) -> Point3<f64> {
         let ray = ray(&self.pinhole, [x as f64, y as f64]);
         self.pose
             .inverse_transform_point(&Point3::from(ray.coords * hit.depth_mm))
@@ -184,7 +184,7 @@ impl<'a> Raster<'a> {
 
     /// Whether this camera sees a point of a triangle (model frame, mm) from the side that another camera's centre lies on, and nothing but
     /// triangles of its kind in the pixels around it: light from there has strayed into a photo's pixel.
-    pub fn sees(
+    pub(crate) fn sees(
         &self,
         point: &Point3<f64>,
         triangle: usize,

@@ -13,7 +13,7 @@ use crate::workers;
 
 /// A variant and the colour it is painted in.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FlatVariant {
+pub(crate) struct FlatVariant {
     pub variant: String,
     pub rgb: [u8; 3],
 }
@@ -21,7 +21,7 @@ pub struct FlatVariant {
 /// Why the photos of some sessions make no frames together.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum SessionsError {
+pub(crate) enum SessionsError {
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
@@ -45,7 +45,7 @@ pub enum SessionsError {
 
 /// The photos with a pose, those without one, and what to know before believing the poses.
 #[derive(Debug, Default)]
-pub struct LocatedPhotos {
+pub(crate) struct LocatedPhotos {
     pub photos: Vec<FlatPhoto>,
     pub left_out: Vec<LeftOutPhoto>,
     pub notes: BTreeSet<String>,
@@ -55,7 +55,7 @@ pub struct LocatedPhotos {
 ///
 /// # Errors
 /// Scenes of different models, without a mesh or without tags; a session without a camera.
-pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
+pub(crate) fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
     let mut common: Option<(&Session, Mesh)> = None;
     for session in sessions {
         let name = || session.name.clone();
@@ -80,14 +80,14 @@ pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
 }
 
 /// The variants of all photos.
-pub fn variants(sessions: &[Session]) -> BTreeSet<&str> {
+pub(crate) fn variants(sessions: &[Session]) -> BTreeSet<&str> {
     let photos = sessions.iter().flat_map(|s| &s.photos);
     photos.map(|p| p.variant.as_str()).collect()
 }
 
 /// # Errors
 /// A variant that no photo has.
-pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(), SessionsError> {
+pub(crate) fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(), SessionsError> {
     let known = variants(sessions);
     match flats.iter().find(|flat| !known.contains(flat.variant.as_str())) {
         None => Ok(()),
@@ -99,14 +99,14 @@ pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(),
 }
 
 /// A photo to be located, and the colour it shows.
-pub struct ColouredEntry<'a> {
+pub(crate) struct ColouredEntry<'a> {
     session: &'a Session,
     entry: &'a PhotoEntry,
     rgb: [u8; 3],
 }
 
 /// The photos in one of the colours.
-pub fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<ColouredEntry<'a>> {
+pub(crate) fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<ColouredEntry<'a>> {
     let of_session = |session: &'a Session| {
         session.photos.iter().filter_map(move |entry| {
             let flat = flats.iter().find(|flat| flat.variant == entry.variant)?;
@@ -121,7 +121,7 @@ pub fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<Colou
 ///
 /// # Errors
 /// No detector of their tags.
-pub fn locate_flats(
+pub(crate) fn locate_flats(
     sessions: &[Session],
     flats: &[FlatVariant],
     on_photo: impl Fn() + Sync,

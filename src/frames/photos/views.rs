@@ -8,13 +8,13 @@ use crate::frames::light;
 use crate::scene::Bin;
 
 /// Photos of one view may differ by this angle, as the model sees the cameras: gloss and what is hidden change with it.
-pub const MOST_TURN_DEG: f64 = 6.0;
+pub(crate) const MOST_TURN_DEG: f64 = 6.0;
 /// And by this much in distance.
-pub const MOST_CLOSER_PERCENT: f64 = 15.0;
+pub(crate) const MOST_CLOSER_PERCENT: f64 = 15.0;
 
 /// A photo that is brought to the reference's place and exposure.
 #[derive(Debug, Clone)]
-pub struct Other<'a> {
+pub(crate) struct Other<'a> {
     pub photo: &'a FlatPhoto,
     /// Per channel of linear light.
     pub gain: [f64; 3],
@@ -23,7 +23,7 @@ pub struct Other<'a> {
 
 /// One photo in each colour.
 #[derive(Debug, Clone)]
-pub struct PhotoGroup<'a> {
+pub(crate) struct PhotoGroup<'a> {
     pub reference: &'a FlatPhoto,
     pub others: Vec<Other<'a>>,
 }
@@ -56,7 +56,7 @@ enum NoView {
 }
 
 /// The views, in the order of their place and bin, and the groups of photos that make none. A view has every colour.
-pub fn views<'a>(
+pub(crate) fn views<'a>(
     photos: &'a [FlatPhoto],
     flats: &[[u8; 3]],
     target_mm: Point3<f64>,

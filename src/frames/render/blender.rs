@@ -8,7 +8,7 @@ use super::RenderError;
 use crate::files::{self, FileError};
 
 /// What Blender runs.
-pub const SCRIPT: &str = include_str!("render_frames.py");
+pub(crate) const SCRIPT: &str = include_str!("render_frames.py");
 /// The package and the versions the script is written for.
 const PACKAGE: &str = "bpy==4.5.*";
 /// The Python that package is built for.
@@ -16,7 +16,7 @@ const PYTHON: &str = "3.11";
 
 /// A Python with Blender.
 #[derive(Debug, Clone)]
-pub struct Python {
+pub(crate) struct Python {
     program: String,
     /// Where `bpy` was installed.
     packages: PathBuf,
@@ -24,7 +24,7 @@ pub struct Python {
 
 /// What the script says.
 #[derive(Debug, Clone, PartialEq)]
-pub enum BlenderEvent {
+pub(crate) enum BlenderEvent {
     /// The masks and positions of this view are there.
     Geometry(String),
     /// The image of this frame is there.
@@ -35,7 +35,7 @@ pub enum BlenderEvent {
 ///
 /// # Errors
 /// No Python 3.11, or no way to install.
-pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError> {
+pub(crate) fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError> {
     let program = std::env::var("SCALEPROOF_PYTHON").ok().filter(|p| !p.is_empty());
     let program = program.unwrap_or_else(|| format!("python{PYTHON}"));
     let version = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"];
@@ -109,7 +109,7 @@ fn last_line(text: &str) -> String {
 ///
 /// # Errors
 /// What the script refuses, and whatever `on_event` refuses; Blender is then stopped.
-pub fn run(
+pub(crate) fn run(
     python: &Python,
     plan: &Path,
     log: &Path,

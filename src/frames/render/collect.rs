@@ -11,19 +11,19 @@ use crate::frames::light;
 use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb};
 
 /// Puts images into the folder of a plan.
-pub struct Collector<'a> {
+pub(super) struct Collector<'a> {
     plan: &'a RenderPlan,
     folder: &'a Path,
     raw: &'a Path,
 }
 
 impl<'a> Collector<'a> {
-    pub fn new(plan: &'a RenderPlan, folder: &'a Path, raw: &'a Path) -> Self {
+    pub(super) fn new(plan: &'a RenderPlan, folder: &'a Path, raw: &'a Path) -> Self {
         Self { plan, folder, raw }
     }
 
     /// A file is there only when it is whole: all are written under another name first.
-    pub fn missing(&self) -> Missing {
+    pub(super) fn missing(&self) -> Missing {
         let list = self.plan.frames();
         let lacks = |frame: &PlannedFrame| {
             self.frame_files(&self.plan.frame_name(frame))
@@ -48,7 +48,7 @@ impl<'a> Collector<'a> {
         ["object", "paint", "positions", "sides"].map(|kind| self.folder.join(format!("views/{name}_{kind}.png")))
     }
 
-    pub fn take_frame(&self, name: &str) -> Result<(), RenderError> {
+    pub(super) fn take_frame(&self, name: &str) -> Result<(), RenderError> {
         let size = self.plan.size_px();
         let linear = self.triples(&format!("{name}.rgb"), size)?;
         let rgb = srgb(&linear, size);
@@ -60,7 +60,7 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    pub fn take_geometry(&self, view: &str) -> Result<(), RenderError> {
+    pub(super) fn take_geometry(&self, view: &str) -> Result<(), RenderError> {
         let size = self.plan.size_px();
         let fine = size.map(|px| px * self.plan.factor());
         let grey = |size: [u32; 2], levels: Vec<u8>| GrayImage::from_raw(size[0], size[1], levels).unwrap_or_default();

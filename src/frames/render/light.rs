@@ -19,7 +19,7 @@ const OWN: [&str; 8] = [
 
 /// A panorama at infinity.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Panorama {
+pub(crate) struct Panorama {
     /// `None` for one of Blender's own, which `name` names.
     pub file: Option<PathBuf>,
     pub name: String,
@@ -59,7 +59,7 @@ impl FromStr for Panorama {
 
 impl Panorama {
     /// How frames call it, as the light and as the place: another turn is another place under the same light.
-    pub fn place(&self) -> String {
+    pub(crate) fn place(&self) -> String {
         format!("{}@{}", self.name, self.turn_deg)
     }
 }

@@ -3,7 +3,7 @@
 //! `plan.rs` decides everything, `render_frames.py` renders it, [`blender`] has the Python package `bpy`, and
 //! `collect.rs` makes frames of what comes out.
 
-pub mod blender;
+pub(crate) mod blender;
 mod collect;
 mod light;
 mod plan;
@@ -11,9 +11,9 @@ mod request;
 mod surface;
 
 pub(crate) use collect::{srgb, triples};
-pub use light::Panorama;
-pub use plan::{Missing, PlannedFrame, RenderPlan};
-pub use request::{RenderPaint, RenderRequest};
+pub(crate) use light::Panorama;
+pub(crate) use plan::{Missing, PlannedFrame, RenderPlan};
+pub(crate) use request::{RenderPaint, RenderRequest};
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ use crate::mesh::MeshError;
 
 /// Why nothing, or not everything, was rendered.
 #[derive(Debug, thiserror::Error)]
-pub enum RenderError {
+pub(crate) enum RenderError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -95,7 +95,7 @@ pub enum RenderError {
 ///
 /// # Errors
 /// A folder of another render, no Blender, and whatever Blender cannot do. Frames that are whole stay, and the next call goes on after them.
-pub fn render(
+pub(crate) fn render(
     plan: &RenderPlan,
     folder: &Path,
     python: &blender::Python,

@@ -21,7 +21,7 @@ const BOUNCES: u32 = 4;
 
 /// A checked request, with everything derived from it.
 #[derive(Debug, Clone)]
-pub struct RenderPlan {
+pub(crate) struct RenderPlan {
     request: RenderRequest,
     mesh_sha256: String,
     /// Of each light's file.
@@ -32,7 +32,7 @@ pub struct RenderPlan {
 
 /// One frame of a plan, as indices into the request.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlannedFrame {
+pub(crate) struct PlannedFrame {
     pub light: usize,
     pub viewpoint: usize,
     pub colour: usize,
@@ -40,14 +40,14 @@ pub struct PlannedFrame {
 
 /// What a folder still lacks.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Missing {
+pub(crate) struct Missing {
     pub frames: Vec<PlannedFrame>,
     /// Viewpoints without their masks and positions.
     pub viewpoints: Vec<usize>,
 }
 
 impl Missing {
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.frames.is_empty() && self.viewpoints.is_empty()
     }
 }
@@ -55,7 +55,7 @@ impl Missing {
 impl RenderPlan {
     /// # Errors
     /// Nothing to render, numbers out of range, cameras inside the model, a mesh without paint or files that cannot be read.
-    pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
+    pub(crate) fn new(request: RenderRequest) -> Result<Self, RenderError> {
         check(&request)?;
         let mesh_sha256 = files::sha256_hex(&files::read(&request.mesh_file)?);
         let hash = |light: &Panorama| {
@@ -100,7 +100,7 @@ impl RenderPlan {
     }
 
     /// Every frame, those of one view together.
-    pub fn frames(&self) -> Vec<PlannedFrame> {
+    pub(crate) fn frames(&self) -> Vec<PlannedFrame> {
         let r = &self.request;
         let (lights, viewpoints, colours) = (0..r.lights.len(), 0..r.viewpoints.len(), 0..r.colours.len());
         let view = lights.flat_map(|light| viewpoints.clone().map(move |viewpoint| (light, viewpoint)));
@@ -115,39 +115,39 @@ impl RenderPlan {
     }
 
     /// All of it, as if nothing were there yet.
-    pub fn everything(&self) -> Missing {
+    pub(crate) fn everything(&self) -> Missing {
         Missing {
             frames: self.frames(),
             viewpoints: (0..self.request.viewpoints.len()).collect(),
         }
     }
 
-    pub fn size_px(&self) -> [u32; 2] {
+    pub(crate) fn size_px(&self) -> [u32; 2] {
         self.request.size_px
     }
 
-    pub fn factor(&self) -> u32 {
+    pub(crate) fn factor(&self) -> u32 {
         self.request.factor
     }
 
-    pub fn linear_max(&self) -> f64 {
+    pub(crate) fn linear_max(&self) -> f64 {
         LINEAR_MAX
     }
 
     /// The box that positions are stored in: the model's, and a little more.
-    pub fn position_box_mm(&self) -> ([f64; 3], [f64; 3]) {
+    pub(crate) fn position_box_mm(&self) -> ([f64; 3], [f64; 3]) {
         let (low, high) = self.request.mesh.bounds_mm();
         let wider = nalgebra::Vector3::repeat(1.0);
         ((low - wider).coords.into(), (high + wider).coords.into())
     }
 
     /// How a viewpoint is called in file names.
-    pub fn view_name(&self, viewpoint: usize) -> String {
+    pub(crate) fn view_name(&self, viewpoint: usize) -> String {
         let v = &self.request.viewpoints[viewpoint];
         format!("az{}_p{}_d{}", v.azimuth_deg, v.pitch_deg, v.distance_mm)
     }
 
-    pub fn frame_name(&self, frame: &PlannedFrame) -> String {
+    pub(crate) fn frame_name(&self, frame: &PlannedFrame) -> String {
         let light = self.request.lights[frame.light].place();
         let colour = self.request.colours[frame.colour].name();
         format!("{light}_{}_{colour}", self.view_name(frame.viewpoint))
@@ -163,14 +163,14 @@ impl RenderPlan {
     }
 
     /// What decides about the pixels: two plans of one identity render the same.
-    pub fn identity(&self) -> String {
+    pub(crate) fn identity(&self) -> String {
         let mut identity = self.view_identity();
         identity["paints"] = self.request.colours.iter().map(RenderPaint::identity).collect();
         format!("{identity:#}\n")
     }
 
     /// The same without the paints.
-    pub fn view_identity(&self) -> Value {
+    pub(crate) fn view_identity(&self) -> Value {
         let r = &self.request;
         json!({
             "scaleproof": env!("CARGO_PKG_VERSION"),
@@ -190,7 +190,7 @@ impl RenderPlan {
     }
 
     /// The patterns, as files below the folder of the frames.
-    pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
+    pub(crate) fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
         let mut new = Vec::new();
         for colour in &self.request.colours {
             if let (RenderPaint::Pattern(_, pattern, _), Some(file)) = (colour, colour.file()) {
@@ -201,7 +201,7 @@ impl RenderPlan {
     }
 
     /// What `render_frames.py` gets: only what is missing.
-    pub fn to_script(&self, missing: &Missing, raw: &Path) -> Value {
+    pub(crate) fn to_script(&self, missing: &Missing, raw: &Path) -> Value {
         let r = &self.request;
         let colour = |c: &RenderPaint| (c.name(), c.to_script());
         let lights = r.lights.iter().map(|l| {
@@ -260,7 +260,7 @@ impl RenderPlan {
     }
 
     /// The finished list.
-    pub fn list(&self) -> Result<FrameList, RenderError> {
+    pub(crate) fn list(&self) -> Result<FrameList, RenderError> {
         let r = &self.request;
         let (low_mm, high_mm) = self.position_box_mm();
         let mut list = FrameList {
@@ -324,7 +324,7 @@ impl RenderPlan {
     ///
     /// # Errors
     /// The mesh is not whole in the image, so that its box would be that of a part.
-    pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
+    pub(crate) fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
         let [width, height] = self.request.size_px.map(f64::from);
         let whole = self
             .projected(viewpoint)
@@ -347,7 +347,7 @@ impl RenderPlan {
         }
     }
 
-    pub fn request(&self) -> &RenderRequest {
+    pub(crate) fn request(&self) -> &RenderRequest {
         &self.request
     }
 }

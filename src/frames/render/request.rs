@@ -13,7 +13,7 @@ use crate::scene::Viewpoint;
 
 /// What to render.
 #[derive(Debug, Clone)]
-pub struct RenderRequest {
+pub(crate) struct RenderRequest {
     pub mesh: Mesh,
     pub mesh_file: PathBuf,
     /// Rows of the rotation from the mesh file's frame into the model frame.
@@ -41,7 +41,7 @@ pub struct RenderRequest {
 
 /// What is on the model.
 #[derive(Debug, Clone)]
-pub enum RenderPaint {
+pub(crate) enum RenderPaint {
     /// 8-bit sRGB of the diffuse reflectance.
     Flat([u8; 3]),
     /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
@@ -75,7 +75,7 @@ impl RenderPaint {
     }
 
     /// What tells this paint from others.
-    pub fn identity(&self) -> Value {
+    pub(crate) fn identity(&self) -> Value {
         match self {
             Self::Pattern(name, pattern, tile_mm) => {
                 json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})

@@ -9,7 +9,7 @@ use crate::pattern::world_aligned::Side;
 
 /// The paint's triangles with the side and the place in the pattern of each corner, in repeats, as the printed panels have them
 /// ([`Side`]). Triangles without area show nothing and are left out.
-pub fn surface(request: &RenderRequest) -> Result<Value, RenderError> {
+pub(super) fn surface(request: &RenderRequest) -> Result<Value, RenderError> {
     let mesh = &request.mesh;
     let is_paint = |material: usize| request.materials.is_empty() || request.materials.contains(&material);
     let mut points: Vec<[f64; 3]> = Vec::new();

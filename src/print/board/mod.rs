@@ -3,7 +3,7 @@
 mod definition;
 mod draw;
 
-pub use crate::board::Definition;
+pub(crate) use crate::board::Definition;
 
 use super::SheetError;
 use super::lettering::size;
@@ -23,7 +23,7 @@ const QUIET_MM: f64 = 1.0;
 /// Why no board was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum BoardError {
+pub(crate) enum BoardError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error(transparent)]
@@ -58,7 +58,7 @@ pub enum BoardError {
 
 /// Which board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BoardKind {
+pub(crate) enum BoardKind {
     Charuco,
     Chessboard,
     Aprilgrid,
@@ -66,7 +66,7 @@ pub enum BoardKind {
 
 /// What to print. Lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoardRequest {
+pub(crate) struct BoardRequest {
     pub kind: BoardKind,
     /// Columns and rows; of an AprilGrid, of tags.
     pub squares: (u32, u32),
@@ -81,7 +81,7 @@ pub struct BoardRequest {
 
 /// A board ready to be written.
 #[derive(Debug, Clone)]
-pub struct Board {
+pub(crate) struct Board {
     pub definition: Definition,
     /// Where it lies (page frame).
     pub area: RectMm,
@@ -92,7 +92,7 @@ pub struct Board {
 ///
 /// # Errors
 /// A roll, numbers that make no board, too few markers in the dictionary, a board larger than the paper.
-pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
+pub(crate) fn board(request: &BoardRequest) -> Result<Board, BoardError> {
     request.media.check_is_cut()?;
     let definition = definition::definition(request)?;
     let (width, height) = definition.size_mm();

@@ -11,7 +11,7 @@ mod regions;
 mod stencil;
 mod stencil_sheet;
 
-pub use stencil::{NoStencil, Rules, Stencil, stencil};
+pub(crate) use stencil::{NoStencil, Rules, Stencil, stencil};
 
 use super::SheetError;
 use super::lettering::number;
@@ -25,9 +25,9 @@ use crate::pattern::palette::Painted;
 use regions::CellGrid;
 
 /// Thinner bridges than this do not last in any stencil.
-pub const MIN_FEATURE_MM: f64 = 0.2;
+pub(crate) const MIN_FEATURE_MM: f64 = 0.2;
 /// Wider ones, with the rim that holds them, leave an office printer no room.
-pub const MAX_FEATURE_MM: f64 = 10.0;
+pub(crate) const MAX_FEATURE_MM: f64 = 10.0;
 /// A bridge, and an opening on either side of it.
 const FEATURES_PER_CELL: f64 = 3.0;
 const RIM_MM: f64 = 10.0;
@@ -37,7 +37,7 @@ const MOST_CELLS: usize = 250_000;
 /// Why there are no paint sheets.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PaintError {
+pub(crate) enum PaintError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error(transparent)]
@@ -68,7 +68,7 @@ pub enum PaintError {
 
 /// What to print.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PaintRequest {
+pub(crate) struct PaintRequest {
     /// As for a template. Overlap and bleed have no meaning: the sheets have rims and are laid edge to edge.
     pub template: TemplateRequest,
     /// The least width of bridges and openings.
@@ -79,7 +79,7 @@ pub struct PaintRequest {
 
 impl PaintRequest {
     /// What the document is called.
-    pub fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         let TemplateRequest {
             pattern_name, tile_mm, ..
         } = &self.template;
@@ -89,7 +89,7 @@ impl PaintRequest {
 
 /// What becomes of a paint's area. `openings_mm2` and `bridges_mm2` make up `cells_mm2`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PaintArea {
+pub(crate) struct PaintArea {
     pub cells_mm2: f64,
     pub openings_mm2: f64,
     /// Left to be touched up with a brush.
@@ -98,7 +98,7 @@ pub struct PaintArea {
 
 /// The pages, and what is on them.
 #[derive(Debug, Clone)]
-pub struct PaintSheets {
+pub(crate) struct PaintSheets {
     pub layout: SheetLayout,
     pub cell_mm: f64,
     /// For each of the paints.
@@ -111,7 +111,7 @@ pub struct PaintSheets {
 
 impl PaintSheets {
     /// What becomes of the area of all paints.
-    pub fn whole(&self) -> PaintArea {
+    pub(crate) fn whole(&self) -> PaintArea {
         self.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {
             cells_mm2: sum.cells_mm2 + area.cells_mm2,
             openings_mm2: sum.openings_mm2 + area.openings_mm2,
@@ -120,7 +120,7 @@ impl PaintSheets {
     }
 
     /// How many of the pages are stencils: those of one paint on one sheet.
-    pub fn stencils(&self) -> usize {
+    pub(crate) fn stencils(&self) -> usize {
         let is_stencil = |name: &&String| name.starts_with("paint") && name.contains('-');
         self.names.iter().filter(is_stencil).count()
     }
@@ -136,7 +136,11 @@ impl PaintSheets {
 /// # Errors
 /// Whatever [`super::template::template`] refuses; a least width outside [`MIN_FEATURE_MM`] to [`MAX_FEATURE_MM`]; cells below three
 /// times that; too many pages; too many cells.
-pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest) -> Result<PaintSheets, PaintError> {
+pub(crate) fn paint_sheets(
+    pattern: &Pattern,
+    painted: &Painted,
+    request: &PaintRequest,
+) -> Result<PaintSheets, PaintError> {
     let cell_mm = cell_mm(pattern, &request.template)?;
     check_features(cell_mm, pattern.columns(), request.min_feature_mm)?;
     let rules = Rules {

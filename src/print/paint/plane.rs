@@ -26,14 +26,14 @@ pub(crate) fn mm(units: i32) -> f64 {
 
 /// Any number of pieces, with or without holes.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Area {
+pub(crate) struct Area {
     /// Each a connected piece: its outline counter-clockwise, then its holes clockwise.
     pub pieces: Vec<Vec<PlaneOutline>>,
 }
 
 /// An upright rectangle by its edges, y up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     pub left: i32,
     pub bottom: i32,
     pub right: i32,
@@ -41,7 +41,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    pub fn grown(self, by: i32) -> Self {
+    pub(crate) fn grown(self, by: i32) -> Self {
         Self {
             left: self.left - by,
             bottom: self.bottom - by,
@@ -50,7 +50,7 @@ impl Bounds {
         }
     }
 
-    pub fn outline(self) -> PlaneOutline {
+    pub(crate) fn outline(self) -> PlaneOutline {
         let Self {
             left,
             bottom,
@@ -65,24 +65,24 @@ impl Bounds {
 
 impl Area {
     /// What any of the outlines encloses; they may overlap, and all run counter-clockwise.
-    pub fn of(outlines: &[PlaneOutline]) -> Self {
+    pub(crate) fn of(outlines: &[PlaneOutline]) -> Self {
         operation(outlines, &[], OverlayRule::Subject)
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    pub fn outlines(&self) -> impl Iterator<Item = &PlaneOutline> {
+    pub(crate) fn outlines(&self) -> impl Iterator<Item = &PlaneOutline> {
         self.pieces.iter().flatten()
     }
 
     /// The corners of every piece, each with the one that follows.
-    pub fn edges(&self) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
         self.outlines().flat_map(edges)
     }
 
-    pub fn bounds(&self) -> Option<Bounds> {
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
         let mut corners = self.outlines().flatten();
         let first = corners.next()?;
         let start = Bounds {
@@ -99,27 +99,27 @@ impl Area {
         }))
     }
 
-    pub fn and(&self, other: &Self) -> Self {
+    pub(crate) fn and(&self, other: &Self) -> Self {
         operation(&self.flat(), &other.flat(), OverlayRule::Intersect)
     }
 
-    pub fn without(&self, other: &Self) -> Self {
+    pub(crate) fn without(&self, other: &Self) -> Self {
         operation(&self.flat(), &other.flat(), OverlayRule::Difference)
     }
 
     /// With more outlines, which run counter-clockwise.
-    pub fn with(&self, more: &[PlaneOutline]) -> Self {
+    pub(crate) fn with(&self, more: &[PlaneOutline]) -> Self {
         operation(&self.flat(), more, OverlayRule::Union)
     }
 
     /// Everything a square of half side `half` covers while its centre is in this area: the Minkowski sum.
-    pub fn grown(&self, half: i32) -> Self {
+    pub(crate) fn grown(&self, half: i32) -> Self {
         let sweeps: Vec<PlaneOutline> = self.edges().map(|(a, b)| swept(a, b, half)).collect();
         self.with(&sweeps)
     }
 
     /// Where the centre of a square of half side `half` can be while all of the square is in this area.
-    pub fn shrunk(&self, half: i32) -> Self {
+    pub(crate) fn shrunk(&self, half: i32) -> Self {
         let Some(bounds) = self.bounds() else {
             return Self::default();
         };
@@ -128,18 +128,18 @@ impl Area {
     }
 
     /// All that squares of half side `half` inside this area cover: the morphological opening.
-    pub fn opened(&self, half: i32) -> Self {
+    pub(crate) fn opened(&self, half: i32) -> Self {
         self.shrunk(half).grown(half)
     }
 
     /// In square units; exact.
-    pub fn doubled_area(&self) -> i128 {
+    pub(crate) fn doubled_area(&self) -> i128 {
         let cross =
             |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
         self.edges().map(cross).sum()
     }
 
-    pub fn mm2(&self) -> f64 {
+    pub(crate) fn mm2(&self) -> f64 {
         self.doubled_area() as f64 / (2.0 * PER_MM * PER_MM)
     }
 

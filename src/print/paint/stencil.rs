@@ -25,7 +25,7 @@ const ROUNDING: i32 = 5;
 
 /// What a stencil must hold. Lengths in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rules {
+pub(crate) struct Rules {
     /// The least width of bridges, of all other material, and of openings.
     pub min_feature_mm: f64,
     /// Material around the region, at least as wide as `min_feature_mm`.
@@ -34,7 +34,7 @@ pub struct Rules {
 
 /// A stencil, in the frame of the outlines it was made from.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stencil {
+pub(crate) struct Stencil {
     /// To be cut out.
     pub openings: Area,
     /// Material where the paint belongs: to be touched up. With `openings` it makes up what was asked for, exactly.
@@ -46,7 +46,7 @@ pub struct Stencil {
 /// The rules cannot be held; on whole cells of three times the least width this does not happen.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("no stencil with features of {min_feature_mm} mm was found for this shape")]
-pub struct NoStencil {
+pub(crate) struct NoStencil {
     min_feature_mm: f64,
 }
 
@@ -55,7 +55,7 @@ pub struct NoStencil {
 ///
 /// # Errors
 /// [`NoStencil`], which bounds the search.
-pub fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules) -> Result<Stencil, NoStencil> {
+pub(crate) fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules) -> Result<Stencil, NoStencil> {
     let half = units(0.5 * rules.min_feature_mm);
     let region = Area::of(region);
     let nowhere = Bounds {

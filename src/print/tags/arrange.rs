@@ -4,7 +4,7 @@ use super::tent::Tent;
 use crate::scene::{Scene, Tag};
 
 /// A tag that looks up and is no higher than this lies on the mat.
-pub const FLAT_MM: f64 = 2.0;
+pub(crate) const FLAT_MM: f64 = 2.0;
 /// How far from straight up a tag on the mat may look.
 const FLAT_DEG: f64 = 0.5;
 /// A flat tag higher than this is not quite where the mat puts it.
@@ -12,7 +12,7 @@ const LIFT_MM: f64 = 0.2;
 
 /// The tags of a scene, by what they are printed on; each tag is in one place.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Arrangement<'a> {
+pub(crate) struct Arrangement<'a> {
     /// On the ground mat: they look straight up and lie on the ground (within [`FLAT_MM`]).
     pub flat: Vec<&'a Tag>,
     /// Pairs that lean back to back, as [`Tent::of`] says.
@@ -22,7 +22,7 @@ pub struct Arrangement<'a> {
 }
 
 /// Sorts the tags of a scene. Of all pairs that could share a card the closest is made first, whatever the scene's order.
-pub fn arrange(scene: &Scene) -> Arrangement<'_> {
+pub(crate) fn arrange(scene: &Scene) -> Arrangement<'_> {
     let (flat, mut rest): (Vec<&Tag>, Vec<&Tag>) = scene.tags.iter().partition(|tag| lies_flat(tag));
     let mut pairs: Vec<(f64, usize, usize, Tent)> = Vec::new();
     for (i, a) in rest.iter().enumerate() {
@@ -57,7 +57,7 @@ fn lies_flat(tag: &Tag) -> bool {
 
 impl<'a> Arrangement<'a> {
     /// Every tag on a plain card.
-    pub fn plain(scene: &'a Scene) -> Self {
+    pub(crate) fn plain(scene: &'a Scene) -> Self {
         Self {
             flat: Vec::new(),
             tents: Vec::new(),
@@ -66,7 +66,7 @@ impl<'a> Arrangement<'a> {
     }
 
     /// How far above the mat the scene puts the flat tag that is farthest from it, if that is worth a word.
-    pub fn lifted_mm(&self) -> Option<f64> {
+    pub(crate) fn lifted_mm(&self) -> Option<f64> {
         let heights = self.flat.iter().map(|tag| tag.centre_mm.z);
         heights
             .filter(|z| z.abs() > LIFT_MM)

@@ -56,7 +56,7 @@ const LEGEND: [&str; 3] = [
 
 /// A card's place in words of a ruler and a protractor.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FloorPlace {
+pub(crate) struct FloorPlace {
     /// Where the card faces, or where its top points when it lies flat.
     pub heading_deg: f64,
     pub lies_flat: bool,
@@ -68,7 +68,7 @@ pub struct FloorPlace {
 
 impl FloorPlace {
     /// Of a tag.
-    pub fn of(tag: &Tag) -> Self {
+    pub(crate) fn of(tag: &Tag) -> Self {
         let normal = tag.right.cross(&tag.up);
         let azimuth = |v: &Vector3<f64>| v.y.atan2(v.x).to_degrees().rem_euclid(360.0);
         let tilt_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();

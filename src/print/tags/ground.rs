@@ -23,7 +23,7 @@ const SHORT_MM: f64 = 178.0;
 
 /// The mat on its sheets, and the strips beyond it.
 #[derive(Debug, Clone)]
-pub struct Ground {
+pub(crate) struct Ground {
     pub mat: Mat,
     pub layout: SheetLayout,
     /// All sheets together, left out ones too (ground frame).
@@ -38,7 +38,7 @@ impl Ground {
     ///
     /// # Errors
     /// Paper too small for the rulers, too many sheets.
-    pub fn new(
+    pub(crate) fn new(
         mat: Mat,
         arrangement: &Arrangement,
         request: &TagRequest,
@@ -151,12 +151,12 @@ impl Ground {
     }
 
     /// What the sheets are called, in their order.
-    pub fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         self.layout.sheets.iter().map(SheetPlan::id).collect()
     }
 
     /// A region of the layout on the ground.
-    pub fn ground(&self, region: TemplateRect) -> RectMm {
+    pub(crate) fn ground(&self, region: TemplateRect) -> RectMm {
         on_ground(self.paper, region)
     }
 }

@@ -24,7 +24,7 @@ const ARROW_MM: f64 = 18.0;
 
 /// Everything on the mat, in painting order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mat {
+pub(crate) struct Mat {
     pub shapes: Vec<GroundShape>,
     pub labels: Vec<Label>,
     /// What each thing is called and the ground it needs: tags with their white ring.
@@ -41,14 +41,14 @@ pub struct Mat {
 
 /// Convex outlines of one colour.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GroundShape {
+pub(crate) struct GroundShape {
     pub outlines: Vec<OutlineMm>,
     pub colour: Srgb8,
 }
 
 /// Centred text; `at` is the middle of its capitals.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Label {
+pub(crate) struct Label {
     pub at: PointMm,
     pub size_mm: f64,
     pub text: String,
@@ -59,7 +59,7 @@ impl Mat {
     ///
     /// # Errors
     /// A tag that cannot be drawn.
-    pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
+    pub(crate) fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
         let mut mat = Mat {
             shapes: Vec::new(),
             labels: Vec::new(),
@@ -81,7 +81,7 @@ impl Mat {
     }
 
     /// Things that stand on each other, or closer than a tag's white ring, by their names.
-    pub fn overlaps(&self) -> impl Iterator<Item = [String; 2]> {
+    pub(crate) fn overlaps(&self) -> impl Iterator<Item = [String; 2]> {
         let pairs = (0..self.footprints.len()).flat_map(|i| (i + 1..self.footprints.len()).map(move |j| (i, j)));
         pairs
             .map(|(i, j)| (&self.footprints[i], &self.footprints[j]))
@@ -172,12 +172,12 @@ impl Mat {
     }
 
     /// The ground with all tent cards.
-    pub fn whole(&self) -> RectMm {
+    pub(crate) fn whole(&self) -> RectMm {
         self.tents.iter().fold(self.core, |all, tent| union(all, *tent))
     }
 
     /// What is seen of the shapes through a window, inside a rectangle of the page.
-    pub fn marks(&self, window: &GroundWindow, to: RectMm) -> Vec<Mark> {
+    pub(crate) fn marks(&self, window: &GroundWindow, to: RectMm) -> Vec<Mark> {
         let seen = self.shapes.iter().map(|shape| Mark::Area {
             outlines: window.clipped(&shape.outlines, to),
             colour: shape.colour,
@@ -187,7 +187,7 @@ impl Mat {
     }
 
     /// Adds grey lines around an outline, and its name in the middle.
-    pub fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
+    pub(crate) fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
         self.shapes.push(GroundShape {
             outlines: stroked(outline, LINE_MM),
             colour: GREY,

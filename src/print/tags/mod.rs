@@ -17,11 +17,11 @@ mod tent;
 mod tent_sheet;
 mod window;
 
-pub use arrange::{Arrangement, FLAT_MM, arrange};
-pub use floor_plan::FloorPlace;
-pub use ground::Ground;
-pub use strip::PlaceStrip;
-pub use tent::{FlatTag, Fold, Net, TILT_DEG, Tent, TentPanel};
+pub(crate) use arrange::{Arrangement, FLAT_MM, arrange};
+pub(crate) use floor_plan::FloorPlace;
+pub(crate) use ground::Ground;
+pub(crate) use strip::PlaceStrip;
+pub(crate) use tent::{FlatTag, Fold, Net, TILT_DEG, Tent, TentPanel};
 
 use std::fmt;
 
@@ -40,7 +40,7 @@ const LINE_MM: f64 = 0.2;
 /// Why no tags were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum TagPrintError {
+pub(crate) enum TagPrintError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error("the scene has no tags; add [[tag]] tables to it, or make one with `scaleproof scene new`")]
@@ -62,7 +62,7 @@ pub enum TagPrintError {
 
 /// What could be printed instead of something too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Instead {
+pub(crate) enum Instead {
     Nothing,
     WholeMat,
     PlainCards,
@@ -81,7 +81,7 @@ impl fmt::Display for Instead {
 /// What the user should know of the tags on paper.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum TagNote {
+pub(crate) enum TagNote {
     /// The mat puts tags at 0 that the scene has at this height.
     Lowered {
         height_mm: f64,
@@ -119,7 +119,7 @@ impl fmt::Display for TagNote {
 
 /// What to print.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TagRequest {
+pub(crate) struct TagRequest {
     pub media: Media,
     /// Every tag as a plain card, whatever the scene does with it.
     pub plain: bool,
@@ -129,7 +129,7 @@ pub struct TagRequest {
 
 /// The pages, and what is on them.
 #[derive(Debug, Clone)]
-pub struct TagSheets {
+pub(crate) struct TagSheets {
     /// The map, the floor plan of plain cards, cards and strips, then the mat.
     pub sheets: Vec<Sheet>,
     /// What each sheet is called on the map, and in the name of its file.
@@ -144,7 +144,7 @@ pub struct TagSheets {
 
 /// A card or a strip on its sheet.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CutOut {
+pub(crate) struct CutOut {
     pub name: String,
     /// Index of its sheet.
     pub sheet: usize,
@@ -156,7 +156,7 @@ pub struct CutOut {
 ///
 /// # Errors
 /// A scene without tags, tags too small to print, cards too large for the paper.
-pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagPrintError> {
+pub(crate) fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagPrintError> {
     if scene.tags.is_empty() {
         return Err(TagPrintError::NoTags);
     }

@@ -21,7 +21,7 @@ const FOOT_MM: f64 = 2.0;
 
 /// The way from the mat to a tent card.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlaceStrip {
+pub(crate) struct PlaceStrip {
     /// Of the tent card, from 0.
     pub tent: usize,
     pub length_mm: f64,
@@ -106,19 +106,19 @@ impl PlaceStrip {
     }
 
     /// The strip's outline on the ground.
-    pub fn outline(&self) -> OutlineMm {
+    pub(crate) fn outline(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, x, y)
     }
 
     /// The part that is glued onto the mat.
-    pub fn root(&self) -> OutlineMm {
+    pub(crate) fn root(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, -x + self.root_mm, y)
     }
 
     /// Where the strip's name stands on the mat: in its root, beside its middle line, on which the model's arrow may lie.
-    pub fn name_at(&self) -> PointMm {
+    pub(crate) fn name_at(&self) -> PointMm {
         self.place.at((self.root_mm - self.length_mm) / 2.0, WIDTH_MM / 3.0)
     }
 
@@ -129,7 +129,7 @@ impl PlaceStrip {
     }
 
     /// The window onto the ground of a strip that lies level on a page, its lower left corner at a place.
-    pub fn window(&self, at: PointMm) -> GroundWindow {
+    pub(crate) fn window(&self, at: PointMm) -> GroundWindow {
         GroundWindow {
             centre: self.place.centre,
             at: PointMm::new(at.x_mm + self.length_mm / 2.0, at.y_mm + WIDTH_MM / 2.0),
@@ -139,7 +139,7 @@ impl PlaceStrip {
     }
 
     /// The strip on such a page.
-    pub fn area(&self, at: PointMm) -> RectMm {
+    pub(crate) fn area(&self, at: PointMm) -> RectMm {
         RectMm::new(at.x_mm, at.y_mm, at.x_mm + self.length_mm, at.y_mm + WIDTH_MM)
     }
 }

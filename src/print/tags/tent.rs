@@ -15,7 +15,7 @@ use crate::scene::Tag;
 const MIRROR_MM: f64 = 0.1;
 const MIRROR_DEG: f64 = 0.1;
 /// Faces flatter or steeper than this do not make a card that stands.
-pub const TILT_DEG: std::ops::RangeInclusive<f64> = 20.0..=80.0;
+pub(crate) const TILT_DEG: std::ops::RangeInclusive<f64> = 20.0..=80.0;
 /// What a rounded scene file may take from the room a tag needs.
 const FIT_MM: f64 = 0.05;
 /// Beside the tag: its id and up mark.
@@ -30,7 +30,7 @@ const MIDDLE_LINE_MM: f64 = 0.4;
 
 /// Two tags that lean back to back on one folded card.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tent {
+pub(crate) struct Tent {
     /// On face A and face B.
     pub tags: [Tag; 2],
     /// `T_model_tent`: where the card stands.
@@ -49,7 +49,7 @@ impl Tent {
     /// The card for two tags, if they make one: their planes are each other's mirror image in an upright plane, they face away
     /// from it and up, they are at the same height and at the same place along the ridge, and each fits with its white ring between
     /// the ground and the ridge, where the planes meet.
-    pub fn of(a: &Tag, b: &Tag) -> Option<Tent> {
+    pub(crate) fn of(a: &Tag, b: &Tag) -> Option<Tent> {
         let shape = TentShape::of(a, b)?;
         let mut width_mm = 0.0_f64;
         for (tag, out) in [(a, shape.out), (b, -shape.out)] {
@@ -74,7 +74,7 @@ impl Tent {
     }
 
     /// The card before folding.
-    pub fn net(&self) -> Net {
+    pub(crate) fn net(&self) -> Net {
         let tab_mm = TAB_MM.min(0.8 * self.base_mm);
         let ends = [0.0, tab_mm, tab_mm + self.face_mm, tab_mm + 2.0 * self.face_mm];
         let top = ends[3] + self.base_mm;
@@ -110,7 +110,7 @@ impl Tent {
     }
 
     /// The four corners of the base on the ground, model frame: the left and the right foot of face A, then of face B.
-    pub fn foot_mm(&self) -> [Point3<f64>; 4] {
+    pub(crate) fn foot_mm(&self) -> [Point3<f64>; 4] {
         let (x, y) = (self.width_mm / 2.0, self.base_mm / 2.0);
         [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| self.place * Point3::new(x, y, 0.0))
     }
@@ -118,7 +118,7 @@ impl Tent {
 
 impl Tent {
     /// On the ground, at the middle of each foot: a short line away from the card, which the mark at the foot of its face meets.
-    pub fn middle_marks(&self) -> [OutlineMm; 2] {
+    pub(crate) fn middle_marks(&self) -> [OutlineMm; 2] {
         let at = |y: f64| {
             let place = self.place * Point3::new(0.0, y, 0.0);
             PointMm::new(place.x, place.y)
@@ -185,7 +185,7 @@ impl TentShape {
 
 /// The parts of a card, in the order of [`Net::outlines`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TentPanel {
+pub(crate) enum TentPanel {
     Tab = 0,
     FaceA = 1,
     FaceB = 2,
@@ -194,7 +194,7 @@ pub enum TentPanel {
 
 /// A card before folding, in the flat frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Net {
+pub(crate) struct Net {
     pub width_mm: f64,
     pub height_mm: f64,
     /// Tab, face A, face B, base: corners (x, y).
@@ -207,7 +207,7 @@ pub struct Net {
 
 /// A fold across the whole card, parallel to x.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fold {
+pub(crate) struct Fold {
     pub y_mm: f64,
     /// How far the rest of the card is turned away from somebody who looks at the printed side; 0 leaves it flat.
     pub turn_deg: f64,
@@ -215,7 +215,7 @@ pub struct Fold {
 
 /// A tag on the flat card.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FlatTag {
+pub(crate) struct FlatTag {
     pub panel: TentPanel,
     pub tag: Tag,
     pub centre_mm: Point2<f64>,
@@ -245,7 +245,7 @@ impl FlatTag {
 
 impl Net {
     /// Folds the card and says where each tag comes to stand: `T_tent_tag`, in the order of [`Net::tags`].
-    pub fn folded(&self, tent: &Tent) -> Vec<Rigid> {
+    pub(crate) fn folded(&self, tent: &Tent) -> Vec<Rigid> {
         let panels = self.folded_panels(tent);
         self.tags
             .iter()
@@ -254,7 +254,7 @@ impl Net {
     }
 
     /// `T_tent_flat` of each panel: the base lies on the ground, and every fold turns what is beyond it.
-    pub fn folded_panels(&self, tent: &Tent) -> [Rigid; 4] {
+    pub(crate) fn folded_panels(&self, tent: &Tent) -> [Rigid; 4] {
         // The base's printed side is down, and its fold lies at the foot of face B.
         let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         let fold = Vector3::new(-self.width_mm / 2.0, tent.base_mm / 2.0 + self.folds[2].y_mm, 0.0);

@@ -7,7 +7,7 @@ use crate::print::sheet::{PointMm, RectMm};
 
 /// Which point of the ground lies where on a page, how it is turned, and how much smaller it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GroundWindow {
+pub(crate) struct GroundWindow {
     /// On the ground.
     pub centre: PointMm,
     /// The same point on the page.
@@ -19,7 +19,7 @@ pub struct GroundWindow {
 
 impl GroundWindow {
     /// A point of the ground on the page.
-    pub fn on_page(&self, p: PointMm) -> PointMm {
+    pub(crate) fn on_page(&self, p: PointMm) -> PointMm {
         let (x, y) = (p.x_mm - self.centre.x_mm, p.y_mm - self.centre.y_mm);
         let [c, s] = self.right;
         PointMm::new(
@@ -29,12 +29,12 @@ impl GroundWindow {
     }
 
     /// An outline of the ground on the page.
-    pub fn outline(&self, outline: &[PointMm]) -> OutlineMm {
+    pub(crate) fn outline(&self, outline: &[PointMm]) -> OutlineMm {
         outline.iter().map(|p| self.on_page(*p)).collect()
     }
 
     /// What is seen of some outlines inside a rectangle of the page.
-    pub fn clipped(&self, outlines: &[OutlineMm], to: RectMm) -> Vec<OutlineMm> {
+    pub(crate) fn clipped(&self, outlines: &[OutlineMm], to: RectMm) -> Vec<OutlineMm> {
         let seen = outlines.iter().map(|outline| clipped(&self.outline(outline), to));
         seen.filter(|outline| outline.len() > 2).collect()
     }

@@ -44,7 +44,7 @@ pub(crate) fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -
 }
 
 /// What stands around the content, whatever it is: rulers, captions, arrows, sheet id and mini-map.
-pub fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
+pub(crate) fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let mut marks = rulers(&layout.frame);
     marks.extend(captions.marks(layout.frame.printable));
     marks.extend(captions.arrows(&layout.frame));
@@ -53,7 +53,7 @@ pub fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Ve
 }
 
 /// What leads the knife and the glue: ghost lines, crop marks, registration crosses, seam letters.
-pub fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
+pub(crate) fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let mut marks = ghost_lines(layout, plan);
     marks.extend(crop_marks(plan));
     marks.extend(sides(layout, plan));
@@ -61,7 +61,7 @@ pub fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
 }
 
 /// Both rulers of a page.
-pub fn rulers(frame: &PageFrame) -> Vec<Mark> {
+pub(crate) fn rulers(frame: &PageFrame) -> Vec<Mark> {
     let mut marks = ruler::horizontal(frame.horizontal_ruler);
     marks.extend(ruler::vertical(frame.vertical_ruler));
     marks
@@ -168,7 +168,7 @@ fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
 }
 
 /// The captions at the foot, the same on every sheet.
-pub struct Captions {
+pub(crate) struct Captions {
     piece: Option<String>,
     name: String,
     facts: String,
@@ -178,7 +178,7 @@ pub struct Captions {
 }
 
 impl Captions {
-    pub fn new(pattern: &Pattern, request: &TemplateRequest, cell_mm: f64) -> Self {
+    pub(crate) fn new(pattern: &Pattern, request: &TemplateRequest, cell_mm: f64) -> Self {
         let short_hash = pattern.sha256().get(..12).unwrap_or_default();
         let facts = [
             format!("sha256 {short_hash}"),
@@ -190,7 +190,7 @@ impl Captions {
     }
 
     /// The captions of an image that is printed as it is, with these facts about it.
-    pub fn of_image(request: &TemplateRequest, facts: &str) -> Self {
+    pub(crate) fn of_image(request: &TemplateRequest, facts: &str) -> Self {
         Self {
             piece: None,
             name: printable(&request.pattern_name),
@@ -202,23 +202,23 @@ impl Captions {
     }
 
     /// The captions of one panel of several, whose name stands in them and before the ids of its sheets.
-    pub fn of_panel(mut self, panel: &str) -> Self {
+    pub(crate) fn of_panel(mut self, panel: &str) -> Self {
         self.facts = format!("{panel} panel · {}", self.facts);
         self.of_piece(panel)
     }
 
     /// The captions of one piece of several, whose name stands before the ids of its sheets.
-    pub fn of_piece(mut self, piece: &str) -> Self {
+    pub(crate) fn of_piece(mut self, piece: &str) -> Self {
         self.piece = Some(piece.to_owned());
         self
     }
 
     /// What the template is of, shortened to a width.
-    pub fn title(&self, size_mm: f64, most_mm: f64) -> String {
+    pub(crate) fn title(&self, size_mm: f64, most_mm: f64) -> String {
         shortened(&self.name, size_mm, most_mm)
     }
 
-    pub fn marks(&self, printable: RectMm) -> Vec<Mark> {
+    pub(crate) fn marks(&self, printable: RectMm) -> Vec<Mark> {
         let most_mm = printable.width_mm() - KEY_WIDTH_MM - 2.0;
         let name = shortened(&self.name, CAPTION_MM, NAME_SHARE * most_mm);
         let lines = [

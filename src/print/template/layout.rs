@@ -13,7 +13,7 @@ use crate::print::printer::Printer;
 use crate::print::sheet::RectMm;
 
 /// More sheets than this are a mistake in the numbers, not a plan.
-pub const MAX_SHEETS: usize = 400;
+pub(crate) const MAX_SHEETS: usize = 400;
 
 /// Longer than all sheets of the longest paper in a row.
 const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
@@ -82,7 +82,7 @@ pub struct SheetLayout {
 /// # Errors
 /// Lengths out of bounds, paper too small for the rulers, an overlap as large as the usable area, more than [`MAX_SHEETS`]
 /// sheets.
-pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
+pub(crate) fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
     check(request)?;
     let plan = match request.orientation {
         Orientation::Portrait => plan(request, false)?,

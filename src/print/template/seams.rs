@@ -27,7 +27,7 @@ impl SheetLayout {
 }
 
 /// A to Z, then AA.
-pub fn letters(index: usize) -> String {
+pub(crate) fn letters(index: usize) -> String {
     let last = char::from(b'A' + (index % 26) as u8);
     if index < 26 {
         last.to_string()

@@ -15,10 +15,10 @@ mod strips;
 mod unroll;
 
 pub(super) use draw::{cut_line, cutter_path, moved};
-pub use panel::{Face, PRINTED, PaintedSurface, Panel};
-pub use region::{Contour, Point, Region};
-pub use strips::StripPlace;
-pub use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
+pub(crate) use panel::{Face, PRINTED, PaintedSurface, Panel};
+pub(crate) use region::{Contour, Point, Region};
+pub(crate) use strips::StripPlace;
+pub(crate) use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
 
 use super::SheetError;
 use super::date::Date;
@@ -33,14 +33,14 @@ use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 
 /// How far the pattern runs on beyond a panel's outline.
-pub const BLEED_MM: f64 = 2.0;
+pub(crate) const BLEED_MM: f64 = 2.0;
 /// Mesh and scene may differ by this share of a side.
 const SIZE_TOLERANCE: f64 = 0.03;
 
 /// Why no panels were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum WrapError {
+pub(crate) enum WrapError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error(transparent)]
@@ -68,7 +68,7 @@ pub enum WrapError {
 
 /// What to print. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WrapRequest {
+pub(crate) struct WrapRequest {
     /// Printed width of one repeat of the pattern; its height follows, cells are square.
     pub tile_mm: f64,
     /// The model is 1:`scale`; only the captions use it.
@@ -87,7 +87,7 @@ pub struct WrapRequest {
 
 impl WrapRequest {
     /// What the document is called.
-    pub fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         format!("Panels of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
     }
 
@@ -121,7 +121,7 @@ impl WrapRequest {
 
 /// A panel and the sheets it is spread over.
 #[derive(Debug, Clone)]
-pub struct SpreadPanel {
+pub(crate) struct SpreadPanel {
     pub panel: Panel,
     pub layout: SheetLayout,
     /// (u, v) of the top-left corner of the layout's template, mm.
@@ -130,7 +130,7 @@ pub struct SpreadPanel {
 
 impl SpreadPanel {
     /// The page place of (u, v) = (0, 0) on a sheet: the page shows the plane moved by it.
-    pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
+    pub(crate) fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
         moved_by_mm(plan, self.corner)
     }
 }
@@ -145,7 +145,7 @@ pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
 
 /// The panels of a model, drawn.
 #[derive(Debug, Clone)]
-pub struct Wrap {
+pub(crate) struct Wrap {
     pub pieces: Vec<SpreadPanel>,
     /// True area of the paint.
     pub surface_mm2: f64,
@@ -164,7 +164,7 @@ pub struct Wrap {
 
 impl Wrap {
     /// A name for each page, where it becomes a file of its own.
-    pub fn page_names(&self) -> Vec<String> {
+    pub(crate) fn page_names(&self) -> Vec<String> {
         let name = |piece: &SpreadPanel, plan: &SheetPlan| format!("{}-{}", piece.panel.side.name(), plan.id());
         let sheets = self
             .pieces
@@ -185,29 +185,29 @@ impl Wrap {
     }
 
     /// Largest length on the surface for 1 mm on the paper of the panels; strips have none.
-    pub fn largest_stretch(&self) -> f64 {
+    pub(crate) fn largest_stretch(&self) -> f64 {
         self.pieces.iter().map(|p| p.panel.largest_stretch).fold(1.0, f64::max)
     }
 
     /// Area of the surface over its area on paper, every layer counted.
-    pub fn mean_stretch(&self) -> f64 {
+    pub(crate) fn mean_stretch(&self) -> f64 {
         let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>() + self.strips_mm2();
         sum(|p| p.surface_mm2) / sum(|p| p.projected_mm2)
     }
 
     /// Area of what was unrolled.
-    pub fn strips_mm2(&self) -> f64 {
+    pub(crate) fn strips_mm2(&self) -> f64 {
         self.strips.iter().map(Strip::surface_mm2).sum()
     }
 
     /// Area of the paint that looks down and is on no panel.
-    pub fn unprinted_mm2(&self) -> f64 {
+    pub(crate) fn unprinted_mm2(&self) -> f64 {
         let printed = self.pieces.iter().map(|p| p.panel.surface_mm2).sum::<f64>() + self.strips_mm2();
         (self.surface_mm2 - printed).max(0.0)
     }
 
     /// One sentence a panel, then one on the whole.
-    pub fn facts(&self) -> Vec<String> {
+    pub(crate) fn facts(&self) -> Vec<String> {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();
         for SpreadPanel { panel, layout, .. } in &self.pieces {
@@ -242,7 +242,12 @@ impl Wrap {
 /// # Errors
 /// No surface on any side, a stretch limit that is none, too many triangles beyond it or cells on their strips, and whatever the layout
 /// and the cells of a template refuse.
-pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, WrapError> {
+pub(crate) fn wrap(
+    mesh: &Mesh,
+    materials: &[usize],
+    pattern: &Pattern,
+    request: &WrapRequest,
+) -> Result<Wrap, WrapError> {
     let paint = PaintedSurface::of_materials(mesh, materials);
     let unrolling = strips::unrolling(&paint, request)?;
     let panels = unrolling.rest.panels();
@@ -256,7 +261,7 @@ pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapR
 ///
 /// # Errors
 /// A side of the mesh's box that differs by more than 3 %.
-pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
+pub(crate) fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
     let mesh_mm = mesh.size_mm();
     let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;
     if mesh_mm.into_iter().zip(scene_mm).any(differs) {

@@ -9,7 +9,7 @@ use crate::mesh::{Mesh, Triangle, doubled_area};
 use crate::pattern::world_aligned::Side;
 
 /// The sides that are printed.
-pub const PRINTED: [Side; 5] = [Side::Left, Side::Right, Side::Roof, Side::Front, Side::Rear];
+pub(crate) const PRINTED: [Side; 5] = [Side::Left, Side::Right, Side::Roof, Side::Front, Side::Rear];
 
 /// Edges bent by more than this are drawn.
 const FEATURE_DEG: f64 = 30.0;
@@ -18,7 +18,7 @@ const BEFORE_MM: f64 = 0.3;
 
 /// One side of the model, flat.
 #[derive(Debug, Clone)]
-pub struct Panel {
+pub(crate) struct Panel {
     pub side: Side,
     /// All painted triangles of this side in its plane (u, v), mm; see [`Side`].
     pub region: Region,
@@ -34,19 +34,19 @@ pub struct Panel {
 
 impl Panel {
     /// Area on paper.
-    pub fn flat_mm2(&self) -> f64 {
+    pub(crate) fn flat_mm2(&self) -> f64 {
         self.region.area_mm2()
     }
 
     /// Area of the layers that lie behind others in this direction, and are printed with them.
-    pub fn hidden_mm2(&self) -> f64 {
+    pub(crate) fn hidden_mm2(&self) -> f64 {
         (self.projected_mm2 - self.flat_mm2()).max(0.0)
     }
 }
 
 /// A painted triangle.
 #[derive(Debug, Clone, Copy)]
-pub struct Face {
+pub(crate) struct Face {
     pub triangle: Triangle,
     pub corners: [Point3<f64>; 3],
     pub side: Side,
@@ -57,7 +57,7 @@ pub struct Face {
 
 /// The painted surface of a model.
 #[derive(Debug, Clone)]
-pub struct PaintedSurface {
+pub(crate) struct PaintedSurface {
     pub faces: Vec<Face>,
     /// Triangles of the mesh that are of other materials, or were taken out.
     others: Vec<Triangle>,
@@ -88,13 +88,13 @@ impl PaintedSurface {
     }
 
     /// The same; without any materials, all are paint.
-    pub fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
+    pub(crate) fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
         let all: Vec<usize> = (0..mesh.materials().len()).collect();
         Self::of(mesh, if materials.is_empty() { &all } else { materials })
     }
 
     /// The surface without some of its faces.
-    pub fn without(&self, taken: &[bool]) -> Self {
+    pub(crate) fn without(&self, taken: &[bool]) -> Self {
         let mut rest = Self {
             faces: Vec::new(),
             others: self.others.clone(),
@@ -108,12 +108,12 @@ impl PaintedSurface {
         rest
     }
 
-    pub fn surface_mm2(&self) -> f64 {
+    pub(crate) fn surface_mm2(&self) -> f64 {
         self.faces.iter().map(|face| face.surface_mm2).sum()
     }
 
     /// Which painted faces meet at each edge, by the edge's corners in rising order.
-    pub fn edges(&self) -> BTreeMap<[usize; 2], Vec<usize>> {
+    pub(crate) fn edges(&self) -> BTreeMap<[usize; 2], Vec<usize>> {
         let mut edges = BTreeMap::<_, Vec<usize>>::new();
         for (i, face) in self.faces.iter().enumerate() {
             for edge in face.triangle.edges() {
@@ -124,7 +124,7 @@ impl PaintedSurface {
     }
 
     /// The printed panels that have a surface, in the order of [`PRINTED`].
-    pub fn panels(&self) -> Vec<Panel> {
+    pub(crate) fn panels(&self) -> Vec<Panel> {
         let edges = self.edges();
         let mut other_edges: Vec<_> = self.others.iter().flat_map(Triangle::edges).collect();
         other_edges.sort_unstable();

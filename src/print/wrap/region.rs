@@ -7,20 +7,20 @@ use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
 /// A place in a plane, mm.
-pub type Point = [f64; 2];
+pub(crate) type Point = [f64; 2];
 /// A closed outline.
-pub type Contour = Vec<Point>;
+pub(crate) type Contour = Vec<Point>;
 
 /// Length of a segment of a rounded corner, as a share of its radius.
 const ROUNDNESS: f64 = 0.4;
 
 /// An area of the plane. Outer outlines run counter-clockwise, holes clockwise.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Region(Vec<Vec<Contour>>);
+pub(crate) struct Region(Vec<Vec<Contour>>);
 
 impl Region {
     /// All that lies inside any of the outlines, whichever way round they run.
-    pub fn union(mut outlines: Vec<Contour>) -> Self {
+    pub(crate) fn union(mut outlines: Vec<Contour>) -> Self {
         for outline in &mut outlines {
             if doubled_area(outline) < 0.0 {
                 outline.reverse();
@@ -30,16 +30,16 @@ impl Region {
         Self(outlines.overlay(&nothing, OverlayRule::Union, FillRule::NonZero))
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    pub fn and(&self, other: &Self) -> Self {
+    pub(crate) fn and(&self, other: &Self) -> Self {
         Self(self.0.overlay(&other.0, OverlayRule::Intersect, FillRule::NonZero))
     }
 
     /// The region and all that is nearer to it than `by_mm`.
-    pub fn grown(&self, by_mm: f64) -> Self {
+    pub(crate) fn grown(&self, by_mm: f64) -> Self {
         if by_mm <= 0.0 {
             return self.clone();
         }
@@ -48,16 +48,16 @@ impl Region {
     }
 
     /// Every outline, outer ones and holes.
-    pub fn contours(&self) -> impl Iterator<Item = &Contour> {
+    pub(crate) fn contours(&self) -> impl Iterator<Item = &Contour> {
         self.0.iter().flatten()
     }
 
-    pub fn area_mm2(&self) -> f64 {
+    pub(crate) fn area_mm2(&self) -> f64 {
         0.5 * self.contours().map(|c| doubled_area(c)).sum::<f64>()
     }
 
     /// The corners of the box around it: lowest, highest; `None` of nothing.
-    pub fn bounds(&self) -> Option<(Point, Point)> {
+    pub(crate) fn bounds(&self) -> Option<(Point, Point)> {
         let mut points = self.contours().flatten();
         let first = *points.next()?;
         let around = |(low, high): (Point, Point), p: &Point| {
@@ -69,7 +69,7 @@ impl Region {
         Some(points.fold((first, first), around))
     }
 
-    pub fn contains(&self, p: Point) -> bool {
+    pub(crate) fn contains(&self, p: Point) -> bool {
         // Winding number: each edge that crosses the ray to the right counts up or down.
         let crossing = |(a, b): (&Point, &Point)| {
             let side = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
@@ -83,7 +83,7 @@ impl Region {
     }
 
     /// How far a place is from the region's border; negative inside.
-    pub fn distance_mm(&self, p: Point) -> f64 {
+    pub(crate) fn distance_mm(&self, p: Point) -> f64 {
         let nearest = self
             .edges()
             .map(|(a, b)| to_segment(p, a, b))
@@ -92,7 +92,7 @@ impl Region {
     }
 
     /// About the place inside that is farthest from the border, for a name: the best of a grid over the box around it.
-    pub fn innermost(&self) -> Point {
+    pub(crate) fn innermost(&self) -> Point {
         const STEPS: usize = 12;
         let (low, high) = self.bounds().unwrap_or_default();
         let at = |axis: usize, step: usize| low[axis] + (step as f64 + 0.5) / STEPS as f64 * (high[axis] - low[axis]);

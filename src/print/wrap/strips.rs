@@ -39,7 +39,7 @@ const MOST_STRETCH: f64 = 1000.0;
 
 /// Where a strip is printed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StripPlace {
+pub(crate) struct StripPlace {
     /// Index of the page.
     pub page: usize,
     /// The page place of (0, 0) of the strip's plane.

@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-9;
 /// Edges bent by more than this are drawn as folds.
 const FOLD_DEG: f64 = 15.0;
 /// Nobody cuts out and glues smaller strips, mm²: 5 × 5 mm.
-pub const LEAST_MM2: f64 = 25.0;
+pub(crate) const LEAST_MM2: f64 = 25.0;
 /// The place of a smaller triangle's colours would be rounding, mm².
 const LEAST_FACE_MM2: f64 = 1e-6;
 /// More would take minutes, and thousands of folds help nobody.
@@ -30,7 +30,7 @@ const MOST_STEEP: usize = 20_000;
 
 /// A triangle of the surface, flat, at its true size and seen from outside.
 #[derive(Debug, Clone, Copy)]
-pub struct Unrolled {
+pub(crate) struct Unrolled {
     pub face: Face,
     /// The face's corners in the plane of its strip, in the face's order, mm.
     pub corners: [Point; 3],
@@ -39,7 +39,7 @@ pub struct Unrolled {
 impl Unrolled {
     /// Where a place (u, v) of the side's plane lies in the strip's: the affine map that takes the projected triangle to the
     /// flat one.
-    pub fn place(&self, [u, v]: Point) -> Point {
+    pub(crate) fn place(&self, [u, v]: Point) -> Point {
         let [a, b, c] = self.face.corners.map(|p| self.face.side.project(&p));
         let cross = |s: Point, t: Point| s[0] * t[1] - s[1] * t[0];
         let (ab, ac, ap) = (minus(b, a), minus(c, a), minus([u, v], a));
@@ -52,7 +52,7 @@ impl Unrolled {
 
 /// Connected triangles of one side, unrolled. The first triangle lies as its side does, v up.
 #[derive(Debug, Clone)]
-pub struct Strip {
+pub(crate) struct Strip {
     pub side: Side,
     /// It lies a quarter turn clockwise instead, v to the right, as only that fits the sheet.
     pub turned: bool,
@@ -67,23 +67,23 @@ pub struct Strip {
 
 impl Strip {
     /// Everything its triangles cover.
-    pub fn region(&self) -> Region {
+    pub(crate) fn region(&self) -> Region {
         Region::union(self.faces.iter().map(|f| f.corners.to_vec()).collect())
     }
 
     /// Its triangles in the plane of its side, as they would lie on the panel.
-    pub fn projected(&self) -> Vec<Contour> {
+    pub(crate) fn projected(&self) -> Vec<Contour> {
         let flat = |f: &Unrolled| f.face.corners.map(|p| self.side.project(&p)).to_vec();
         self.faces.iter().map(flat).collect()
     }
 
-    pub fn surface_mm2(&self) -> f64 {
+    pub(crate) fn surface_mm2(&self) -> f64 {
         self.faces.iter().map(|f| f.face.surface_mm2).sum()
     }
 }
 
 /// The strips of a surface, and what stays on the panels.
-pub struct Unrolling {
+pub(crate) struct Unrolling {
     /// Side by side in the order of the panels.
     pub strips: Vec<Strip>,
     pub rest: PaintedSurface,
@@ -92,7 +92,7 @@ pub struct Unrolling {
 
 /// What is steeper than the limit and stays on its panel all the same.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Kept {
+pub(crate) struct Kept {
     /// Triangles that no sheet can carry.
     pub too_large: usize,
     /// Connected parts of less than [`LEAST_MM2`], and their area on the surface.

@@ -5,8 +5,8 @@ mod plan;
 
 use serde::Serialize;
 
-pub use pairs::Unpaired;
-pub use plan::{PlanError, pairs_needed, power};
+pub(crate) use pairs::Unpaired;
+pub(crate) use plan::{PlanError, pairs_needed, power};
 
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores};
@@ -15,7 +15,7 @@ use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, interval_9
 use pairs::{Cluster, pair};
 
 /// A difference of this size must be excluded before "no difference shown" may be said.
-pub const TELLING_DIFFERENCE: f64 = 0.2;
+pub(super) const TELLING_DIFFERENCE: f64 = 0.2;
 
 /// So many clusters without any difference exclude that a fifth of all clusters differ (0.8¹⁴ < 0.05).
 const CLUSTERS_ALL_ALIKE: usize = 14;
@@ -126,7 +126,7 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
 }
 
 /// Compares these variants with `base`.
-pub fn compare_with(
+pub(crate) fn compare_with(
     scores: &Scores,
     base: &str,
     others: &[&str],

@@ -5,7 +5,7 @@ use statrs::distribution::{Binomial, Discrete};
 /// Why no number can be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PlanError {
+pub(crate) enum PlanError {
     #[error("the drop must lie above 0 and not above the hit rate of the base, {base_rate}: it is {drop}")]
     Drop { drop: f64, base_rate: f64 },
     #[error("the hit rate of the base must lie above 0 and not above 1: it is {0}")]
@@ -23,12 +23,12 @@ const MOST_PAIRS: usize = 2000;
 ///
 /// Exact: the hits of a pair are taken as independent of each other (photos alike in difficulty need fewer pairs), so that the
 /// discordant pairs are binomial, and those of them that speak for the drop are binomial again.
-pub fn power(pairs: usize, base_rate: f64, drop: f64, alpha: f64) -> f64 {
+pub(crate) fn power(pairs: usize, base_rate: f64, drop: f64, alpha: f64) -> f64 {
     Tails::new(pairs, base_rate, drop, alpha).power(pairs)
 }
 
 /// The fewest pairs from which on the power is reached (it falls back a little at single numbers, which are passed over).
-pub fn pairs_needed(base_rate: f64, drop: f64, target: f64, alpha: f64) -> Result<usize, PlanError> {
+pub(crate) fn pairs_needed(base_rate: f64, drop: f64, target: f64, alpha: f64) -> Result<usize, PlanError> {
     if !(base_rate > 0.0 && base_rate <= 1.0) {
         return Err(PlanError::BaseRate(base_rate));
     }

@@ -19,7 +19,7 @@ use crate::scene::{Classes, Scene, SceneError, Viewpoint};
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum SessionImportError {
+pub(crate) enum SessionImportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -47,7 +47,7 @@ pub enum SessionImportError {
 
 /// What is imported, and where it belongs.
 #[derive(Debug, Clone, Copy)]
-pub struct ImportRequest<'a> {
+pub(crate) struct ImportRequest<'a> {
     /// The annotation file: `.json` or `.csv`.
     pub file: &'a Path,
     /// The folder that holds the photos and gets the `session.json`.
@@ -61,7 +61,7 @@ pub struct ImportRequest<'a> {
 
 /// A session ready to be written.
 #[derive(Debug)]
-pub struct Imported {
+pub(crate) struct Imported {
     /// Place and text of the `session.json`.
     pub path: PathBuf,
     pub text: String,
@@ -73,7 +73,7 @@ pub struct Imported {
 
 /// Formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AnnotationFormat {
+pub(crate) enum AnnotationFormat {
     /// COCO's `images`, `annotations` and `categories`. An image or its annotation's `attributes` may have `variant`, `place`,
     /// `azimuth_deg`, `pitch_deg` and `distance_mm`.
     Coco,
@@ -83,7 +83,7 @@ pub enum AnnotationFormat {
 
 /// What a file says about one photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ImportedPhoto {
+pub(crate) struct ImportedPhoto {
     /// Where it says so: `line 3`, or `image 17`.
     pub place: String,
     /// Its variant is empty where the file names none.
@@ -94,7 +94,7 @@ pub struct ImportedPhoto {
 
 /// What is wrong, and where in the file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ImportFault {
+pub(crate) struct ImportFault {
     /// Nothing when it concerns the whole file.
     pub place: Option<String>,
     pub message: String,
@@ -120,7 +120,7 @@ impl ImportFault {
 ///
 /// # Errors
 /// Broken syntax, numbers that are none, several boxes in one photo.
-pub fn parse(
+pub(crate) fn parse(
     text: &str,
     format: AnnotationFormat,
     class: &Classes,
@@ -135,7 +135,7 @@ pub fn parse(
 ///
 /// # Errors
 /// Whatever is wrong with the file, a photo it names, the scene or the camera; a session that is there already.
-pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
+pub(crate) fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
     let path = request.folder.join("session.json");
     if path.exists() {
         return Err(SessionImportError::SessionThere { path });

@@ -25,7 +25,7 @@ const VALIDATION_COLOURS: usize = 8;
 
 /// The pixels that the paint covers by half or more, row by row.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PaintPixels {
+pub(crate) struct PaintPixels {
     /// Column, row.
     pub at: Vec<[u32; 2]>,
     low: [u32; 2],
@@ -34,7 +34,7 @@ pub struct PaintPixels {
 }
 
 impl PaintPixels {
-    pub fn of(mask: &Coverage) -> Self {
+    pub(crate) fn of(mask: &Coverage) -> Self {
         let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
         let at: Vec<[u32; 2]> = covered.map(|(x, y, _)| [x, y]).collect();
         let range = |axis: usize| {
@@ -69,7 +69,7 @@ pub(super) struct CropPlacement {
 
 impl PaintWindow {
     /// Holds any of these with a margin.
-    pub fn around(all: &[&PaintPixels]) -> Self {
+    pub(super) fn around(all: &[&PaintPixels]) -> Self {
         let side = |axis: usize| {
             let most = all.iter().map(|p| p.size[axis]).max().unwrap_or(1);
             (most + 2 * MARGIN_PX).next_multiple_of(Architecture::ALIGN_PX)
@@ -80,11 +80,11 @@ impl PaintWindow {
         }
     }
 
-    pub fn pixels(self) -> usize {
+    pub(super) fn pixels(self) -> usize {
         self.width * self.height
     }
 
-    pub fn middle(self, paint: &PaintPixels) -> CropPlacement {
+    pub(super) fn middle(self, paint: &PaintPixels) -> CropPlacement {
         CropPlacement {
             x: (self.width - paint.size[0]) / 2,
             y: (self.height - paint.size[1]) / 2,
@@ -92,7 +92,7 @@ impl PaintWindow {
         }
     }
 
-    pub fn anywhere(self, paint: &PaintPixels, rng: &mut impl Rng) -> CropPlacement {
+    pub(super) fn anywhere(self, paint: &PaintPixels, rng: &mut impl Rng) -> CropPlacement {
         let mut place = |space: usize| rng.random_range(MARGIN_PX..=space - MARGIN_PX);
         CropPlacement {
             x: place(self.width - paint.size[0]),
@@ -102,7 +102,7 @@ impl PaintWindow {
     }
 
     /// Where each paint pixel is in the window, which is stored row by row.
-    pub fn places(self, paint: &PaintPixels, placement: CropPlacement) -> impl Iterator<Item = usize> {
+    pub(super) fn places(self, paint: &PaintPixels, placement: CropPlacement) -> impl Iterator<Item = usize> {
         let low = paint.low;
         paint.at.iter().map(move |[x, y]| {
             let x = (x - low[0]) as usize + placement.x;
@@ -112,7 +112,7 @@ impl PaintWindow {
     }
 
     /// Writes the paint's values into an image of the window, channel by channel.
-    pub fn fill(self, image: &mut [f32], paint: &PaintPixels, placement: CropPlacement, values: &[[f32; 3]]) {
+    pub(super) fn fill(self, image: &mut [f32], paint: &PaintPixels, placement: CropPlacement, values: &[[f32; 3]]) {
         for (place, value) in self.places(paint, placement).zip(values) {
             for (channel, v) in value.iter().enumerate() {
                 image[channel * self.pixels() + place] = *v;
@@ -123,7 +123,7 @@ impl PaintWindow {
 
 /// The paint of one view in flat colours.
 #[derive(Debug, Clone)]
-pub struct TrainingView {
+pub(crate) struct TrainingView {
     place: String,
     azimuth_deg: f64,
     pub paint: PaintPixels,
@@ -154,12 +154,12 @@ pub(super) struct NewLight<'a> {
 
 impl<'a> NewLight<'a> {
     /// As it was.
-    pub const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         own: [1.0; 3],
         added: None,
     };
 
-    pub fn random(set: &'a TrainingSet, view: &TrainingView, rng: &mut impl Rng) -> Self {
+    pub(super) fn random(set: &'a TrainingSet, view: &TrainingView, rng: &mut impl Rng) -> Self {
         let mut own = exposure(rng);
         let fellows: Vec<&TrainingView> = set.training.iter().filter(|other| view.is_same_pose(other)).collect();
         // Drawn in any case, so that a step's later numbers do not depend on the frames.
@@ -243,7 +243,7 @@ fn exposed(additive: &Additive, rgb: [u8; 3], exposure: Exposure) -> Vec<[f64; 3
 
 /// Views to learn from, and views that show what was learnt.
 #[derive(Debug, Clone)]
-pub struct TrainingSet {
+pub(crate) struct TrainingSet {
     pub training: Vec<TrainingView>,
     pub validation: Vec<TrainingView>,
     /// How the two differ.
@@ -260,7 +260,7 @@ impl TrainingSet {
     ///
     /// # Errors
     /// Frames that cannot be read or reduced to the width; no view with the references and another colour.
-    pub fn read(
+    pub(crate) fn read(
         folders: &[FrameSet],
         validation: Option<&FrameSet>,
         width_px: u32,

@@ -10,7 +10,7 @@ const MAGIC: &str = "scaleproof dtn 1\n";
 
 /// # Errors
 /// A file that cannot be written.
-pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
+pub(crate) fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
     let content = postcard::to_allocvec(state).map_err(|e| DtnError::Tensor(e.to_string()))?;
     let head = format!("{MAGIC}{}\n", files::sha256_hex(&content));
     files::write_atomically(path, &[head.into_bytes(), content].concat())?;
@@ -19,7 +19,7 @@ pub fn save(state: &TrainingState, path: &Path) -> Result<(), DtnError> {
 
 /// # Errors
 /// A file that cannot be read, is of another kind, or damaged.
-pub fn load(path: &Path) -> Result<TrainingState, DtnError> {
+pub(crate) fn load(path: &Path) -> Result<TrainingState, DtnError> {
     let bytes = files::read(path)?;
     let path = || path.to_owned();
     let rest = bytes

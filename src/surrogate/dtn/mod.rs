@@ -15,16 +15,16 @@
 //! Outside the paint the network's input is 0 and nothing is asked of it, so it only ever sees a window around the paint. That costs no accuracy
 //! and most of the time less than half.
 
-pub mod data;
-pub mod file;
-pub mod network;
-pub mod run;
-pub mod trained;
-pub mod training;
-pub mod transformer;
+pub(crate) mod data;
+pub(crate) mod file;
+pub(crate) mod network;
+pub(crate) mod run;
+pub(crate) mod trained;
+pub(crate) mod training;
+pub(crate) mod transformer;
 
-pub use network::{Architecture, Encoder};
-pub use transformer::Transformer;
+pub(crate) use network::{Architecture, Encoder};
+pub(crate) use transformer::Transformer;
 
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ use crate::surrogate::additive::AdditiveError;
 
 /// Why there is no network.
 #[derive(Debug, thiserror::Error)]
-pub enum DtnError {
+pub(crate) enum DtnError {
     #[error(transparent)]
     Frames(#[from] FramesError),
     #[error(transparent)]

@@ -19,7 +19,7 @@ use super::{DtnError, Transformer};
 /// How the encoder's convolutions are connected.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Encoder {
+pub(crate) enum Encoder {
     #[default]
     ResNet,
     DenseNet,
@@ -27,9 +27,9 @@ pub enum Encoder {
 }
 
 impl Encoder {
-    pub const ALL: [Self; 3] = [Self::ResNet, Self::DenseNet, Self::ConvNet];
+    pub(crate) const ALL: [Self; 3] = [Self::ResNet, Self::DenseNet, Self::ConvNet];
 
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::ResNet => "resnet",
             Self::DenseNet => "densenet",
@@ -40,7 +40,7 @@ impl Encoder {
 
 /// Which network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Architecture {
+pub(crate) struct Architecture {
     pub encoder: Encoder,
     /// k, 1 to [`Architecture::MAX_DEPTH`]: how often the image is halved.
     pub depth: usize,
@@ -48,12 +48,12 @@ pub struct Architecture {
 }
 
 impl Architecture {
-    pub const MAX_DEPTH: usize = WIDTHS.len();
+    pub(crate) const MAX_DEPTH: usize = WIDTHS.len();
     /// Windows are a multiple of so many pixels, for every depth.
-    pub const ALIGN_PX: usize = 1 << Self::MAX_DEPTH;
+    pub(crate) const ALIGN_PX: usize = 1 << Self::MAX_DEPTH;
 
     /// As tables name it.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         let formula = match self.transformer {
             Transformer::Texture => "",
             Transformer::MultiplyAdd => " ntr",
@@ -112,7 +112,7 @@ pub(super) struct LayerShapes {
 }
 
 impl LayerShapes {
-    pub fn new(architecture: Architecture) -> Self {
+    pub(super) fn new(architecture: Architecture) -> Self {
         let mut convs = Vec::new();
         let mut conv = |ins: usize, outs: usize, kernel: usize, stride: usize, gain: f32| {
             let at = convs.len();
@@ -162,7 +162,7 @@ impl LayerShapes {
     }
 
     /// Shapes of the weights in their order: kernels `[out, in, k, k]`, biases `[1, out, 1, 1]`.
-    pub fn shapes(&self) -> Vec<[usize; 4]> {
+    pub(super) fn shapes(&self) -> Vec<[usize; 4]> {
         let both = |c: &Conv| [[c.outs, c.ins, c.kernel, c.kernel], [1, c.outs, 1, 1]];
         self.convs.iter().flat_map(both).collect()
     }
@@ -170,7 +170,7 @@ impl LayerShapes {
     /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference image where η is the reference, both ReLUs open for
     /// every η ([`Transformer::open`]). A ReLU that is shut everywhere learns nothing any more, and this is the best guess
     /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
-    pub fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
+    pub(super) fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
         let mut rng = Pcg32::seed_from_u64(seed);
         let mut weights: Vec<Vec<f32>> = Vec::new();
         for conv in &self.convs {
@@ -203,7 +203,7 @@ impl LayerShapes {
 
     /// `reference`: `[batch, 3, height, width]`, sRGB 0 to 1, 0 outside the paint; both sizes multiples of [`Architecture::ALIGN_PX`].
     /// The result is TF, `[batch, channels, height, width]`.
-    pub fn forward(&self, weights: &[Tensor<4>], reference: Tensor<4>) -> Tensor<4> {
+    pub(super) fn forward(&self, weights: &[Tensor<4>], reference: Tensor<4>) -> Tensor<4> {
         let apply = |conv: Conv, x: Tensor<4>| convolved(conv, weights, x);
         let mut sizes = vec![reference.clone()];
         let mut x = reference;

@@ -12,7 +12,7 @@ const SAVE_EVERY_SECONDS: f64 = 30.0;
 
 /// When training ends, over all its runs together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TrainingBudget {
+pub(crate) enum TrainingBudget {
     /// So many times all training views.
     Epochs(u64),
     /// So much time: then the result depends on the machine.
@@ -32,7 +32,7 @@ impl TrainingBudget {
 ///
 /// # Errors
 /// A loss that is no number: what was saved before stands. A file that cannot be written.
-pub fn train(
+pub(crate) fn train(
     trainer: &mut Trainer,
     set: &TrainingSet,
     budget: TrainingBudget,

@@ -13,7 +13,7 @@ use crate::surrogate::renderer::{NeuralRenderer, Renderer};
 
 /// A network that is trained.
 #[derive(Debug, Clone)]
-pub struct DtnNetwork {
+pub(crate) struct DtnNetwork {
     pub architecture: Architecture,
     /// Colours it was trained to start from; it takes an image in any of them.
     pub references: Vec<[u8; 3]>,
@@ -51,7 +51,7 @@ impl DtnNetwork {
     ///
     /// # Errors
     /// Only if the tensors cannot be computed.
-    pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<DtnView, DtnError> {
+    pub(crate) fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<DtnView, DtnError> {
         let paint = PaintPixels::of(mask);
         let image: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
         let width = mask.width() as usize;
@@ -98,7 +98,7 @@ impl NeuralRenderer for DtnNetwork {
 
 /// The maps of one view. Outside the paint the image is the reference's.
 #[derive(Debug, Clone)]
-pub struct DtnView {
+pub(crate) struct DtnView {
     transformer: Transformer,
     image: Vec<[f64; 3]>,
     /// Of the paint's pixels in the image.

@@ -28,13 +28,13 @@ const COLOURS_A_VIEW: usize = 4;
 /// What a mean of weights keeps of itself in a step, once it has seen enough.
 const MEAN_KEEPS: f64 = 0.998;
 /// Steps between two validations.
-pub const VALIDATE_EVERY: u64 = 100;
+pub(crate) const VALIDATE_EVERY: u64 = 100;
 /// Cross-entropy is infinite at 0 and 1; its derivative is cut to what it is so far from them.
 const EDGE: f64 = 0.01;
 
 /// What must be the same for training to go on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TrainingPlan {
+pub(crate) struct TrainingPlan {
     pub architecture: Architecture,
     /// Each view of a batch takes its reference image in one of them at random.
     pub references: Vec<[u8; 3]>,
@@ -45,7 +45,7 @@ pub struct TrainingPlan {
 
 /// A measurement during training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct TrainingProgress {
+pub(crate) struct TrainingProgress {
     pub step: u64,
     /// Time spent on training.
     pub seconds: f64,
@@ -57,7 +57,7 @@ pub struct TrainingProgress {
 
 /// Training that can be saved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TrainingState {
+pub(crate) struct TrainingState {
     pub plan: TrainingPlan,
     pub steps: u64,
     pub seconds: f64,
@@ -71,7 +71,7 @@ pub struct TrainingState {
 }
 
 /// Training under way.
-pub struct Trainer {
+pub(crate) struct Trainer {
     plan: TrainingPlan,
     pub steps: u64,
     pub seconds: f64,
@@ -121,7 +121,7 @@ impl Trainer {
     ///
     /// # Errors
     /// Training by another plan, and a state that does not fit its own architecture.
-    pub fn begin(
+    pub(crate) fn begin(
         plan: TrainingPlan,
         known: Option<TrainingState>,
         path: &Path,
@@ -140,7 +140,7 @@ impl Trainer {
 
     /// # Errors
     /// Only for a state that does not fit its own architecture.
-    pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
+    pub(crate) fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
         let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
         Self::go_on(
             TrainingState {
@@ -159,7 +159,7 @@ impl Trainer {
 
     /// # Errors
     /// A state whose weights do not fit its architecture.
-    pub fn go_on(state: TrainingState, device: Device) -> Result<Self, DtnError> {
+    pub(crate) fn go_on(state: TrainingState, device: Device) -> Result<Self, DtnError> {
         let layout = LayerShapes::new(state.plan.architecture);
         let shapes = layout.shapes();
         let broken = || DtnError::Tensor("its weights do not fit its architecture".to_owned());
@@ -189,7 +189,7 @@ impl Trainer {
 
     /// # Errors
     /// Weights that are no numbers any more.
-    pub fn state(&self) -> Result<TrainingState, DtnError> {
+    pub(crate) fn state(&self) -> Result<TrainingState, DtnError> {
         let lists = |tensors: &[Tensor<4>]| tensors.iter().map(|t| self.list(t)).collect::<Result<Vec<_>, _>>();
         let moments = self.moments.iter().flatten();
         Ok(TrainingState {
@@ -215,7 +215,7 @@ impl Trainer {
     }
 
     /// Steps that see every training view once.
-    pub fn steps_an_epoch(set: &TrainingSet) -> u64 {
+    pub(crate) fn steps_an_epoch(set: &TrainingSet) -> u64 {
         set.training.len().div_ceil(BATCH_VIEWS) as u64
     }
 
@@ -223,7 +223,7 @@ impl Trainer {
     ///
     /// # Errors
     /// A loss that is no number.
-    pub fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
+    pub(crate) fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
         let (window, batch) = self.batch(set);
         let pixels = window.pixels();
         let mut input = vec![0.0; 3 * pixels * batch.len()];
@@ -310,7 +310,7 @@ impl Trainer {
     ///
     /// # Errors
     /// Only if the tensors cannot be computed.
-    pub fn validate(&mut self, set: &TrainingSet) -> Result<TrainingProgress, DtnError> {
+    pub(crate) fn validate(&mut self, set: &TrainingSet) -> Result<TrainingProgress, DtnError> {
         let (sum, count) = std::mem::take(&mut self.losses);
         let progress = TrainingProgress {
             step: self.steps,
@@ -351,7 +351,7 @@ impl Trainer {
     }
 
     /// The network as it stands: the running mean of its weights.
-    pub fn network(&self) -> DtnNetwork {
+    pub(crate) fn network(&self) -> DtnNetwork {
         DtnNetwork {
             architecture: self.plan.architecture,
             references: self.plan.references.clone(),
@@ -383,7 +383,7 @@ impl TrainingState {
     ///
     /// # Errors
     /// Weights that do not fit the architecture.
-    pub fn network(self, device: Device) -> Result<DtnNetwork, DtnError> {
+    pub(crate) fn network(self, device: Device) -> Result<DtnNetwork, DtnError> {
         Ok(Trainer::go_on(self, device)?.network())
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The maps of one pixel and channel, in the order in which they are applied; NTR has only the last two.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Maps {
+pub(crate) struct Maps {
     /// s: what darkness swallows.
     pub subtract: f64,
     /// a
@@ -18,7 +18,7 @@ pub struct Maps {
 /// The formula between texture and image; η and x are sRGB, 0 to 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Transformer {
+pub(crate) enum Transformer {
     /// DTN's Expected Texture Transformer (CVPR 2022, fig. 4): `x = relu((relu(η − s) + a)·m + b)`; `TF[0:3]` is s, `[3:6]` a, `[6:9]` m and
     /// `[9:12]` b.
     #[default]
@@ -28,9 +28,9 @@ pub enum Transformer {
 }
 
 impl Transformer {
-    pub const ALL: [Self; 2] = [Self::Texture, Self::MultiplyAdd];
+    pub(crate) const ALL: [Self; 2] = [Self::Texture, Self::MultiplyAdd];
 
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Texture => "texture",
             Self::MultiplyAdd => "multiply-add",
@@ -38,7 +38,7 @@ impl Transformer {
     }
 
     /// Channels of TF.
-    pub fn channels(self) -> usize {
+    pub(crate) fn channels(self) -> usize {
         match self {
             Self::Texture => 12,
             Self::MultiplyAdd => 6,
@@ -46,7 +46,7 @@ impl Transformer {
     }
 
     /// Maps with which both ReLUs are open for every η from 0 to 1, and x = η·m for the m that is added to this one, 0.
-    pub fn open(self) -> Maps {
+    pub(crate) fn open(self) -> Maps {
         let open = 0.05;
         let (subtract, add) = match self {
             Self::Texture => (-open, -open),
@@ -61,7 +61,7 @@ impl Transformer {
     }
 
     /// The number of a channel's m in TF.
-    pub fn multiplying(self, channel: usize) -> usize {
+    pub(crate) fn multiplying(self, channel: usize) -> usize {
         match self {
             Self::Texture => 6 + channel,
             Self::MultiplyAdd => channel,
@@ -69,7 +69,7 @@ impl Transformer {
     }
 
     /// The maps of a channel (0 to 2) of a pixel, whose values of TF `at` gives by their number.
-    pub fn maps(self, channel: usize, at: impl Fn(usize) -> f64) -> Maps {
+    pub(crate) fn maps(self, channel: usize, at: impl Fn(usize) -> f64) -> Maps {
         match self {
             Self::Texture => Maps {
                 subtract: at(channel),
@@ -87,7 +87,7 @@ impl Transformer {
     }
 
     /// The other way round: what [`Transformer::maps`] took from TF, by number of the value.
-    pub fn spread(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
+    pub(crate) fn spread(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
         match self {
             Self::Texture => {
                 let values = [maps.subtract, maps.add, maps.multiply, maps.bias];
@@ -104,7 +104,7 @@ impl Transformer {
     }
 
     /// x, which may lie above 1 (NTR's also below 0).
-    pub fn value(self, maps: Maps, eta: f64) -> f64 {
+    pub(crate) fn value(self, maps: Maps, eta: f64) -> f64 {
         match self {
             Self::Texture => (((eta - maps.subtract).max(0.0) + maps.add) * maps.multiply + maps.bias).max(0.0),
             Self::MultiplyAdd => eta * maps.multiply + maps.bias,
@@ -112,7 +112,7 @@ impl Transformer {
     }
 
     /// dx/dη; 0 where a ReLU is shut.
-    pub fn derivative(self, maps: Maps, eta: f64) -> f64 {
+    pub(crate) fn derivative(self, maps: Maps, eta: f64) -> f64 {
         match self {
             Self::Texture if eta <= maps.subtract || self.value(maps, eta) <= 0.0 => 0.0,
             _ => maps.multiply,
@@ -123,7 +123,7 @@ impl Transformer {
     ///
     /// Where a ReLU is shut the derivative is 0, and a pixel could never leave it. So a shut ReLU passes a cotangent that would open it, and no other:
     /// the formula that is learnt stays as it stands, only the steps of its training differ.
-    pub fn vjp(self, maps: Maps, eta: f64, cotangent: f64) -> Maps {
+    pub(crate) fn vjp(self, maps: Maps, eta: f64, cotangent: f64) -> Maps {
         let none = Maps {
             subtract: 0.0,
             add: 0.0,

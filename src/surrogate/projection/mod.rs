@@ -3,8 +3,8 @@
 //! Two makers: [`repeated`] (Repeated Texture Projection of DTA) and [`world`] (world-aligned, as the printed panels are). Colours are linear
 //! reflectance, since a pixel that sees several cells sees the mean of their light.
 
-pub mod repeated;
-pub mod world;
+pub(crate) mod repeated;
+pub(crate) mod world;
 
 /// The grid of a pattern on the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +33,7 @@ impl Grid {
 
 /// What a point between the middles of cells gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampling {
+pub(crate) enum Sampling {
     /// The cell it is in, as print has it.
     Nearest,
     /// A mixture of the four nearest, which smooths gradients.
@@ -44,7 +44,7 @@ pub enum Sampling {
 ///
 /// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Projection {
+pub(crate) struct Projection {
     cells: usize,
     /// Where each pixel's entries start, and the end.
     starts: Vec<usize>,
@@ -77,17 +77,17 @@ impl Projection {
     }
 
     /// Pixels of the image.
-    pub fn pixels(&self) -> usize {
+    pub(crate) fn pixels(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// Cells of the pattern.
-    pub fn cells(&self) -> usize {
+    pub(crate) fn cells(&self) -> usize {
         self.cells
     }
 
     /// Whether a pixel sees paint.
-    pub fn sees_paint(&self, pixel: usize) -> bool {
+    pub(crate) fn sees_paint(&self, pixel: usize) -> bool {
         self.starts[pixel] < self.starts[pixel + 1]
     }
 
@@ -95,7 +95,7 @@ impl Projection {
     ///
     /// # Panics
     /// When there are not [`Projection::cells`] colours.
-    pub fn forward(&self, cells: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    pub(crate) fn forward(&self, cells: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(cells.len(), self.cells, "one colour a cell");
         let mean = scaled(
             cells.iter().fold([0.0; 3], |sum, c| plus(sum, *c)),
@@ -116,7 +116,7 @@ impl Projection {
     ///
     /// # Panics
     /// When there are not [`Projection::pixels`] values.
-    pub fn transposed(&self, pixels: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    pub(crate) fn transposed(&self, pixels: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(pixels.len(), self.pixels(), "one value a pixel");
         let mut cells = vec![[0.0; 3]; self.cells];
         let mut everywhere = [0.0; 3];

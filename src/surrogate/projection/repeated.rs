@@ -42,7 +42,7 @@ impl Jitter {
 }
 
 /// The projection for a frame, on the pixels that `paint_mask` covers by half or more.
-pub fn project(
+pub(crate) fn project(
     list: &FrameList,
     frame: &Frame,
     paint_mask: &Coverage,

@@ -7,7 +7,7 @@ use crate::frames::{Frame, FrameSet, FramesError};
 ///
 /// # Errors
 /// Images that cannot be read.
-pub fn project(
+pub(crate) fn project(
     set: &FrameSet,
     frame: &Frame,
     grid: &Grid,

@@ -14,8 +14,8 @@
 mod per_pixel;
 mod tone;
 
-pub use per_pixel::PerPixel;
-pub use tone::Tone;
+pub(crate) use per_pixel::PerPixel;
+pub(crate) use tone::Tone;
 
 use image::RgbImage;
 
@@ -23,14 +23,14 @@ use crate::frames::Coverage;
 
 /// An image of the view in a flat colour.
 #[derive(Debug, Clone)]
-pub struct FlatImage {
+pub(crate) struct FlatImage {
     /// 8-bit sRGB of the paint's reflectance.
     pub flat_rgb: [u8; 3],
     pub image: RgbImage,
 }
 
 /// Predicts the image of one view.
-pub trait Renderer {
+pub(crate) trait Renderer {
     /// `paint`: linear reflectance of the paint in each pixel, row by row. The result is sRGB, 0 to 1.
     fn predict(&self, paint: &[[f64; 3]]) -> Vec<[f64; 3]>;
 
@@ -40,7 +40,7 @@ pub trait Renderer {
 }
 
 /// A model that was trained beforehand, and needs one image of a view.
-pub trait NeuralRenderer {
+pub(crate) trait NeuralRenderer {
     fn name(&self) -> String;
 
     /// 8-bit sRGB reflectances: the image must be in one of them.
@@ -58,7 +58,7 @@ pub trait NeuralRenderer {
 /// Which model. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ClosedForm {
+pub(crate) enum ClosedForm {
     Affine,
     Quadratic,
     AffineCurve,
@@ -67,9 +67,9 @@ pub enum ClosedForm {
 }
 
 impl ClosedForm {
-    pub const ALL: [Self; 4] = [Self::Affine, Self::Quadratic, Self::AffineCurve, Self::QuadraticCurve];
+    pub(crate) const ALL: [Self; 4] = [Self::Affine, Self::Quadratic, Self::AffineCurve, Self::QuadraticCurve];
 
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Affine => "affine",
             Self::Quadratic => "quadratic",
@@ -79,7 +79,7 @@ impl ClosedForm {
     }
 
     /// Fewest colours, different in all three channels.
-    pub fn least_colours(self) -> usize {
+    pub(crate) fn least_colours(self) -> usize {
         self.degree() + 1
     }
 

@@ -20,7 +20,7 @@ type Used = u32;
 
 /// A fitted model of one view.
 #[derive(Debug, Clone)]
-pub struct PerPixel {
+pub(crate) struct PerPixel {
     /// `None` for a polynomial in sRGB.
     tone: Option<Tone>,
     /// Constant, linear and quadratic term.
@@ -35,7 +35,7 @@ impl PerPixel {
     ///
     /// # Errors
     /// Too few or too many images, or images of different sizes.
-    pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
+    pub(crate) fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
         let needed = kind.least_colours();
         let found = (0..3).map(|c| distinct(flats, c)).min().unwrap_or(0);
         if found < needed {
@@ -56,7 +56,7 @@ impl PerPixel {
     }
 
     /// The tone curve, where the model has one.
-    pub fn tone(&self) -> Option<Tone> {
+    pub(crate) fn tone(&self) -> Option<Tone> {
         self.tone
     }
 

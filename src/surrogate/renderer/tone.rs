@@ -5,27 +5,27 @@ use crate::frames::light;
 /// Values are sRGB's curve with an exponent: light = decode(x)^`power`. 1 is exactly sRGB, as frames are rendered. A fitted
 /// exponent also takes up some of the light that goes to and fro between the paint's parts, so it is no measurement of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tone {
+pub(crate) struct Tone {
     pub power: f64,
 }
 
 impl Tone {
     /// Exponents that are looked through.
-    pub const POWERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
-    pub const SRGB: Self = Self { power: 1.0 };
+    pub(crate) const POWERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+    pub(crate) const SRGB: Self = Self { power: 1.0 };
 
     /// Light of an image's value.
-    pub fn light(self, x: f64) -> f64 {
+    pub(crate) fn light(self, x: f64) -> f64 {
         light::decode(x).powf(self.power)
     }
 
     /// The value of light, clipped.
-    pub fn value(self, light: f64) -> f64 {
+    pub(crate) fn value(self, light: f64) -> f64 {
         light::encode(light.clamp(0.0, 1.0).powf(1.0 / self.power))
     }
 
     /// The derivative of [`Tone::value`]; 0 where it clips.
-    pub fn value_derivative(self, light: f64) -> f64 {
+    pub(crate) fn value_derivative(self, light: f64) -> f64 {
         if !(light > 0.0 && light < 1.0) {
             return 0.0;
         }
@@ -36,7 +36,7 @@ impl Tone {
 }
 
 /// The argument within a range at which a function with one valley is least (golden section, Kiefer 1953).
-pub fn least(range: std::ops::RangeInclusive<f64>, of: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn least(range: std::ops::RangeInclusive<f64>, of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = range.into_inner();
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));

@@ -25,7 +25,7 @@ use crate::whitebox::quietly::quietly;
 use crate::whitebox::{NetworkFault, WhiteBoxError};
 
 /// A network for images of one shape.
-pub struct OnnxNetwork {
+pub(crate) struct OnnxNetwork {
     file: String,
     graph: Graph,
     shape: Vec<usize>,
@@ -35,7 +35,7 @@ pub struct OnnxNetwork {
 
 /// One output tensor, row-major.
 #[derive(Debug, Clone)]
-pub struct Output {
+pub(crate) struct Output {
     pub name: String,
     pub shape: Vec<usize>,
     /// Where [`Output::is_logit`] says so, the logit of the sigmoid that the file ends in.
@@ -45,7 +45,7 @@ pub struct Output {
 
 impl Output {
     /// What the file itself answers.
-    pub fn values(&self) -> Vec<f32> {
+    pub(crate) fn values(&self) -> Vec<f32> {
         let sigmoid = |z: f32| 1.0 / (1.0 + (-z).exp());
         let both = self.raw.iter().zip(&self.is_logit);
         both.map(|(raw, is_logit)| if *is_logit { sigmoid(*raw) } else { *raw })
@@ -54,7 +54,7 @@ impl Output {
 }
 
 /// The outputs for one image, with their autodiff graph.
-pub struct NetworkPass {
+pub(crate) struct NetworkPass {
     pub outputs: Vec<Output>,
     tensors: Vec<Tensor<RANK>>,
     image: Tensor<RANK>,
@@ -66,7 +66,12 @@ impl OnnxNetwork {
     ///
     /// # Errors
     /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
-    pub fn read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<OnnxNetwork, WhiteBoxError> {
+    pub(crate) fn read(
+        bytes: &[u8],
+        file: &str,
+        shape: &[usize],
+        device: &Device,
+    ) -> Result<OnnxNetwork, WhiteBoxError> {
         // The parser and the tensors panic on graphs whose parts do not go together.
         quietly(|| Self::try_read(bytes, file, shape, device)).unwrap_or_else(|| {
             Err(WhiteBoxError::OnnxNetwork {
@@ -120,7 +125,7 @@ impl OnnxNetwork {
     ///
     /// # Errors
     /// A number of numbers that is not the shape's.
-    pub fn forward(&self, image: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, WhiteBoxError> {
+    pub(crate) fn forward(&self, image: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, WhiteBoxError> {
         self.try_forward(image, requires_grad)
             .map_err(|reason| WhiteBoxError::Run {
                 file: self.file.clone(),
@@ -165,7 +170,7 @@ impl OnnxNetwork {
 impl NetworkPass {
     /// The derivative of `Σ derivative · raw` with respect to the image's numbers: one derivative for each number of each output. NaN where the
     /// device fails to hand it over.
-    pub fn vjp(self, derivatives: Vec<Vec<f32>>) -> Vec<f32> {
+    pub(crate) fn vjp(self, derivatives: Vec<Vec<f32>>) -> Vec<f32> {
         let mut sum: Option<Tensor<1>> = None;
         for (tensor, derivatives) in self.tensors.into_iter().zip(derivatives) {
             // Backwards costs as much for zeros.
