@@ -56,14 +56,14 @@ pub fn session(bytes: &[u8]) {
 
 /// Annotation files: what is read names a photo and has a box of numbers.
 pub fn coco(bytes: &[u8]) {
-    annotations(bytes, import::Format::Coco);
+    annotations(bytes, import::AnnotationFormat::Coco);
 }
 
 pub fn table(bytes: &[u8]) {
-    annotations(bytes, import::Format::Csv);
+    annotations(bytes, import::AnnotationFormat::Csv);
 }
 
-fn annotations(bytes: &[u8], format: import::Format) {
+fn annotations(bytes: &[u8], format: import::AnnotationFormat) {
     let Some(Ok((rows, _))) = text(bytes).map(|t| import::parse(t, format, &"car".parse().expect("a label"))) else {
         return;
     };

@@ -11,18 +11,31 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use place::Place;
+use place::OutputPlace;
 use staged::Staged;
 
 pub use whole_folder::{copy, make_folder};
 
 /// A file that could not be read or written, as a sentence.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FileError {
     #[error("cannot read {path}: {reason}", path = path.display())]
     Read { path: PathBuf, reason: String },
     #[error("cannot write {path}: {reason}", path = path.display())]
     Write { path: PathBuf, reason: String },
+}
+
+impl FileError {
+    pub fn read(path: &Path, e: &std::io::Error) -> FileError {
+        let (path, reason) = (path.to_owned(), plain(e));
+        FileError::Read { path, reason }
+    }
+
+    pub fn write(path: &Path, e: &std::io::Error) -> FileError {
+        let (path, reason) = (path.to_owned(), plain(e));
+        FileError::Write { path, reason }
+    }
 }
 
 /// A file or folder that lies beside the running program, as in an unpacked archive; `None` when it is not there.
@@ -102,9 +115,9 @@ pub fn write_all_atomically(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileErro
 fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
     let (mut regular, mut streams) = (Vec::new(), Vec::new());
     for (path, content) in files {
-        match Place::of(path)? {
-            Place::File(path) => regular.push((path, *content)),
-            Place::Stream(stream) => streams.push((stream, *content)),
+        match OutputPlace::of(path)? {
+            OutputPlace::File(path) => regular.push((path, *content)),
+            OutputPlace::Stream(stream) => streams.push((stream, *content)),
         }
     }
     replace_together(&regular)?;
@@ -157,20 +170,14 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
 /// Removes a file; that there is none is fine.
 pub fn remove(path: &Path) -> Result<(), FileError> {
     match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::Write {
-            path: path.to_owned(),
-            reason: plain(&e),
-        }),
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
         _ => Ok(()),
     }
 }
 
 /// The whole path of a file or folder, without links.
 pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
-    path.canonicalize().map_err(|e| FileError::Read {
-        path: path.to_owned(),
-        reason: plain(&e),
-    })
+    path.canonicalize().map_err(|e| FileError::read(path, &e))
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -276,22 +276,15 @@ fn two_file_circles(modules: &Modules) -> Vec<String> {
 }
 
 /// Files that still use each other: this list may only shrink.
-const CIRCLES: [&str; 17] = [
+const CIRCLES: [&str; 10] = [
     "calibrate/detect and calibrate/sharpness",
     "capture/recover and capture/store",
-    "cli/at_hand and cli/score",
-    "detect/input and detect/manifest",
     "locate/diagnosis and locate/factor",
     "locate/doubt and locate/matches",
     "pattern/gamut and pattern/printed",
     "print/template/layout and print/template/seams",
     "print/wrap/cover and print/wrap/draw",
     "print/wrap/draw and print/wrap/strips",
-    "report/evaluation and report/html/evaluation",
-    "report/evaluation and report/latex",
-    "score/observe and score/preview",
-    "score/observe and score/run",
-    "score/run and score/summary",
     "tags/apriltag_c and tags/choice",
     "tags/choice and tags/coarse_to_fine",
 ];

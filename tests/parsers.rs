@@ -178,7 +178,7 @@ fn the_corpus_has_files_that_are_accepted() {
         let read = texts.map(|text| import::parse(&text, format, &"car".parse().unwrap()));
         read.flatten().map(|(rows, _)| rows.len()).sum::<usize>()
     };
-    assert!(rows("coco", import::Format::Coco) >= 4 && rows("table", import::Format::Csv) >= 4);
+    assert!(rows("coco", import::AnnotationFormat::Coco) >= 4 && rows("table", import::AnnotationFormat::Csv) >= 4);
     let folder = tempfile::tempdir().unwrap();
     let opened = corpus("photo").into_iter().filter(|bytes| {
         let path = folder.path().join("photo");

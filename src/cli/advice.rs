@@ -2,21 +2,14 @@
 
 use std::error::Error;
 
-/// Advice on one error: what follows its sentence after a colon, or as it is where it begins with a comma or a space. `None` where the sentence says all.
-type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
-
-/// One function of each command that has advice.
-const COMMANDS: &[Advise] = &[
-    super::compare::advice,
-    super::locate::advice,
-    super::print::wrap::advice,
-    super::score::advice,
-];
+/// Advice on one error: what follows its sentence after a colon, or at once if it begins with a comma or a space. `None` where the sentence
+/// says all.
+pub type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
 
 /// An error's sentence with the advice of the commands on it, or on what it wraps.
 pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
-    match wrapped.find_map(|e| COMMANDS.iter().find_map(|advise| advise(e))) {
+    match wrapped.find_map(|e| super::ADVICE.iter().find_map(|advise| advise(e))) {
         Some(advice) if advice.starts_with([',', ' ']) => format!("{error}{advice}"),
         Some(advice) => format!("{error}: {advice}"),
         None => error.to_string(),

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, detectors, locate, print, score};
+use super::{CommandResult, Outcome, advice, detectors, locate, print, score};
 use crate::detect::{Manifest, Runtime, WeightFolders};
 use crate::files;
 use crate::pattern::Pattern;
@@ -53,7 +53,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// What the demo has made.
-struct Made {
+struct DemoFiles {
     pattern: PathBuf,
     template: PathBuf,
     report: PathBuf,
@@ -61,7 +61,7 @@ struct Made {
 }
 
 /// The three steps, told to `out`.
-fn make(args: &Args, out: &mut dyn Write) -> Result<Made, Box<dyn std::error::Error>> {
+fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles, Box<dyn std::error::Error>> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
@@ -78,7 +78,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<Made, Box<dyn std::error::Er
     let scores = score::score_with_progress(vec![session], detectors, &Options::default())?;
     let page = report::write(&args.output, &scores, Some(&speeds))?;
     score::caution(&scores);
-    Ok(Made {
+    Ok(DemoFiles {
         pattern: png,
         template: pdf,
         report: page,
@@ -132,13 +132,15 @@ fn detectors(
     out: &mut dyn Write,
 ) -> Result<Vec<EvaluatedDetector>, Box<dyn std::error::Error>> {
     let class = &session.scene.model.class;
-    let mut why_not = Runtime::load().err().map(|e| e.to_string());
+    let mut why_not = Runtime::load().err().map(|e| advice::sentence(&e));
     let mut detectors = Vec::new();
     let mut played_back = Vec::new();
     for manifest in Manifest::all()? {
         // After one failure the others would fail the same way, a timeout each.
         if why_not.is_none() {
-            why_not = detectors::fetch_one(&manifest, folders).err().map(|e| e.to_string());
+            why_not = detectors::fetch_one(&manifest, folders)
+                .err()
+                .map(|e| advice::sentence(e.as_ref()));
         }
         let live = Runtime::load()
             .is_ok()

@@ -1,12 +1,14 @@
 //! `scaleproof merge`: the shards of a run become its report.
 
+use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, detectors, score as score_command};
 use crate::files;
 use crate::report;
-use crate::score::{self, shard};
+use crate::score;
+use crate::score::shard::{self, ShardError};
 
 /// Put the shards of `score --shard` together: the same files as one run over all photos writes, byte for byte.
 ///
@@ -24,6 +26,15 @@ pub struct Args {
     /// Print summary.json instead of the table.
     #[arg(long)]
     json: bool,
+}
+
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        ShardError::NotAShard { .. } => Some("name the files that score --shard wrote".into()),
+        ShardError::Detector(e) => detectors::advice(e),
+        _ => None,
+    }
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {

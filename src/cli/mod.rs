@@ -97,6 +97,17 @@ enum Outcome {
 
 type CommandResult = Result<Outcome, Box<dyn Error>>;
 
+/// The advice of each command that has some.
+const ADVICE: &[advice::Advise] = &[
+    compare::advice,
+    detectors::advice,
+    locate::advice,
+    merge::advice,
+    print::wrap::advice,
+    score::advice,
+    session::advice,
+];
+
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
 pub fn main() -> ExitCode {
     keep_to_ourselves();

@@ -58,7 +58,7 @@ pub fn photos(what: &str, count: usize) -> Progress {
     counting(what, count, "photos")
 }
 
-/// A bar that counts frames, one whole picture after the other.
+/// A bar that counts frames, one whole image after the other.
 pub fn frames(what: &str, count: usize) -> Progress {
     counting(what, count, "frames")
 }

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use super::sessions;
 use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress};
-use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds};
+use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds, chosen_as};
 use crate::files;
 use crate::report;
 use crate::score::shard::{Run, Shard, ShardId};
-use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, ScoreError, Scores};
+use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
 use crate::session::Session;
 use crate::workers;
 
@@ -124,6 +124,9 @@ impl Effort {
 
 /// What to do about an error of the library.
 pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    if let Some(RecordError::Exists { .. }) = error.downcast_ref() {
+        return Some("add --replace to store it anew, or play it with --recorded".into());
+    }
     match error.downcast_ref()? {
         ScoreError::NotRecorded { .. } => Some("run without --recorded, or record them again with --record".into()),
         _ => None,
@@ -223,9 +226,7 @@ fn write_shard(
     bar.finish_and_clear();
     complain(options);
     let runtime = score::runtime(detectors)?.map(Runtime::provenance);
-    let chosen_as = detectors
-        .iter()
-        .map(|d| detectors::chosen_as(&d.manifest, &args.detectors));
+    let chosen_as = detectors.iter().map(|d| chosen_as(&d.manifest, &args.detectors));
     let chosen_as = chosen_as.collect::<Result<_, _>>()?;
     let shard = Shard {
         run: Run::of(sessions, detectors, chosen_as, runtime)?,

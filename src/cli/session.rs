@@ -5,6 +5,7 @@ mod new;
 mod show;
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
@@ -12,7 +13,8 @@ use clap::Subcommand;
 
 use super::CommandResult;
 use super::sessions::quoted;
-use crate::session::PhotoEntry;
+use crate::session::import::SessionImportError;
+use crate::session::{NewSessionError, PhotoEntry};
 use crate::spelling;
 
 /// Make a session of photos that are there already, or show what is in one.
@@ -27,6 +29,17 @@ enum What {
     Import(import::Args),
     New(new::Args),
     Show(show::Args),
+}
+
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    if let Some(SessionImportError::NoVariant { .. }) = error.downcast_ref() {
+        return Some(", or give --variant for all".into());
+    }
+    match error.downcast_ref()? {
+        NewSessionError::NotEmpty { .. } => Some("with --copy name a new folder".into()),
+        _ => None,
+    }
 }
 
 /// Runs `scaleproof session …`.

@@ -18,12 +18,12 @@ pub struct Photos {
     #[arg(value_name = "SESSION|VARIANT=DIR")]
     given: Vec<PathBuf>,
     #[command(flatten)]
-    about: About,
+    about: FolderFiles,
 }
 
 /// What a session says of its photos, and folders of photos do not.
 #[derive(clap::Args)]
-pub struct About {
+pub struct FolderFiles {
     /// With VARIANT=DIR: what stood on the table, scene.toml.
     #[arg(long, value_name = "TOML")]
     scene: Option<PathBuf>,
@@ -36,7 +36,7 @@ pub struct About {
 }
 
 /// The sessions of a run.
-pub struct Opened {
+pub struct OpenedPhotos {
     pub sessions: Vec<Session>,
     /// Whole paths of the folders, when the photos came from folders.
     folders: Vec<PathBuf>,
@@ -49,7 +49,7 @@ impl Photos {
     ///
     /// # Errors
     /// None is named; sessions and folders are mixed; whatever is wrong with one of them.
-    pub fn open(&self) -> Result<Opened> {
+    pub fn open(&self) -> Result<OpenedPhotos> {
         let pairs = self.given.iter().map(|given| pair(given)).collect::<Result<Vec<_>>>()?;
         let count = pairs.iter().flatten().count();
         if pairs.is_empty() {
@@ -62,7 +62,7 @@ impl Photos {
             let sessions = self.given.iter().map(|place| session(place)).collect::<Result<_>>()?;
             self.about.refuse_for_sessions()?;
             let folders = Vec::new();
-            return Ok(Opened { sessions, folders });
+            return Ok(OpenedPhotos { sessions, folders });
         }
         if let Some((place, _)) = self.given.iter().zip(&pairs).find(|(_, pair)| pair.is_none()) {
             return Err(format!(
@@ -72,20 +72,20 @@ impl Photos {
             .into());
         }
         let gathered = self.about.gather(&pairs.into_iter().flatten().collect::<Vec<_>>())?;
-        Ok(Opened {
+        Ok(OpenedPhotos {
             folders: gathered.folders.into_iter().map(|found| found.real).collect(),
             sessions: vec![gathered.session],
         })
     }
 }
 
-impl About {
-    /// Makes a session of folders in memory, and notes the pictures that are passed over.
+impl FolderFiles {
+    /// Makes a session of folders in memory, and notes the images that are passed over.
     pub fn gather(&self, folders: &[PhotoFolder]) -> Result<Gathered> {
         let gathered = folders::gather(folders, self.scene()?, self.camera()?, &self.place)?;
         for found in &gathered.folders {
-            if let Some(first) = found.listing.other_pictures.first() {
-                let (count, folder) = (found.listing.other_pictures.len(), found.given.folder.display());
+            if let Some(first) = found.listing.other_images.first() {
+                let (count, folder) = (found.listing.other_images.len(), found.given.folder.display());
                 say!(
                     "note: {} in {folder} {} left out, being neither JPEG nor PNG or there in JPEG too (the first: {first})",
                     spelling::count(count, "image"),
@@ -128,7 +128,7 @@ impl About {
     }
 }
 
-impl Opened {
+impl OpenedPhotos {
     /// Refuses what only stored sessions can do: `option` needs files in them.
     pub fn refuse_for_folders(&self, option: &str, is_given: bool) -> std::result::Result<(), String> {
         match is_given && !self.folders.is_empty() {

@@ -112,12 +112,13 @@ const PROVENANCE: &str = ".provenance.json";
 
 /// Why a recording cannot stand in for a detector.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecordedError {
     #[error(transparent)]
     File(#[from] files::FileError),
     #[error("{path} is not a recording of detections: {message}", path = path.display())]
     Syntax { path: PathBuf, message: String },
-    #[error("{path} is not the recording of {detector} that its provenance describes: record it again with --record", path = path.display())]
+    #[error("{path} is not the recording of {detector} that its provenance describes", path = path.display())]
     Changed { path: PathBuf, detector: String },
     #[error("{path} was recorded with other weights of {detector} (SHA-256 {found}…): record it again", path = path.display())]
     OtherWeights {

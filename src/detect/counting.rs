@@ -7,7 +7,7 @@ use crate::spelling;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{detector} has no label {class}; {nearest}: choose another detector or class, or say what counts in a manifest of your own, as in \
-     [class_map] {example} (written by `scaleproof detectors add --map`)"
+     [class_map] {example}"
 )]
 pub struct NoSuchClass {
     detector: String,

@@ -11,6 +11,7 @@ use crate::files;
 
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FetchError {
     #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
     NoUrl { name: String, file: String },
@@ -36,7 +37,7 @@ pub enum FetchError {
         "the download of {name} has more than 2 GB, so it is not the file that the manifest describes; it was not kept"
     )]
     TooLarge { name: String },
-    #[error("{path} is already there and is not the file {name} was described with: move it away, or fetch into another folder by --detectors", path = path.display())]
+    #[error("{path} is already there and is not the file {name} was described with: move it away", path = path.display())]
     Taken { name: String, path: PathBuf },
     #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
     NoPart { path: PathBuf },
@@ -77,10 +78,7 @@ fn fetch_with(
         return already_there(manifest, target);
     }
     let part = folder.join(format!("{}.part", manifest.weights.file));
-    let failed = |e: std::io::Error| files::FileError::Write {
-        path: part.clone(),
-        reason: files::plain(&e),
-    };
+    let failed = |e: std::io::Error| files::FileError::write(&part, &e);
     let have = part_bytes(&part)?;
     if let Some(response) = request(manifest, folder, have, patience)? {
         std::fs::create_dir_all(folder).map_err(failed)?;
@@ -215,10 +213,7 @@ fn is_late(e: &std::io::Error) -> bool {
 }
 
 fn keep(manifest: &Manifest, part: &Path, target: &Path) -> Result<PathBuf, FetchError> {
-    let failed = |e: std::io::Error| files::FileError::Write {
-        path: target.to_owned(),
-        reason: files::plain(&e),
-    };
+    let failed = |e: std::io::Error| files::FileError::write(target, &e);
     match check_hash(manifest, part) {
         Ok(()) => {}
         Err(WeightsError::File(e)) => return Err(e.into()),

@@ -4,12 +4,12 @@ use fast_image_resize as fir;
 use image::RgbImage;
 
 use super::linear;
-use super::manifest::{Channels, Input, Kernel, Layout, Resize};
+use super::manifest::{Channels, Input, Kernel, Layout, Manifest, Resize};
 use crate::geometry::BoxPx;
 
 /// Where the photo lies in the network's input.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Placement {
+pub(crate) struct InputPlacement {
     /// Input pixels per photo pixel.
     scale: [f64; 2],
     /// Input pixel of the photo's top-left corner.
@@ -22,21 +22,21 @@ pub(crate) struct Placement {
     pub(super) photo: [f64; 2],
 }
 
-impl Placement {
+impl InputPlacement {
     /// Follows the arithmetic of the detectors' own pipelines, truncation included.
-    pub(crate) fn new(input: &Input, photo_width: u32, photo_height: u32) -> Placement {
+    pub(crate) fn new(input: &Input, photo_width: u32, photo_height: u32) -> InputPlacement {
         let [net_w, net_h] = input.size_px;
         let photo = [f64::from(photo_width), f64::from(photo_height)];
         let ratio = (f64::from(net_w) / photo[0]).min(f64::from(net_h) / photo[1]);
         let truncated = |ratio: f64| photo.map(|side| ((side * ratio) as u32).max(1));
-        let centred = |size: [u32; 2]| Placement {
+        let centred = |size: [u32; 2]| InputPlacement {
             scale: per_axis(size, photo),
             offset: [f64::from((net_w - size[0]) / 2), f64::from((net_h - size[1]) / 2)],
             size,
             canvas: input.size_px,
             photo,
         };
-        let in_the_corner = |scale: [f64; 2], size: [u32; 2], canvas: [u32; 2]| Placement {
+        let in_the_corner = |scale: [f64; 2], size: [u32; 2], canvas: [u32; 2]| InputPlacement {
             scale,
             offset: [0.0, 0.0],
             size,
@@ -58,7 +58,7 @@ impl Placement {
         }
     }
 
-    /// Width, height a reduced picture must have to stand in for the photo: twice what the network sees of it, or all where the
+    /// Width, height a reduced image must have to stand in for the photo: twice what the network sees of it, or all where the
     /// network resizes by itself. A kernel then never has to enlarge, and still averages over the reduced pixels.
     pub(super) fn least_px(&self, input: &Input) -> [u32; 2] {
         match input.resize {
@@ -79,8 +79,24 @@ fn per_axis(size: [u32; 2], photo: [f64; 2]) -> [f64; 2] {
     [f64::from(size[0]) / photo[0], f64::from(size[1]) / photo[1]]
 }
 
+impl Manifest {
+    /// The least width and height in pixels to which a photo of this size may be reduced before it is resized for the network.
+    pub fn least_px(&self, photo_width: u32, photo_height: u32) -> [u32; 2] {
+        InputPlacement::new(&self.input, photo_width, photo_height).least_px(&self.input)
+    }
+}
+
+/// Why a photo cannot be resized.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ResizeError {
+    #[error(transparent)]
+    Photo(#[from] fir::ImageBufferError),
+    #[error(transparent)]
+    Resize(#[from] fir::ResizeError),
+}
+
 /// The input tensor's numbers, in the order of the manifest's layout. The photo may come reduced.
-pub(crate) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> Result<Vec<f32>, String> {
+pub(crate) fn tensor(photo: &RgbImage, input: &Input, placement: &InputPlacement) -> Result<Vec<f32>, ResizeError> {
     let resized = resize(photo, placement.size, input.kernel)?;
     let [net_w, net_h] = placement.canvas.map(|v| v as usize);
     let [left, top] = placement.offset.map(|v| v as usize);
@@ -112,14 +128,14 @@ pub(crate) fn tensor(photo: &RgbImage, input: &Input, placement: &Placement) -> 
 }
 
 /// Interleaved RGB bytes of the photo at another size.
-fn resize(photo: &RgbImage, size: [u32; 2], kernel: Kernel) -> Result<Vec<u8>, String> {
+fn resize(photo: &RgbImage, size: [u32; 2], kernel: Kernel) -> Result<Vec<u8>, ResizeError> {
     match kernel {
         Kernel::OpencvLinear => Ok(linear::resized(photo, size)),
-        Kernel::Antialiased => antialiased(photo, size).map_err(|e| e.to_string()),
+        Kernel::Antialiased => antialiased(photo, size),
     }
 }
 
-fn antialiased(photo: &RgbImage, [width, height]: [u32; 2]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+fn antialiased(photo: &RgbImage, [width, height]: [u32; 2]) -> Result<Vec<u8>, ResizeError> {
     let source = fir::images::ImageRef::new(photo.width(), photo.height(), photo.as_raw(), fir::PixelType::U8x3)?;
     let mut resized = fir::images::Image::new(width, height, fir::PixelType::U8x3);
     let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(fir::FilterType::Bilinear));
@@ -151,7 +167,7 @@ mod tests {
     fn a_letterboxed_photo_is_padded_and_bgr() {
         let photo = RgbImage::from_pixel(208, 80, image::Rgb([10, 20, 30]));
         let input = input(Resize::LetterboxCentre);
-        let placement = Placement::new(&input, 208, 80);
+        let placement = InputPlacement::new(&input, 208, 80);
         let tensor = tensor(&photo, &input, &placement).unwrap();
         let at = |channel: usize, x: usize, y: usize| tensor[channel * 416 * 320 + y * 416 + x];
         assert_eq!((at(0, 0, 0), at(0, 415, 319)), (114.0, 114.0));
@@ -166,7 +182,7 @@ mod tests {
             layout: Layout::Nhwc,
             ..planar.clone()
         };
-        let placement = Placement::new(&planar, 97, 61);
+        let placement = InputPlacement::new(&planar, 97, 61);
         let [planar, last] = [planar, last].map(|input| tensor(&photo, &input, &placement).unwrap());
         let plane = 416 * 320;
         assert!((0..3 * plane).all(|i| planar[i] == last[i % plane * 3 + i / plane]));
@@ -180,7 +196,7 @@ mod tests {
             mean: [1.0; 3],
             ..input(Resize::ShortSide)
         };
-        let placement = Placement::new(&input, 301, 203);
+        let placement = InputPlacement::new(&input, 301, 203);
         // 301 · 96 / 203 = 142.3
         assert_eq!((placement.size, placement.canvas), ([142, 96], [160, 96]));
         let tensor = tensor(&photo, &input, &placement).unwrap();
@@ -204,7 +220,7 @@ mod tests {
                 Resize::Stretch, Resize::LetterboxTopLeft, Resize::LetterboxCentre, Resize::LetterboxCentreRounded]),
             x in 0.0..0.5_f64, y in 0.0..0.5_f64,
         ) {
-            let p = Placement::new(&input(resize), width, height);
+            let p = InputPlacement::new(&input(resize), width, height);
             let (w, h) = (f64::from(width), f64::from(height));
             let wanted = BoxPx::new(x * w, y * h, (x + 0.4) * w, (y + 0.4) * h);
             let placed = BoxPx::new(

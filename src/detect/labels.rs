@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A list of labels: in a manifest, one of the names below or a list of its own, `["car", "truck"]`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(try_from = "Written", into = "Written")]
+#[serde(try_from = "WrittenLabels", into = "WrittenLabels")]
 pub enum Labels {
     /// The 80 classes of COCO detection, in the order of COCO's category ids.
     Coco80,
@@ -16,38 +16,48 @@ pub enum Labels {
     Custom(&'static [String]),
 }
 
+/// Why something is no list of labels.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LabelsError {
+    #[error("labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names")]
+    NoList { name: String },
+    #[error("the label {name:?} is listed twice")]
+    Twice { name: String },
+    #[error("the list of labels is empty")]
+    Empty,
+}
+
 /// Labels as a manifest writes them.
 #[derive(Deserialize, Serialize)]
 #[serde(
     untagged,
     expecting = "labels are \"coco80\", \"coco91\", \"voc20\" or a list of names"
 )]
-enum Written {
+enum WrittenLabels {
     Named(String),
     Custom(Vec<String>),
 }
 
-impl TryFrom<Written> for Labels {
-    type Error = String;
+impl TryFrom<WrittenLabels> for Labels {
+    type Error = LabelsError;
 
-    fn try_from(written: Written) -> Result<Labels, String> {
+    fn try_from(written: WrittenLabels) -> Result<Labels, LabelsError> {
         match written {
-            Written::Named(name) => Labels::of_list(&name).ok_or_else(|| {
-                format!("labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names")
-            }),
-            Written::Custom(names) => Labels::custom(names),
+            WrittenLabels::Named(name) => Labels::of_list(&name).ok_or(LabelsError::NoList { name }),
+            WrittenLabels::Custom(names) => Labels::custom(names),
         }
     }
 }
 
-impl From<Labels> for Written {
-    fn from(labels: Labels) -> Written {
-        let named = |name: &str| Written::Named(name.to_owned());
+impl From<Labels> for WrittenLabels {
+    fn from(labels: Labels) -> WrittenLabels {
+        let named = |name: &str| WrittenLabels::Named(name.to_owned());
         match labels {
             Labels::Coco80 => named("coco80"),
             Labels::Coco91 => named("coco91"),
             Labels::Voc20 => named("voc20"),
-            Labels::Custom(names) => Written::Custom(names.to_vec()),
+            Labels::Custom(names) => WrittenLabels::Custom(names.to_vec()),
         }
     }
 }
@@ -64,7 +74,7 @@ impl Labels {
     }
 
     /// Labels by their names, in the order of their numbers; those of COCO or VOC become that list.
-    pub fn of_names(names: Vec<String>) -> Result<Labels, String> {
+    pub fn of_names(names: Vec<String>) -> Result<Labels, LabelsError> {
         let is = |list: &Labels| {
             (0..list.count())
                 .map(|i| list.name(i))
@@ -76,11 +86,11 @@ impl Labels {
         }
     }
 
-    fn custom(names: Vec<String>) -> Result<Labels, String> {
+    fn custom(names: Vec<String>) -> Result<Labels, LabelsError> {
         let twice = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n));
         match twice {
-            Some((_, name)) => Err(format!("the label {name:?} is listed twice")),
-            None if names.is_empty() => Err("the list of labels is empty".into()),
+            Some((_, name)) => Err(LabelsError::Twice { name: name.clone() }),
+            None if names.is_empty() => Err(LabelsError::Empty),
             None => Ok(Labels::Custom(Box::leak(names.into_boxed_slice()))),
         }
     }

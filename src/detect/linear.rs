@@ -1,5 +1,5 @@
 //! Bilinear resizing as OpenCV's `INTER_LINEAR` has it for bytes, number for number: without antialiasing, in fixed point. Detectors whose
-//! own programs resize with OpenCV are scored on the picture that those would show them.
+//! own programs resize with OpenCV are scored on the image that those would show them.
 //!
 //! The arithmetic is that of OpenCV 4's `resize` for 8 bits: weights in 1/2048, rows first, then columns with their low bits cut off, and the
 //! mean of 2 × 2 where both sides are exactly halved. A test below holds it against OpenCV's, byte for byte.

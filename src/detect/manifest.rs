@@ -6,7 +6,6 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::Labels;
-use super::input::Placement;
 use crate::files::{self, FileError};
 use crate::spelling;
 
@@ -14,7 +13,7 @@ use crate::spelling;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// What `--detector` takes.
+    /// What chooses it.
     pub name: String,
     pub title: String,
     pub licence: String,
@@ -158,6 +157,7 @@ pub struct FirstLabel {
 
 /// Why a manifest was refused.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ManifestError {
     #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
     Unknown { name: String, known: Vec<String> },
@@ -165,6 +165,16 @@ pub enum ManifestError {
     Syntax { file: String, message: String },
     #[error("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name")]
     Taken { file: String, name: String },
+    #[error("there is no file {network}", network = network.display())]
+    NoNetwork { network: PathBuf },
+    #[error("{network} has no manifest {manifest} beside it, which says how the network is fed and read", network = network.display(), manifest = manifest.display())]
+    NoManifest { network: PathBuf, manifest: PathBuf },
+    #[error("{manifest} describes {described} and not {network}: name the manifest of this network", network = network.display(), manifest = manifest.display())]
+    OtherNetwork {
+        network: PathBuf,
+        manifest: PathBuf,
+        described: String,
+    },
     #[error(transparent)]
     File(#[from] FileError),
 }
@@ -234,11 +244,6 @@ impl Manifest {
         let text = toml::to_string(self).map_err(|e| refused(e.to_string().replace('\n', " ")))?;
         Manifest::parse(&text, &self.name)?;
         Ok(text)
-    }
-
-    /// The least width and height in pixels to which a photo of this size may be reduced before it is resized for the network.
-    pub fn least_px(&self, photo_width: u32, photo_height: u32) -> [u32; 2] {
-        Placement::new(&self.input, photo_width, photo_height).least_px(&self.input)
     }
 
     /// Whether a detector may have this name: files are named by it.

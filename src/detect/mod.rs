@@ -1,5 +1,6 @@
 //! Object detectors: a manifest says how to feed and read an ONNX file; ONNX Runtime runs it.
 
+mod choose;
 mod coco_results;
 mod counting;
 #[cfg(feature = "full")]
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::BoxPx;
 
+pub use choose::{choose, chosen_as};
 pub use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;
 #[cfg(feature = "full")]
@@ -27,21 +29,21 @@ pub use fetch::{FetchError, fetch};
 #[cfg(feature = "attack")]
 pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};
 #[cfg(feature = "attack")]
-pub(crate) use input::Placement;
+pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]
 pub(crate) use input::tensor;
-pub use labels::Labels;
+pub use labels::{Labels, LabelsError};
 #[cfg(feature = "attack")]
 pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
-pub(crate) use nms::{Candidate, suppress};
-pub use propose::{Family, Hints, Proposal, ProposeError, propose, propose_within};
+pub(crate) use nms::{CandidateBox, suppress};
+pub use propose::{Family, Hints, NoSuchFamily, Proposal, ProposalNote, ProposeError, propose, propose_within};
 pub use registered::{RegisterError, register, registered, registered_names, unregister};
 pub use runtime::{DetectError, Detector, Runtime};
-pub use speed::{ROUNDS, Speed, SpeedError, Speeds, measure};
+pub use speed::{Speed, SpeedError, Speeds};
 pub use weights::{WeightFolders, WeightsError};
 
-/// Candidates below this score are dropped, as the AP of `notes/print_capture_score.md` needs them down to here.
+/// Candidates below this score are dropped; AP needs them down to here.
 pub const SCORE_FLOOR: f64 = 0.001;
 
 /// So many candidates are kept per photo, the best first: what COCO's evaluation looks at.

@@ -6,7 +6,7 @@ use crate::geometry::BoxPx;
 
 /// A decoded box before suppression, in input pixels.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Candidate {
+pub(crate) struct CandidateBox {
     pub label: usize,
     pub score: f64,
     pub b: BoxPx,
@@ -17,14 +17,14 @@ pub(crate) struct Candidate {
 const MOST_SUPPRESSED: usize = 30_000;
 
 /// Greedy suppression within each label: a box goes when a better one of its label overlaps it by more than `iou`. Best first.
-pub(crate) fn suppress(candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
+pub(crate) fn suppress(candidates: Vec<CandidateBox>, iou: f64) -> Vec<CandidateBox> {
     BestFirst::new(candidates, Some(iou)).collect()
 }
 
 /// Candidates in falling order of their scores, without those that suppression drops. A caller that needs a few stops early, and the
 /// rest is never compared.
 pub(super) struct BestFirst {
-    waiting: std::vec::IntoIter<Candidate>,
+    waiting: std::vec::IntoIter<CandidateBox>,
     /// The overlap above which a box goes; `None` keeps every box.
     iou: Option<f64>,
     /// The boxes that came already, by label.
@@ -33,7 +33,7 @@ pub(super) struct BestFirst {
 
 impl BestFirst {
     /// Equals stay in their order.
-    pub fn new(mut candidates: Vec<Candidate>, iou: Option<f64>) -> BestFirst {
+    pub fn new(mut candidates: Vec<CandidateBox>, iou: Option<f64>) -> BestFirst {
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
         if iou.is_some() {
             candidates.truncate(MOST_SUPPRESSED);
@@ -52,9 +52,9 @@ impl BestFirst {
 }
 
 impl Iterator for BestFirst {
-    type Item = Candidate;
+    type Item = CandidateBox;
 
-    fn next(&mut self) -> Option<Candidate> {
+    fn next(&mut self) -> Option<CandidateBox> {
         let BestFirst { waiting, iou, kept } = self;
         let Some(iou) = *iou else { return waiting.next() };
         waiting.find(|c| {
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn only_the_same_label_suppresses() {
-        let at = |label, score, x: f64| Candidate {
+        let at = |label, score, x: f64| CandidateBox {
             label,
             score,
             b: BoxPx::new(x, 0.0, x + 10.0, 10.0),
@@ -88,8 +88,8 @@ mod tests {
     }
 
     /// Boxes side by side, of falling scores.
-    fn apart(count: usize) -> Vec<Candidate> {
-        let at = |i: usize| Candidate {
+    fn apart(count: usize) -> Vec<CandidateBox> {
+        let at = |i: usize| CandidateBox {
             label: 0,
             score: 1.0 / (i + 1) as f64,
             b: BoxPx::new(i as f64, 0.0, i as f64 + 0.5, 1.0),
@@ -118,9 +118,9 @@ mod tests {
     }
 
     /// Suppression as its definition says it: every box against every better one that was kept.
-    fn by_definition(mut candidates: Vec<Candidate>, iou: f64) -> Vec<Candidate> {
+    fn by_definition(mut candidates: Vec<CandidateBox>, iou: f64) -> Vec<CandidateBox> {
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let mut kept: Vec<Candidate> = Vec::new();
+        let mut kept: Vec<CandidateBox> = Vec::new();
         for c in candidates {
             if kept.iter().all(|k| k.label != c.label || k.b.iou(&c.b) <= iou) {
                 kept.push(c);
@@ -130,7 +130,7 @@ mod tests {
     }
 
     /// Crowded boxes of few labels, with equal scores among them.
-    fn crowd() -> impl Strategy<Value = Vec<Candidate>> {
+    fn crowd() -> impl Strategy<Value = Vec<CandidateBox>> {
         let one = (
             0..3_usize,
             1..50_u8,
@@ -139,7 +139,7 @@ mod tests {
             0.0..40.0_f64,
             0.0..40.0_f64,
         );
-        let candidate = one.prop_map(|(label, score, x, y, w, h)| Candidate {
+        let candidate = one.prop_map(|(label, score, x, y, w, h)| CandidateBox {
             label,
             score: f64::from(score) / 50.0,
             b: BoxPx::new(x, y, x + w, y + h),
@@ -152,7 +152,7 @@ mod tests {
         fn what_is_kept_is_what_the_definition_keeps(candidates in crowd(), iou in 0.0..=1.0_f64, count in 0..200_usize) {
             let expected = by_definition(candidates.clone(), iou);
             prop_assert_eq!(&suppress(candidates.clone(), iou), &expected);
-            let first: Vec<Candidate> = BestFirst::new(candidates, Some(iou)).take(count).collect();
+            let first: Vec<CandidateBox> = BestFirst::new(candidates, Some(iou)).take(count).collect();
             prop_assert_eq!(&first[..], &expected[..count.min(expected.len())]);
         }
     }

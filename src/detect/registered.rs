@@ -1,4 +1,4 @@
-//! Detectors that a user registered: their manifests lie in the user's data folder, so that `--detector NAME` finds them from everywhere.
+//! Detectors that a user registered: their manifests lie in the user's data folder, so that their names are known everywhere.
 
 use std::path::PathBuf;
 
@@ -7,6 +7,7 @@ use crate::files::{self, FileError};
 
 /// Why a detector was not registered or taken off the list.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RegisterError {
     #[error("no folder for detectors: set HOME or XDG_DATA_HOME")]
     NoFolder,

@@ -12,8 +12,8 @@ use ort::session::builder::GraphOptimizationLevel;
 use ort::session::{RunOptions, Session};
 use ort::value::{DynValue, Tensor as OrtTensor};
 
-use super::heads::{self, Data, Decoded, Tensor, Unreadable};
-use super::input::{self, Placement};
+use super::heads::{self, Data, DecodedOutputs, HeadError, Tensor};
+use super::input::{self, InputPlacement};
 use super::manifest::{Input, Layout, Values};
 use super::{Detection, MAX_DETECTIONS, Manifest};
 use crate::files;
@@ -21,6 +21,7 @@ use crate::geometry::BoxPx;
 
 /// Why a detector could not run.
 #[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
 pub enum DetectError {
     #[error(
         "ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so"
@@ -147,7 +148,7 @@ impl Detector {
         self.detect_reduced(photo, photo.width(), photo.height())
     }
 
-    /// The same for a photo of a size in pixels of which `photo` is a reduced picture, no smaller than [`Manifest::least_px`].
+    /// The same for a photo of a size in pixels of which `photo` is a reduced image, no smaller than [`Manifest::least_px`].
     pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
         let detector = || self.manifest.name.clone();
         let failed = |reason: String| DetectError::Run {
@@ -158,8 +159,8 @@ impl Detector {
             detector: detector(),
             what,
         };
-        let placement = Placement::new(&self.manifest.input, width, height);
-        let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(failed)?;
+        let placement = InputPlacement::new(&self.manifest.input, width, height);
+        let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
         let outputs = run(&mut self.session, &self.manifest, tensor, &placement, self.time_limit);
         let outputs = outputs.map_err(|e| match e {
             NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
@@ -172,12 +173,12 @@ impl Detector {
             return Err(not_a_number(what));
         }
         let decoded = heads::decode(&self.manifest, &outputs, placement.canvas);
-        let Decoded {
+        let DecodedOutputs {
             candidates,
             in_photo_px,
         } = decoded.map_err(|e| match e {
-            Unreadable::Misfit(reason) => failed(reason),
-            Unreadable::NotFinite(what) => not_a_number(what),
+            HeadError::NotFinite { what } => not_a_number(what),
+            e => failed(e.to_string()),
         })?;
         if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
             return Err(DetectError::NotAScore {
@@ -219,15 +220,15 @@ pub(super) fn run(
     session: &mut Session,
     manifest: &Manifest,
     tensor: Vec<f32>,
-    placement: &Placement,
+    placement: &InputPlacement,
     time_limit: Duration,
 ) -> Result<Vec<Tensor>, NoAnswer> {
-    let picture = picture(&manifest.input, tensor, placement)?;
+    let image = image_tensor(&manifest.input, tensor, placement)?;
     let photo_px = heads::wants_photo_size(&manifest.head).then(|| placement.photo.map(|v| v as i64).to_vec());
     let mut options = RunOptions::new()?;
     // Its complaints come back as errors; on standard error they would be a second sentence.
     options.set_log_level(LogLevel::Fatal)?;
-    let work = || answer(session, picture, photo_px, &options);
+    let work = || answer(session, image, photo_px, &options);
     match stopped_after(time_limit, &options, work) {
         (Ok(outputs), _) => Ok(outputs),
         (Err(_), true) => Err(NoAnswer::TooLong),
@@ -237,16 +238,16 @@ pub(super) fn run(
 
 fn answer(
     session: &mut Session,
-    picture: DynValue,
+    image: DynValue,
     photo_px: Option<Vec<i64>>,
     options: &RunOptions,
 ) -> ort::Result<Vec<Tensor>> {
     let outputs = match photo_px {
         Some(size) => {
             let size = OrtTensor::from_array(([1, 2], size))?;
-            session.run_with_options(ort::inputs![picture, size], options)?
+            session.run_with_options(ort::inputs![image, size], options)?
         }
-        None => session.run_with_options(ort::inputs![picture], options)?,
+        None => session.run_with_options(ort::inputs![image], options)?,
     };
     outputs.iter().map(|(name, value)| copied(name, &value)).collect()
 }
@@ -267,8 +268,8 @@ fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnc
     })
 }
 
-/// The picture in the shape and type the network takes.
-fn picture(input: &Input, tensor: Vec<f32>, placement: &Placement) -> ort::Result<DynValue> {
+/// The image in the shape and type the network takes.
+fn image_tensor(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
     let [width, height] = placement.canvas.map(|v| v as usize);
     let shape = match input.layout {
         Layout::Nchw => vec![1, 3, height, width],

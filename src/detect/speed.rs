@@ -45,11 +45,10 @@ pub struct Speed {
 
 /// Why a file of times cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SpeedError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error(transparent)]
-    Detect(#[from] DetectError),
     #[error("{path} is not a file of `scaleproof detectors speed`: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
     #[error("{path} was measured with other weights of {detector}: measure again with `scaleproof detectors speed`", path = path.display())]
@@ -57,6 +56,46 @@ pub enum SpeedError {
 }
 
 impl Speeds {
+    /// Times detectors, given with their weights, on decoded photos, one after the other; `on_each` is told each.
+    ///
+    /// # Errors
+    /// A detector that cannot run; those of `on_each`.
+    pub fn measure<E: From<DetectError>>(
+        machine: String,
+        detectors: &[(Manifest, PathBuf)],
+        photos: &[RgbImage],
+        mut on_each: impl FnMut(&Speed) -> Result<(), E>,
+    ) -> Result<Speeds, E> {
+        let runtime = Runtime::load()?;
+        let pixels = photos.iter().map(|p| f64::from(p.width()) * f64::from(p.height()));
+        let megapixels = pixels.sum::<f64>() / 1e4 / photos.len() as f64;
+        let mut speeds = Speeds {
+            machine,
+            scaleproof: env!("CARGO_PKG_VERSION").to_owned(),
+            onnx_runtime: runtime.provenance(),
+            threads: 1,
+            rounds: ROUNDS,
+            photos: photos.len(),
+            megapixels: megapixels.round() / 100.0,
+            detectors: Vec::new(),
+        };
+        for (manifest, weights) in detectors {
+            let speed = measure(runtime, manifest, weights, photos)?;
+            on_each(&speed)?;
+            speeds.detectors.push(speed);
+        }
+        Ok(speeds)
+    }
+
+    /// Writes a file of times.
+    pub fn write(&self, path: &Path) -> Result<(), SpeedError> {
+        let text = serde_json::to_string_pretty(self).map_err(|e| SpeedError::Content {
+            path: path.to_owned(),
+            message: e.to_string(),
+        })?;
+        Ok(files::write_atomically(path, (text + "\n").as_bytes())?)
+    }
+
     /// Reads a file of times; those of detectors that are not among `manifests` are passed over.
     pub fn open(path: &Path, manifests: &[&Manifest]) -> Result<Speeds, SpeedError> {
         let content = |message: String| SpeedError::Content {
@@ -64,7 +103,9 @@ impl Speeds {
             message,
         };
         let mut speeds: Speeds = serde_json::from_str(&files::read_text(path)?).map_err(|e| content(e.to_string()))?;
-        speeds.check().map_err(content)?;
+        if let Some(fault) = speeds.fault() {
+            return Err(content(fault));
+        }
         let manifest_of = |speed: &Speed| manifests.iter().find(|m| m.name == speed.detector);
         speeds.detectors.retain(|speed| manifest_of(speed).is_some());
         let is_other = |speed: &&Speed| manifest_of(speed).is_some_and(|m| m.weights.sha256 != speed.weights_sha256);
@@ -77,19 +118,19 @@ impl Speeds {
         }
     }
 
-    fn check(&self) -> Result<(), String> {
+    fn fault(&self) -> Option<String> {
         let mut names = BTreeSet::new();
         for speed in &self.detectors {
             if !names.insert(&speed.detector) {
-                return Err(format!("{} is in it twice", speed.detector));
+                return Some(format!("{} is in it twice", speed.detector));
             }
             let [fastest, slowest] = speed.ms_range;
             let is_time = |ms: f64| ms.is_finite() && ms > 0.0;
             if !(is_time(fastest) && is_time(slowest) && (fastest..=slowest).contains(&speed.ms_per_photo)) {
-                return Err(format!("the milliseconds of {} are no times", speed.detector));
+                return Some(format!("the milliseconds of {} are no times", speed.detector));
             }
         }
-        Ok(())
+        None
     }
 
     /// The time of a detector.
@@ -99,12 +140,7 @@ impl Speeds {
 }
 
 /// Times one detector on decoded photos, in this thread. At least one photo is needed.
-pub fn measure(
-    runtime: &Runtime,
-    manifest: &Manifest,
-    weights: &Path,
-    photos: &[RgbImage],
-) -> Result<Speed, DetectError> {
+fn measure(runtime: &Runtime, manifest: &Manifest, weights: &Path, photos: &[RgbImage]) -> Result<Speed, DetectError> {
     let mut detector = Detector::open(runtime, manifest, weights)?;
     // The first run of a network also sets it up.
     for photo in photos.iter().take(1) {

@@ -7,8 +7,9 @@ use crate::files;
 
 /// Why a detector's weights cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum WeightsError {
-    #[error("no weights for {name}: {remedy}, or name a folder with {file} by --detectors")]
+    #[error("no weights for {name}: {remedy}")]
     Missing { name: String, file: String, remedy: String },
     #[error("{path} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}", path = path.display())]
     WrongHash {
@@ -20,7 +21,7 @@ pub enum WeightsError {
     },
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("no folder for downloads: set HOME or XDG_CACHE_HOME, or name a folder by --detectors")]
+    #[error("no folder for downloads: set HOME or XDG_CACHE_HOME")]
     NoCache,
 }
 
@@ -32,7 +33,7 @@ pub struct WeightFolders {
 }
 
 impl WeightFolders {
-    /// `--detectors DIR`, `$SCALEPROOF_DETECTORS`, `$SCALEPROOF_SHARED/detectors`, then the user's cache.
+    /// The named folder, `$SCALEPROOF_DETECTORS`, `$SCALEPROOF_SHARED/detectors`, then the user's cache.
     pub fn new(named: Option<PathBuf>) -> WeightFolders {
         let from_env = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
         let folders = [

@@ -8,7 +8,7 @@ use super::{FileError, is_standard_output, plain};
 
 /// Where an output goes.
 #[derive(Debug)]
-pub(super) enum Place {
+pub(super) enum OutputPlace {
     /// A regular file, or one to be made; what a symbolic link points to.
     File(PathBuf),
     Stream(Stream),
@@ -22,10 +22,10 @@ pub(super) enum Stream {
     Device(PathBuf),
 }
 
-impl Place {
+impl OutputPlace {
     /// # Errors
     /// A folder, a socket, a block device, a link to nothing, a path without a name.
-    pub(super) fn of(path: &Path) -> Result<Place, FileError> {
+    pub(super) fn of(path: &Path) -> Result<OutputPlace, FileError> {
         let refused = |reason: &str| {
             Err(FileError::Write {
                 path: path.to_owned(),
@@ -33,20 +33,20 @@ impl Place {
             })
         };
         if is_standard_output(path) {
-            return Ok(Place::Stream(Stream::StandardOutput));
+            return Ok(OutputPlace::Stream(Stream::StandardOutput));
         }
         match (std::fs::metadata(path), path.is_symlink()) {
             (Ok(about), _) if about.is_dir() => refused("a folder is in its place"),
-            (Ok(about), _) if is_stream(about.file_type()) => Ok(Place::Stream(Stream::Device(path.to_owned()))),
+            (Ok(about), _) if is_stream(about.file_type()) => Ok(OutputPlace::Stream(Stream::Device(path.to_owned()))),
             (Ok(about), _) if !about.is_file() => refused("what is in its place is no file: name another output"),
             (Ok(about), _) if about.permissions().readonly() => refused("it is write-protected"),
             (Ok(_), true) => match path.canonicalize() {
-                Ok(target) => Ok(Place::File(target)),
+                Ok(target) => Ok(OutputPlace::File(target)),
                 Err(e) => refused(&plain(&e)),
             },
             (Err(_), true) => refused("a symbolic link to nothing is in its place: remove it, or name another output"),
             _ if path.file_name().is_none() => refused("it is not a file name"),
-            _ => Ok(Place::File(path.to_owned())),
+            _ => Ok(OutputPlace::File(path.to_owned())),
         }
     }
 }
@@ -67,10 +67,7 @@ impl Stream {
         match written {
             // The reader has enough, as `head` does.
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-            Err(e) => Err(FileError::Write {
-                path,
-                reason: plain(&e),
-            }),
+            Err(e) => Err(FileError::write(&path, &e)),
             Ok(()) => Ok(()),
         }
     }
@@ -94,7 +91,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn a_device_is_written_to_and_never_replaced() {
-        let place = Place::of(Path::new("/dev/null"));
-        assert!(matches!(place, Ok(Place::Stream(Stream::Device(_)))), "{place:?}");
+        let place = OutputPlace::of(Path::new("/dev/null"));
+        assert!(matches!(place, Ok(OutputPlace::Stream(Stream::Device(_)))), "{place:?}");
     }
 }

@@ -1,14 +1,12 @@
 //! `photos.csv`: one line per photo and detector, scored or not.
 
-use std::error::Error;
-
 use serde::Serialize;
 
-use super::other_label;
+use super::{ReportError, csv_of, other_label};
 use crate::score::{EvaluatedDetector, NotScored, ScoredPhoto, Scores, Verdict};
 
 #[derive(Serialize, Default)]
-struct Row<'a> {
+struct PhotoRow<'a> {
     photo_id: Option<u64>,
     session: String,
     file: &'a str,
@@ -39,23 +37,18 @@ struct Row<'a> {
     hallucinations: Option<usize>,
 }
 
-pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for photo in &scores.photos {
-        for (index, detector) in scores.detectors.iter().enumerate() {
-            writer.serialize(scored(scores, photo, index, detector))?;
-        }
-    }
-    for photo in &scores.not_scored {
-        writer.serialize(not_scored(photo))?;
-    }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
+    let rows = scores.photos.iter().flat_map(|photo| {
+        let detectors = scores.detectors.iter().enumerate();
+        detectors.map(move |(index, detector)| scored(scores, photo, index, detector))
+    });
+    csv_of(rows.chain(scores.not_scored.iter().map(not_scored)))
 }
 
-fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> Row<'a> {
+fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> PhotoRow<'a> {
     let (viewpoint, bin, outcome) = (photo.viewpoint, photo.bin, &photo.outcomes[index]);
     let other = other_label(photo, index, detector);
-    Row {
+    PhotoRow {
         photo_id: Some(photo.id),
         session: scores.sessions[photo.session].name.clone(),
         file: &photo.file,
@@ -83,17 +76,17 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &
         misclassified: Some(outcome.is_misclassified()),
         disappeared: Some(outcome.has_disappeared()),
         hallucinations: Some(outcome.hallucinations),
-        ..Row::default()
+        ..PhotoRow::default()
     }
 }
 
-fn not_scored(photo: &NotScored) -> Row<'_> {
-    Row {
+fn not_scored(photo: &NotScored) -> PhotoRow<'_> {
+    PhotoRow {
         session: photo.session.clone(),
         file: &photo.file,
         variant: &photo.variant,
         status: "not scored",
         reason: &photo.reason,
-        ..Row::default()
+        ..PhotoRow::default()
     }
 }

@@ -1,12 +1,6 @@
-//! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them, as text, CSV, LaTeX and HTML.
+//! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them.
 
-use std::path::{Path, PathBuf};
-
-use serde::Serialize;
-
-use super::html::evaluation as page;
-use super::{ReportError, counted, latex};
-use crate::files;
+use super::counted;
 use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
 use crate::spelling;
 
@@ -55,25 +49,6 @@ impl<'a> Evaluation<'a> {
 /// What the intervals do and do not say.
 pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and light, the photos paired by both; they hold for this model, these lights \
                                 and renders, not for others";
-
-/// Writes every file of an evaluation into a folder, or none, and returns the path of the page to open.
-pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBuf, ReportError> {
-    let page = folder.join("evaluation.html");
-    let csv = |e: Box<dyn std::error::Error>| ReportError::Format(e.to_string());
-    files::replace_all_atomically(&[
-        (page.clone(), page::render(evaluation).into_bytes()),
-        (folder.join("evaluation.csv"), figures_csv(evaluation).map_err(csv)?),
-        (
-            folder.join("differences.csv"),
-            differences_csv(evaluation).map_err(csv)?,
-        ),
-        (
-            folder.join("evaluation.tex"),
-            latex::evaluation(evaluation).into_bytes(),
-        ),
-    ])?;
-    Ok(page)
-}
 
 /// Widths of the first column and of the others.
 const WIDTHS: (usize, usize) = (16, 16);
@@ -161,88 +136,4 @@ pub(super) fn interval(d: &Difference) -> String {
 
 pub(super) fn is_shown(d: &Difference) -> bool {
     matches!(d.finding, Finding::Drop | Finding::Rise)
-}
-
-#[derive(Serialize)]
-struct FiguresRow<'a> {
-    /// 1: made against this detector; 2: transfer.
-    table: u8,
-    pattern: &'a str,
-    detector: &'a str,
-    photos: usize,
-    ap_definition: &'static str,
-    ap50: f64,
-    mean_confidence: f64,
-    hits: usize,
-    hit_rate: f64,
-}
-
-fn figures_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for (table, detectors) in [(1, evaluation.targets()), (2, evaluation.others())] {
-        for pattern in &evaluation.patterns {
-            for detector in &detectors {
-                let Some(f) = evaluation.figures(pattern, detector) else {
-                    continue;
-                };
-                writer.serialize(FiguresRow {
-                    table,
-                    pattern,
-                    detector: &detector.manifest.name,
-                    photos: f.photos,
-                    ap_definition: evaluation.scores.criteria.ap.name(),
-                    ap50: f.ap50,
-                    mean_confidence: f.mean_confidence,
-                    hits: f.hit_rate.count,
-                    hit_rate: f.hit_rate.rate,
-                })?;
-            }
-        }
-    }
-    Ok(writer.into_inner()?)
-}
-
-#[derive(Serialize)]
-struct DifferenceRow<'a> {
-    base: &'a str,
-    pattern: &'a str,
-    detector: &'a str,
-    figure: &'static str,
-    pairs: usize,
-    of_base: f64,
-    of_pattern: f64,
-    /// Base minus pattern.
-    difference: f64,
-    low_95: Option<f64>,
-    high_95: Option<f64>,
-    finding: Finding,
-}
-
-fn differences_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for comparison in &evaluation.comparisons {
-        for r in &comparison.results {
-            let figures = [
-                ("ap50", &r.ap50),
-                ("mean_confidence", &r.mean_confidence),
-                ("hit_rate", &r.hit_rate.rate),
-            ];
-            for (figure, d) in figures {
-                writer.serialize(DifferenceRow {
-                    base: &comparison.base,
-                    pattern: &r.variant,
-                    detector: &r.detector,
-                    figure,
-                    pairs: r.pairs,
-                    of_base: d.base,
-                    of_pattern: d.other,
-                    difference: d.drop,
-                    low_95: d.interval_95.map(|i| i.low),
-                    high_95: d.interval_95.map(|i| i.high),
-                    finding: d.finding,
-                })?;
-            }
-        }
-    }
-    Ok(writer.into_inner()?)
 }

@@ -1,13 +1,12 @@
 //! `figures.csv`: one line per detector, variant and group of photos: all of them, an azimuth, a cell, a place.
 
-use std::error::Error;
-
 use serde::Serialize;
 
+use super::{ReportError, csv_of};
 use crate::score::{Drop, Figures, Rate, Scores, Summary};
 
 #[derive(Serialize, Default)]
-struct Row<'a> {
+struct FigureRow<'a> {
     detector: &'a str,
     variant: &'a str,
     /// `all`, `azimuth`, `cell` (azimuth × pitch × distance) or `place`.
@@ -41,16 +40,12 @@ struct Row<'a> {
     drop_median_confidence: Option<f64>,
 }
 
-pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in scores.summaries.iter().flat_map(|s| rows(scores, s)) {
-        writer.serialize(row)?;
-    }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
+    csv_of(scores.summaries.iter().flat_map(|s| rows(scores, s)))
 }
 
-fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<Row<'a>> {
-    let row = |group, figures, drop| Row {
+fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<FigureRow<'a>> {
+    let row = |group, figures, drop| FigureRow {
         detector: &s.detector,
         variant: &s.variant,
         group,
@@ -59,17 +54,17 @@ fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<Row<'a>> {
         ..numbers(figures, drop)
     };
     let all = row("all", Some(&s.overall), s.drop);
-    let azimuths = s.azimuth_bins.iter().map(|b| Row {
+    let azimuths = s.azimuth_bins.iter().map(|b| FigureRow {
         bin_azimuth_deg: Some(b.azimuth_deg),
         ..row("azimuth", b.figures.as_ref(), b.drop)
     });
-    let cells = s.cells.iter().map(|c| Row {
+    let cells = s.cells.iter().map(|c| FigureRow {
         bin_azimuth_deg: Some(c.bin.azimuth_deg),
         bin_pitch_deg: Some(c.bin.pitch_deg),
         bin_distance_mm: Some(c.bin.distance_mm),
         ..row("cell", Some(&c.figures), c.drop)
     });
-    let places = s.places.iter().map(|p| Row {
+    let places = s.places.iter().map(|p| FigureRow {
         place: p.place.as_deref().unwrap_or_default(),
         ..row("place", Some(&p.figures), p.drop)
     });
@@ -77,11 +72,11 @@ fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<Row<'a>> {
 }
 
 /// The columns of figures; a group without photos has none but its zero.
-fn numbers<'a>(figures: Option<&Figures>, drop: Option<Drop>) -> Row<'a> {
+fn numbers<'a>(figures: Option<&Figures>, drop: Option<Drop>) -> FigureRow<'a> {
     let rate = |of: fn(&Figures) -> Rate| figures.map(of);
     let (hit, mis) = (rate(|f| f.hit_rate), rate(|f| f.misclassification_rate));
     let gone = rate(|f| f.disappearance_rate);
-    Row {
+    FigureRow {
         photos: figures.map_or(0, |f| f.photos),
         ap50: figures.map(|f| f.ap50),
         hits: hit.map(|r| r.count),
@@ -103,6 +98,6 @@ fn numbers<'a>(figures: Option<&Figures>, drop: Option<Drop>) -> Row<'a> {
         drop_hit_rate: drop.map(|d| d.hit_rate),
         drop_mean_confidence: drop.map(|d| d.mean_confidence),
         drop_median_confidence: drop.map(|d| d.median_confidence),
-        ..Row::default()
+        ..FigureRow::default()
     }
 }

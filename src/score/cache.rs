@@ -1,4 +1,4 @@
-//! Results kept from run to run: what a picture showed is computed once, whatever is asked of it later.
+//! Results kept from run to run: what a photo showed is computed once, whatever is asked of it later.
 //!
 //! An entry is named by everything it depends on: the photo's content, the detector's weights and how they are fed and read, this
 //! very program file and its libraries. So nothing has to be thrown away when something changes, it is only not found any more.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BASE_VARIANT, EvaluatedDetector, NotScored, ScoredPhoto, Scores};
+use super::{BASE_VARIANT, EvaluatedDetector, NotScored, ScoredPhoto};
 use crate::session::Session;
 use crate::spelling;
 
@@ -26,20 +26,10 @@ pub(super) fn cautions(
     cautions
 }
 
-impl Scores {
-    /// The same run, whose cautions speak of drops from `base`.
-    pub fn against(mut self, base: &str) -> Scores {
-        if base != BASE_VARIANT {
-            let cautions = |base| {
-                let uneven = uneven_directions(&self.photos, base);
-                no_base(&self.photos, base).into_iter().chain(uneven)
-            };
-            let of_usual: Vec<String> = cautions(BASE_VARIANT).collect();
-            let others = self.cautions.iter().filter(|c| !of_usual.contains(c)).cloned();
-            self.cautions = cautions(base).chain(others).collect();
-        }
-        self
-    }
+/// Those that a comparison with `base` depends on.
+pub(super) fn about_base(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
+    let uneven = uneven_directions(photos, base);
+    no_base(photos, base).into_iter().chain(uneven).collect()
 }
 
 fn no_base(photos: &[ScoredPhoto], base: &str) -> Option<String> {
@@ -169,7 +159,7 @@ fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<Str
         .collect()
 }
 
-/// A photo of another size than the camera file's was taken for the whole picture, made smaller or larger.
+/// A photo of another size than the camera file's was taken for the whole photo, made smaller or larger.
 fn other_sizes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     let is_other = |p: &ScoredPhoto, s: &Session| {
         let own = s.camera.as_ref().map(|c| [c.width, c.height]);

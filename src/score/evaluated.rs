@@ -1,4 +1,4 @@
-//! A detector that takes part in a scoring run: live, or played back from a recording.
+//! A detector that a run evaluates: live, or played back from a recording.
 
 use std::path::{Path, PathBuf};
 

@@ -29,7 +29,7 @@ pub use criteria::Criteria;
 pub use error::ScoreError;
 pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors, runtime};
 pub use observe::{LeftOutReason, Observation, Options, libraries};
-pub use outcome::{Outcome, Verdict};
+pub use outcome::{PhotoOutcome, Verdict};
 pub use photo::{NotScored, ScoredPhoto, TagMark};
 pub use record::{RecordError, check_recordings, record};
 pub use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};

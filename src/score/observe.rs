@@ -43,10 +43,10 @@ pub fn libraries() -> String {
 pub struct Observation {
     /// SHA-256 of the file, hex.
     pub sha256: String,
-    /// Of the upright picture, in pixels.
+    /// Of the upright photo, in pixels.
     pub width: u32,
     pub height: u32,
-    /// How far EXIF turned the picture clockwise.
+    /// How far EXIF turned the photo clockwise.
     pub turned_deg: u32,
     /// Empty when the session says where the model is.
     pub tags: Vec<SeenTag>,
@@ -259,9 +259,9 @@ impl<'a> Observer<'a> {
         let key = self.key(&["detections", &decoded.file.sha256, &manifest.weights.sha256, &read]);
         self.kept(key, |own| {
             let (width, height) = (decoded.file.width, decoded.file.height);
-            let picture = decoded.at_least(manifest.least_px(width, height))?;
+            let image = decoded.at_least(manifest.least_px(width, height))?;
             let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
-            loaded.detect_reduced(picture, width, height).map_err(|e| match e {
+            loaded.detect_reduced(image, width, height).map_err(|e| match e {
                 DetectError::NotANumber { .. } => Stop::Photo(LeftOutReason::of(e)),
                 e => Stop::Run(e.into()),
             })

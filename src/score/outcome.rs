@@ -6,7 +6,7 @@ use super::MATCH_IOU;
 use crate::detect::Detection;
 use crate::geometry::BoxPx;
 
-/// The paper's picture borders.
+/// The colours of the borders that the paper draws around photos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -20,7 +20,7 @@ pub enum Verdict {
 
 /// What one detector made of the model in one photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
+pub struct PhotoOutcome {
     /// Highest confidence among detections of the class that overlap the truth enough; 0 for a miss.
     pub confidence: f64,
     /// The most confident other label on the model at hit confidence: (label, confidence).
@@ -30,10 +30,10 @@ pub struct Outcome {
     pub hallucinations: usize,
 }
 
-impl Outcome {
+impl PhotoOutcome {
     /// Judges the detections of a photo against the model's truth box and the labels that count as it; those below `hit_confidence` only lend
     /// the photo its confidence.
-    pub fn of(detections: &[Detection], truth: &BoxPx, counted: &[usize], hit_confidence: f64) -> Outcome {
+    pub fn of(detections: &[Detection], truth: &BoxPx, counted: &[usize], hit_confidence: f64) -> PhotoOutcome {
         let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= MATCH_IOU);
         let confidence = on_model()
             .filter(|d| counted.contains(&d.label))
@@ -51,7 +51,7 @@ impl Outcome {
         let elsewhere = detections
             .iter()
             .filter(|d| counted.contains(&d.label) && d.score >= hit_confidence && d.box_px.iou(truth) < MATCH_IOU);
-        Outcome {
+        PhotoOutcome {
             confidence,
             other,
             verdict,
@@ -82,12 +82,12 @@ mod tests {
     const CAR: usize = 2;
     const TRUCK: usize = 7;
 
-    fn outcome(detections: &[(usize, f64, f64)]) -> Outcome {
+    fn outcome(detections: &[(usize, f64, f64)]) -> PhotoOutcome {
         let detections: Vec<_> = detections
             .iter()
             .map(|(label, score, x)| Detection::new(*label, *score, BoxPx::new(*x, 0.0, x + 100.0, 50.0)).unwrap())
             .collect();
-        Outcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], 0.5)
+        PhotoOutcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], 0.5)
     }
 
     #[test]

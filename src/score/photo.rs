@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Outcome;
+use super::PhotoOutcome;
 use crate::detect::Detection;
 use crate::geometry::BoxPx;
 use crate::scene::{Bin, Viewpoint};
@@ -26,7 +26,7 @@ pub struct ScoredPhoto {
     pub bin: Option<Bin>,
     /// Ids of the tags behind the pose; empty when the session gave the viewpoint.
     pub tags: Vec<u32>,
-    /// Every tag that was seen, for the report's picture.
+    /// Every tag that was seen, for the report.
     pub tag_marks: Vec<TagMark>,
     /// Reprojection error of the pose.
     pub rms_px: Option<f64>,
@@ -36,7 +36,7 @@ pub struct ScoredPhoto {
     /// One list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
     /// One per detector.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<PhotoOutcome>,
     /// A small JPEG for the report.
     pub preview_jpeg: Vec<u8>,
 }

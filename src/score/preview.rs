@@ -29,10 +29,10 @@ pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<V
     let (width, height) = (f64::from(decoded.file.width), f64::from(decoded.file.height));
     let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
     let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
-    let picture = decoded.at_least([width, height])?;
-    let small = imageops::resize(picture, width, height, FilterType::Triangle);
+    let image = decoded.at_least([width, height])?;
+    let small = imageops::resize(image, width, height, FilterType::Triangle);
     let mut jpeg = Vec::new();
-    // Encoding into memory fails for no picture of this size; without a preview the report still has its numbers.
+    // Encoding into memory fails for no image of this size; without a preview the report still has its numbers.
     match JpegEncoder::new_with_quality(&mut jpeg, 80).encode_image(&small) {
         Ok(()) => Ok(jpeg),
         Err(_) => Ok(Vec::new()),

@@ -7,7 +7,7 @@ use super::evaluated::{EvaluatedDetector, runtime};
 use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
 use super::scores::Scores;
 use super::shard::{ShardId, ShardObservations};
-use super::{HIT_CONFIDENCE, LeftOutReason, NotScored, Outcome, ScoredPhoto, TagMark};
+use super::{HIT_CONFIDENCE, LeftOutReason, NotScored, PhotoOutcome, ScoredPhoto, TagMark};
 use crate::detect::Runtime;
 use crate::locate::Located;
 use crate::session::Session;
@@ -130,7 +130,7 @@ fn scored(
     let outcomes = detectors
         .iter()
         .zip(&observation.detections)
-        .map(|(c, found)| Outcome::of(found, &place.truth, &c.counted, HIT_CONFIDENCE))
+        .map(|(c, found)| PhotoOutcome::of(found, &place.truth, &c.counted, HIT_CONFIDENCE))
         .collect();
     let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
     ScoredPhoto {

@@ -1,7 +1,9 @@
 //! The result of a run: what every photo showed, and the figures made of it.
 
 use super::error::ScoreError;
-use super::{Criteria, EvaluatedDetector, NotScored, Outcome, ScoredPhoto, Summary, caution, summary};
+use super::{
+    BASE_VARIANT, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, ScoredPhoto, Summary, caution, summary,
+};
 use crate::session::Session;
 
 /// The result of a run.
@@ -63,7 +65,7 @@ impl Scores {
             let judged = self.detectors.iter().zip(&photo.detections);
             let confidence = criteria.hit_confidence;
             photo.outcomes = judged
-                .map(|(c, found)| Outcome::of(found, &photo.truth, &c.counted, confidence))
+                .map(|(c, found)| PhotoOutcome::of(found, &photo.truth, &c.counted, confidence))
                 .collect();
         }
         let bins = &self.sessions[0].scene.bins;
@@ -71,6 +73,16 @@ impl Scores {
         self.criteria = criteria;
         self
     }
+    /// The same run, whose cautions speak of drops from `base`.
+    pub fn against(mut self, base: &str) -> Scores {
+        if base != BASE_VARIANT {
+            let of_usual = caution::about_base(&self.photos, BASE_VARIANT);
+            self.cautions.retain(|caution| !of_usual.contains(caution));
+            self.cautions.splice(0..0, caution::about_base(&self.photos, base));
+        }
+        self
+    }
+
     /// What people call a detector of this name.
     pub fn title<'a>(&'a self, detector: &'a str) -> &'a str {
         let found = self.detectors.iter().find(|d| d.manifest.name == detector);

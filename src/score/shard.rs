@@ -225,7 +225,7 @@ pub enum ShardError {
     Session(#[from] SessionError),
     #[error(transparent)]
     Detector(#[from] EvaluatedDetectorError),
-    #[error("{path} is not a shard, which a scoring run of a part of the photos writes", path = path.display())]
+    #[error("{path} is not a shard", path = path.display())]
     NotAShard { path: PathBuf },
     #[error("{path} was written by scaleproof {found}, and this is {}: score it again, or merge with that version", VERSION, path = path.display())]
     OtherVersion { path: PathBuf, found: String },

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    ApDefinition, BASE_VARIANT, EvaluatedDetector, ImageBoxes, MATCH_IOU, Outcome, ScoredPhoto, average_precision_as,
+    ApDefinition, BASE_VARIANT, EvaluatedDetector, ImageBoxes, MATCH_IOU, PhotoOutcome, ScoredPhoto,
+    average_precision_as,
 };
 use crate::scene::{Bin, Bins};
 use crate::statistics::{median, wilson_95};
@@ -224,8 +225,8 @@ pub(super) fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
 fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
     let images: Vec<ImageBoxes> = photos.iter().map(|p| boxes(p, side.detector, side.counted)).collect();
     let outcomes = || photos.iter().map(|p| &p.outcomes[side.detector]);
-    let mean = |of: fn(&Outcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
-    let rate = |counts: fn(&Outcome) -> bool| {
+    let mean = |of: fn(&PhotoOutcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;
+    let rate = |counts: fn(&PhotoOutcome) -> bool| {
         let count = outcomes().filter(|o| counts(o)).count();
         let (low, high) = wilson_95(count, photos.len())?;
         let rate = count as f64 / photos.len() as f64;
@@ -234,9 +235,9 @@ fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
     Some(Figures {
         photos: photos.len(),
         ap50: average_precision_as(side.ap, &images, MATCH_IOU)?.ap,
-        hit_rate: rate(Outcome::is_hit)?,
-        misclassification_rate: rate(Outcome::is_misclassified)?,
-        disappearance_rate: rate(Outcome::has_disappeared)?,
+        hit_rate: rate(PhotoOutcome::is_hit)?,
+        misclassification_rate: rate(PhotoOutcome::is_misclassified)?,
+        disappearance_rate: rate(PhotoOutcome::has_disappeared)?,
         hallucinations_per_image: mean(|o| o.hallucinations as f64),
         mean_confidence: mean(|o| o.confidence),
         median_confidence: median(&outcomes().map(|o| o.confidence).collect::<Vec<_>>())?,

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Session;
+use crate::photo::PhotoError;
 use crate::scene::{Bins, Classes, TagFamily};
 
-/// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read, as a sentence.
-pub type Look = Result<String, String>;
+/// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read.
+pub type Look = Result<String, PhotoError>;
 
 /// A session in short, for people and programs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,11 +21,11 @@ pub struct Contents {
     pub camera: Option<CameraInShort>,
     pub photos: usize,
     /// Photos by texture and place.
-    pub groups: Vec<Group>,
+    pub groups: Vec<PhotoGroup>,
     /// Photos whose truth box came with the session.
     pub with_truth: usize,
     /// Photos that cannot be read, and why.
-    pub unreadable: Vec<Unreadable>,
+    pub unreadable: Vec<UnreadablePhoto>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -67,14 +68,14 @@ pub struct CameraInShort {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Group {
+pub struct PhotoGroup {
     pub variant: String,
     pub place: Option<String>,
     pub photos: usize,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Unreadable {
+pub struct UnreadablePhoto {
     pub file: String,
     /// A sentence.
     pub reason: String,
@@ -87,15 +88,15 @@ impl Contents {
         for photo in &session.photos {
             *groups.entry((&photo.variant, photo.place.as_deref())).or_default() += 1;
         }
-        let group = |((variant, place), photos): ((&str, Option<&str>), usize)| Group {
+        let group = |((variant, place), photos): ((&str, Option<&str>), usize)| PhotoGroup {
             variant: variant.to_owned(),
             place: place.map(str::to_owned),
             photos,
         };
         let unreadable = session.photos.iter().zip(looks).filter_map(|(photo, look)| {
-            let reason = look.as_ref().err()?.clone();
+            let reason = look.as_ref().err()?.to_string();
             let file = photo.file.clone();
-            Some(Unreadable { file, reason })
+            Some(UnreadablePhoto { file, reason })
         });
         Contents {
             session: session.name.clone(),

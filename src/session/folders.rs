@@ -11,13 +11,14 @@ use crate::photo;
 const READABLE: [&str; 3] = ["jpg", "jpeg", "png"];
 /// The same where the system has a decoder.
 const HEIF: [&str; 3] = ["heic", "heif", "avif"];
-/// Endings of pictures that are named when they are passed over.
-const OTHER_PICTURES: [&str; 15] = [
+/// Endings of images that are named when they are passed over.
+const OTHER_IMAGES: [&str; 15] = [
     "heic", "heif", "avif", "webp", "tif", "tiff", "bmp", "gif", "dng", "cr2", "cr3", "nef", "arw", "raf", "rw2",
 ];
 
 /// Why folders make no session.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FoldersError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -57,8 +58,8 @@ pub struct PhotoFolder {
 pub struct Listing {
     /// Names of JPEG and PNG files, by their ending.
     pub photos: Vec<String>,
-    /// Names of pictures in formats that are not read.
-    pub other_pictures: Vec<String>,
+    /// Names of images in formats that are not read.
+    pub other_images: Vec<String>,
     /// Names of folders.
     pub folders: Vec<String>,
 }
@@ -152,7 +153,7 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
     }
     let listing = Listing::of(&folder)?;
     if listing.photos.is_empty() {
-        let hint = match (listing.other_pictures.first(), listing.folders.first()) {
+        let hint = match (listing.other_images.first(), listing.folders.first()) {
             (Some(other), _) => format!(" (convert {other} and the like to JPEG)"),
             (None, Some(inner)) => format!(" (those in folders inside it, as {inner}, are not read: name these)"),
             (None, None) => String::new(),
@@ -173,8 +174,8 @@ impl Listing {
     /// It cannot be read; a photo's name that is no text.
     pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
         let mut listing = Listing::default();
-        for entry in std::fs::read_dir(folder).map_err(|e| unreadable(folder, &e))? {
-            let path = entry.map_err(|e| unreadable(folder, &e))?.path();
+        for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
+            let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
             // What leads nowhere is neither a file nor a folder.
             let Ok(about) = std::fs::metadata(&path) else { continue };
             let name = path.file_name().unwrap_or_default();
@@ -182,7 +183,7 @@ impl Listing {
             let kind = match (about.is_dir(), about.is_file()) {
                 (true, _) => &mut listing.folders,
                 (_, true) if is_readable(&ending) => &mut listing.photos,
-                (_, true) if OTHER_PICTURES.contains(&ending.as_str()) => &mut listing.other_pictures,
+                (_, true) if OTHER_IMAGES.contains(&ending.as_str()) => &mut listing.other_images,
                 _ => continue,
             };
             match name.to_str() {
@@ -194,7 +195,7 @@ impl Listing {
         }
         listing.drop_twins();
         listing.photos.sort();
-        listing.other_pictures.sort();
+        listing.other_images.sort();
         listing.folders.sort();
         Ok(listing)
     }
@@ -210,7 +211,7 @@ impl Listing {
         let plain: BTreeSet<String> = plain.map(|name| stem(name)).collect();
         let is_twin = |name: &mut String| HEIF.contains(&ending(name).as_str()) && plain.contains(&stem(name));
         let twins: Vec<String> = self.photos.extract_if(.., is_twin).collect();
-        self.other_pictures.extend(twins);
+        self.other_images.extend(twins);
     }
 
     /// Whether a file is taken for a photo, by its name.
@@ -231,11 +232,4 @@ fn common_folder(folders: &[Listed]) -> PathBuf {
         let same = common.components().zip(path.components()).take_while(|(a, b)| a == b);
         same.map(|(part, _)| part).collect()
     })
-}
-
-fn unreadable(path: &Path, e: &std::io::Error) -> FileError {
-    FileError::Read {
-        path: path.to_owned(),
-        reason: files::plain(e),
-    }
 }

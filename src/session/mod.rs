@@ -17,10 +17,11 @@ use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
 
 pub use contents::{Contents, Look};
-pub use new::{Made, NewError, NewSession, mesh_below};
+pub use new::{MadeSession, NewSession, NewSessionError, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SessionError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -91,6 +92,12 @@ struct SessionFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     camera: Option<PathBuf>,
     photos: Vec<PhotoEntry>,
+}
+
+impl SessionFile {
+    fn to_json(&self, path: &Path) -> Result<String, SessionError> {
+        Ok(serde_json::to_string_pretty(self).map_err(|e| syntax(path, &e))? + "\n")
+    }
 }
 
 impl Session {
@@ -179,7 +186,7 @@ pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEnt
         camera: camera.map(Into::into),
         photos,
     };
-    let text = serde_json::to_string_pretty(&file).map_err(|e| syntax(path, &e))? + "\n";
+    let text = file.to_json(path)?;
     Session::parse(&text, path)?;
     Ok(text)
 }

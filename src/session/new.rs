@@ -10,7 +10,8 @@ use crate::scene::Scene;
 
 /// Why no session was made.
 #[derive(Debug, thiserror::Error)]
-pub enum NewError {
+#[non_exhaustive]
+pub enum NewSessionError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -19,7 +20,7 @@ pub enum NewError {
     Session(#[from] SessionError),
     #[error("{folder} is a session already: name a new folder", folder = folder.display())]
     SessionThere { folder: PathBuf },
-    #[error("{folder} has files already: with --copy name a new folder", folder = folder.display())]
+    #[error("{folder} has files already", folder = folder.display())]
     NotEmpty { folder: PathBuf },
     #[error("{path} is there already and another file: name a new folder for the session", path = path.display())]
     Other { path: PathBuf },
@@ -41,7 +42,7 @@ pub struct NewSession<'a> {
 
 /// A session that was written.
 #[derive(Debug, Clone)]
-pub struct Made {
+pub struct MadeSession {
     /// The `session.json`.
     pub path: PathBuf,
     pub photos: Vec<PhotoEntry>,
@@ -60,16 +61,16 @@ impl NewSession<'_> {
     ///
     /// # Errors
     /// A session that is there already, files in the way, a file that cannot be read or written.
-    pub fn write(&self) -> Result<Made, NewError> {
+    pub fn write(&self) -> Result<MadeSession, NewSessionError> {
         let path = self.folder.join("session.json");
         if path.exists() {
             let folder = self.folder.to_owned();
-            return Err(NewError::SessionThere { folder });
+            return Err(NewSessionError::SessionThere { folder });
         }
         let is_new = is_free(self.folder)?;
         if self.copy && !is_new {
             let folder = self.folder.to_owned();
-            return Err(NewError::NotEmpty { folder });
+            return Err(NewSessionError::NotEmpty { folder });
         }
         let home = real_place(self.folder)?;
         let mut files = Files::new();
@@ -83,7 +84,7 @@ impl NewSession<'_> {
             camera: Some(camera),
             photos,
         };
-        files.push(("session.json".into(), Content::Bytes(json(&list, &path)?)));
+        files.push(("session.json".into(), Content::Bytes(list.to_json(&path)?.into_bytes())));
         match is_new {
             true => files::make_folder(&home, |folder| {
                 files
@@ -92,20 +93,20 @@ impl NewSession<'_> {
             })?,
             false => self.write_beside(files)?,
         }
-        Ok(Made {
+        Ok(MadeSession {
             path,
             photos: list.photos,
         })
     }
 
     /// Into a folder that has files already.
-    fn write_beside(&self, files: Files) -> Result<(), NewError> {
+    fn write_beside(&self, files: Files) -> Result<(), NewSessionError> {
         let mut contents = Vec::new();
         for (name, content) in files {
             let path = self.folder.join(name);
             let Content::Bytes(bytes) = content else { continue };
             match path.exists() {
-                true if files::read(&path)? != bytes => return Err(NewError::Other { path }),
+                true if files::read(&path)? != bytes => return Err(NewSessionError::Other { path }),
                 true => {}
                 false => contents.push((path, bytes)),
             }
@@ -114,19 +115,19 @@ impl NewSession<'_> {
     }
 
     /// The scene as the session names it: where it is when that is inside the session, else a copy with its mesh.
-    fn scene(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewError> {
+    fn scene(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
         if let Some(inside) = inside(self.scene, home) {
             return Ok(inside);
         }
         files.push(("scene.toml".into(), Content::Bytes(files::read(self.scene)?)));
-        let mesh = mesh_below(&self.photos.session.scene).map_err(|mesh| NewError::MeshElsewhere { mesh })?;
+        let mesh = mesh_below(&self.photos.session.scene).map_err(|mesh| NewSessionError::MeshElsewhere { mesh })?;
         if let (Some(mesh), Some(read)) = (mesh, &self.photos.session.mesh_path) {
             files.push((mesh, Content::Bytes(files::read(read)?)));
         }
         Ok("scene.toml".into())
     }
 
-    fn camera(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewError> {
+    fn camera(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
         if let Some(inside) = inside(self.camera, home) {
             return Ok(inside);
         }
@@ -137,7 +138,7 @@ impl NewSession<'_> {
     }
 
     /// The photos where they are, by their way from the session.
-    fn named(&self, home: &Path) -> Result<Vec<PhotoEntry>, NewError> {
+    fn named(&self, home: &Path) -> Result<Vec<PhotoEntry>, NewSessionError> {
         let mut photos = Vec::new();
         for found in &self.photos.folders {
             let way = text_path(&way(home, &found.real))?;
@@ -147,7 +148,7 @@ impl NewSession<'_> {
     }
 
     /// The photos in a folder each, called as the one they come from.
-    fn copied(&self, files: &mut Files) -> Result<Vec<PhotoEntry>, NewError> {
+    fn copied(&self, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
         let (mut photos, mut taken) = (Vec::new(), BTreeSet::new());
         for found in &self.photos.folders {
             let name = text_path(Path::new(found.real.file_name().unwrap_or("photos".as_ref())))?;
@@ -192,10 +193,7 @@ fn is_free(folder: &Path) -> Result<bool, FileError> {
     match std::fs::read_dir(folder) {
         Ok(mut entries) => Ok(entries.next().is_none()),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(true),
-        Err(e) => Err(FileError::Write {
-            path: folder.to_owned(),
-            reason: files::plain(&e),
-        }),
+        Err(e) => Err(FileError::write(folder, &e)),
     }
 }
 
@@ -246,11 +244,6 @@ fn write(path: &Path, content: &Content) -> Result<(), FileError> {
         Content::Bytes(bytes) => files::replace_atomically(path, bytes),
         Content::CopyOf(original) => files::copy(original, path),
     }
-}
-
-fn json(list: &SessionFile, path: &Path) -> Result<Vec<u8>, SessionError> {
-    let text = serde_json::to_string_pretty(list).map_err(|e| super::syntax(path, &e))?;
-    Ok((text + "\n").into_bytes())
 }
 
 #[cfg(test)]

@@ -2,19 +2,19 @@
 //!
 //! Resizing is linear in the picture and separable; the way back uses the same weights transposed.
 
-use crate::detect::{Channels, Input, Kernel, Layout, Placement};
+use crate::detect::{Channels, Input, InputPlacement, Kernel, Layout};
 use crate::whitebox::separable::{Separable, Tap};
 
 /// The way of pictures of one size into one network.
 pub(super) struct Resampler {
     input: Input,
-    placement: Placement,
+    placement: InputPlacement,
     resized: Separable,
 }
 
 impl Resampler {
     pub(super) fn new(input: &Input, size_px: [u32; 2]) -> Resampler {
-        let placement = Placement::new(input, size_px[0], size_px[1]);
+        let placement = InputPlacement::new(input, size_px[0], size_px[1]);
         let taps = |axis: usize| {
             let (from, to) = (size_px[axis] as usize, placement.size[axis] as usize);
             match input.kernel {
@@ -29,7 +29,7 @@ impl Resampler {
         }
     }
 
-    pub(super) fn placement(&self) -> &Placement {
+    pub(super) fn placement(&self) -> &InputPlacement {
         &self.placement
     }
 

@@ -7,7 +7,7 @@ use super::loss::{HIT_CONFIDENCE, HIT_IOU, strongest};
 use super::stage::Stage;
 use super::{Draw, Rgb, RunError};
 use crate::ap::{ImageBoxes, average_precision};
-use crate::detect::{Candidate, SCORE_FLOOR, suppress};
+use crate::detect::{CandidateBox, SCORE_FLOOR, suppress};
 use crate::geometry::BoxPx;
 use crate::whitebox::{Claim, WhiteBox};
 
@@ -106,7 +106,7 @@ fn claims(stage: &Stage, detector: &dyn WhiteBox, (view, picture): (usize, &[Rgb
 /// The boxes that scoring would see.
 fn detections(claims: &[Claim], hides_from_iou: f64) -> Vec<(f64, BoxPx)> {
     let candidates = claims.iter().filter(|claim| claim.confidence >= SCORE_FLOOR);
-    let candidates = candidates.map(|claim| Candidate {
+    let candidates = candidates.map(|claim| CandidateBox {
         label: 0,
         score: claim.confidence,
         b: claim.box_px,

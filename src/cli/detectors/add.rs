@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{CommandResult, Outcome};
-use crate::detect::{self, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, propose};
+use crate::cli::{CommandResult, Outcome, advice};
+use crate::detect::{
+    self, Family, Hints, Labels, Manifest, ProposalNote, ProposeError, Runtime, WeightFolders, propose,
+};
 use crate::files;
 
 #[derive(clap::Args)]
@@ -33,6 +35,22 @@ pub struct Args {
     /// One JSON object instead of the text.
     #[arg(long)]
     json: bool,
+}
+
+/// What to do about an error of the library, or about what it takes for granted.
+pub fn advice(error: &(dyn std::error::Error + 'static)) -> Option<String> {
+    let advice = match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(ProposeError::OtherSize { .. }), _) => "leave --size out",
+        (Some(ProposeError::Trial { .. }), _) => "name the input's size by --size",
+        (Some(ProposeError::Ambiguous { .. }), _) => "name yours by --family",
+        (Some(ProposeError::NoLabels { .. }), _) => {
+            "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line"
+        }
+        (_, Some(ProposalNote::LabelsByCount { .. })) => "name others by --labels",
+        (_, Some(ProposalNote::OpenSize { .. })) => ", name another by --size",
+        _ => return None,
+    };
+    Some(advice.into())
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
@@ -68,21 +86,22 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     );
     let proposal = proposal.map_err(|e| match e {
         // These name the file themselves.
-        ProposeError::File(_) | ProposeError::Detect(_) => e.to_string(),
-        e => format!("{}: {e}", args.model.display()),
+        ProposeError::File(_) | ProposeError::Detect(_) => advice::sentence(&e),
+        e => format!("{}: {}", args.model.display(), advice::sentence(&e)),
     })?;
     let manifest = Manifest {
         class_map: class_map(&args.map)?,
         ..proposal.manifest
     };
     files::write_atomically(&path, manifest.to_toml()?.as_bytes())?;
-    for note in &proposal.notes {
+    let notes: Vec<String> = proposal.notes.iter().map(|note| advice::sentence(note)).collect();
+    for note in &notes {
         say!("note: {note}");
     }
     let registered = args.register.then(|| register(&path)).transpose()?;
     if args.json {
         let line = serde_json::json!({
-            "name": manifest.name, "manifest": path, "family": proposal.family.name(), "registered": registered, "notes": proposal.notes,
+            "name": manifest.name, "manifest": path, "family": proposal.family.name(), "registered": registered, "notes": notes,
         });
         writeln!(out, "{line}")?;
         return Ok(Outcome::Done);

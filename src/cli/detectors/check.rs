@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Folder, drawn, present};
+use super::{Looking, drawn};
 use crate::cli::copies::CopiesError;
 use crate::cli::{CommandResult, Outcome};
 use crate::detect::{Detection, Detector, Manifest, Runtime};
@@ -15,14 +15,8 @@ use crate::photo::Photo;
 
 #[derive(clap::Args)]
 pub struct Args {
-    /// Photos (JPEG or PNG).
-    #[arg(required = true)]
-    photos: Vec<PathBuf>,
-    /// Only this detector; may be given several times, or as a list with commas.
-    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
-    detectors: Vec<String>,
     #[command(flatten)]
-    folder: Folder,
+    looking: Looking,
     /// Boxes below this confidence are not printed.
     #[arg(long, default_value_t = 0.3)]
     confidence: f64,
@@ -36,7 +30,7 @@ pub struct Args {
 
 /// One line of `check --json`.
 #[derive(Serialize)]
-struct Line<'a> {
+struct DetectionLine<'a> {
     detector: &'a str,
     file: String,
     label: &'a str,
@@ -52,21 +46,15 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if !(0.0..=1.0).contains(&args.confidence) {
         return Err(format!("--confidence is {}: give a number from 0 to 1", args.confidence).into());
     }
-    let folders = args.folder.folders()?;
-    let manifests = present(&args.detectors, &folders)?;
-    let photos = args
-        .photos
-        .iter()
-        .map(|p| Photo::open(p))
-        .collect::<Result<Vec<_>, _>>()?;
+    let (detectors, photos) = args.looking.open()?;
     let mut saved = Saved::new(&args)?;
     let runtime = Runtime::load()?;
-    for (number, manifest) in manifests.iter().enumerate() {
-        let mut detector = Detector::open(runtime, manifest, &folders.checked(manifest)?)?;
-        for (index, (path, photo)) in args.photos.iter().zip(&photos).enumerate() {
+    for (number, (manifest, weights)) in detectors.iter().enumerate() {
+        let mut detector = Detector::open(runtime, manifest, weights)?;
+        for (index, (path, photo)) in args.looking.photos.iter().zip(&photos).enumerate() {
             // Reduced as `score` reduces it, so that both say the same.
-            let picture = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
-            let mut found = detector.detect_reduced(&picture, photo.width, photo.height)?;
+            let image = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
+            let mut found = detector.detect_reduced(&image, photo.width, photo.height)?;
             found.retain(|d| d.score >= args.confidence);
             if let Some(marks) = saved.marks.get_mut(index) {
                 marks.extend(found.iter().map(|d| (number, d.box_px, text(manifest, d))));
@@ -78,7 +66,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
                 let label = manifest.labels.name(d.label).unwrap_or("?");
                 let counts_as = manifest.counts_as(d.label).filter(|counted| *counted != label);
                 let file = path.display().to_string();
-                let line = Line {
+                let line = DetectionLine {
                     detector: &manifest.name,
                     file,
                     label,
@@ -113,7 +101,7 @@ impl Saved {
     fn new(args: &Args) -> Result<Saved, CopiesError> {
         let paths = match &args.save {
             None => Vec::new(),
-            Some(folder) => drawn::places(folder, &args.photos)?,
+            Some(folder) => drawn::places(folder, &args.looking.photos)?,
         };
         Ok(Saved {
             marks: vec![Vec::new(); paths.len()],
@@ -124,11 +112,11 @@ impl Saved {
     /// Draws and writes the copies; with `json` their paths are not told, as each line there is a detection.
     fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<(), Box<dyn std::error::Error>> {
         for ((path, photo), marks) in self.paths.iter().zip(photos).zip(&self.marks) {
-            let mut picture = photo.rgb(1)?;
+            let mut image = photo.rgb(1)?;
             for (detector, box_px, text) in marks {
-                drawn::draw_box(&mut picture, *box_px, text, drawn::colour(*detector));
+                drawn::draw_box(&mut image, *box_px, text, drawn::colour(*detector));
             }
-            files::replace_atomically(path, &drawn::jpeg(&picture)?)?;
+            files::replace_atomically(path, &drawn::jpeg(&image)?)?;
             if !json {
                 writeln!(out, "{}", path.display())?;
             }
@@ -143,7 +131,7 @@ fn text(manifest: &Manifest, d: &Detection) -> String {
     format!("{}: {label} {:.2}", manifest.name, d.score)
 }
 
-fn row(line: &Line) -> String {
+fn row(line: &DetectionLine) -> String {
     let b = line.box_px;
     let counted = line
         .counts_as

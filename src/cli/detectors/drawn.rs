@@ -27,23 +27,23 @@ pub fn colour(detector: usize) -> [u8; 3] {
 }
 
 /// Draws a box and what it is called.
-pub fn draw_box(picture: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]) {
-    let (width_px, size_px) = draw::readable_px(picture);
-    // A box counts from the picture's edge, a drawing from the middle of its first pixel.
+pub fn draw_box(image: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]) {
+    let (width_px, size_px) = draw::readable_px(image);
+    // A box counts from the image's edge, a drawing from the middle of its first pixel.
     let [left, top, right, bottom] = [box_px.x1, box_px.y1, box_px.x2, box_px.y2].map(|v| v - 0.5);
-    draw::rectangle(picture, [left, top], [right, bottom], Pen { colour, width_px });
+    draw::rectangle(image, [left, top], [right, bottom], Pen { colour, width_px });
     let lettering = Lettering {
         colour: [0; 3],
         ground: colour,
         size_px,
     };
-    draw::label(picture, [left, top], Anchor::BottomLeft, text, lettering);
+    draw::label(image, [left, top], Anchor::BottomLeft, text, lettering);
 }
 
-/// A picture as the bytes of a JPEG file.
-pub fn jpeg(picture: &RgbImage) -> image::ImageResult<Vec<u8>> {
+/// A image as the bytes of a JPEG file.
+pub fn jpeg(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    picture.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
+    image.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
     Ok(copies::marked(&bytes))
 }
 

@@ -2,20 +2,27 @@
 
 mod add;
 mod check;
-mod choose;
 mod drawn;
 mod registry;
 mod speed;
 
-pub use choose::{chosen, chosen_as};
+pub use crate::detect::choose as chosen;
 
+use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use crate::cli::{CommandResult, Outcome, progress};
-use crate::detect::{self, Manifest, WeightFolders, WeightsError, registered, registered_names};
+use crate::cli::{CommandResult, Outcome, advice, progress};
+#[cfg(feature = "full")]
+use crate::detect::FetchError;
+use crate::detect::{
+    self, Manifest, ManifestError, NoSuchClass, RecordedError, RegisterError, WeightFolders, WeightsError, registered,
+    registered_names,
+};
+use crate::photo::Photo;
+use crate::score::EvaluatedDetectorError;
 
 /// List, fetch, try out and add object detectors.
 #[derive(clap::Args)]
@@ -35,7 +42,7 @@ enum Command {
     Check(check::Args),
     /// Write the manifest of a detector of your own from its ONNX file, or say what the file does not tell.
     ///
-    /// The network is run on a grey picture and on noise; its outputs tell the family. How a photo is to be prepared no file
+    /// The network is run on a grey image and on noise; its outputs tell the family. How a photo is to be prepared no file
     /// says: the family's usual way is written, to be compared with the program that the weights come from.
     Add(add::Args),
     Speed(speed::Args),
@@ -65,6 +72,33 @@ impl Folder {
     }
 }
 
+/// Photos, and the detectors that look at them.
+#[derive(clap::Args)]
+struct Looking {
+    /// Photos (JPEG or PNG).
+    #[arg(required = true)]
+    photos: Vec<PathBuf>,
+    /// Only this detector; may be given several times, or as a list with commas.
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+}
+
+impl Looking {
+    /// The detectors with their weights, and the photos.
+    fn open(&self) -> CommandResultOf<(Vec<(Manifest, PathBuf)>, Vec<Photo>)> {
+        let folders = self.folder.folders()?;
+        let manifests = present(&self.detectors, &folders)?.into_iter();
+        let detectors = manifests.map(|manifest| folders.checked(&manifest).map(|weights| (manifest, weights)));
+        let photos = self.photos.iter().map(|path| Photo::open(path));
+        Ok((
+            detectors.collect::<Result<_, WeightsError>>()?,
+            photos.collect::<Result<_, _>>()?,
+        ))
+    }
+}
+
 #[derive(clap::Args)]
 struct ListArgs {
     #[command(flatten)]
@@ -86,6 +120,40 @@ struct FetchArgs {
     json: bool,
 }
 
+/// What to do about an error of the library.
+pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref() {
+        Some(EvaluatedDetectorError::Weights(e)) => return advice(e),
+        Some(EvaluatedDetectorError::Recorded(e)) => return advice(e),
+        Some(EvaluatedDetectorError::NoSuchClass(e)) => return advice(e),
+        _ => {}
+    }
+    if let Some(RegisterError::Weights(e)) = error.downcast_ref() {
+        return advice(e);
+    }
+    match error.downcast_ref() {
+        Some(WeightsError::Missing { file, .. }) => {
+            return Some(format!(", or name a folder with {file} by --detectors"));
+        }
+        Some(WeightsError::NoCache) => return Some(", or name a folder by --detectors".into()),
+        _ => {}
+    }
+    #[cfg(feature = "full")]
+    if let Some(FetchError::Taken { .. }) = error.downcast_ref() {
+        return Some(", or fetch into another folder by --detectors".into());
+    }
+    if let Some(ManifestError::NoManifest { network, .. }) = error.downcast_ref() {
+        return Some(format!("run `scaleproof detectors add {}` first", network.display()));
+    }
+    if let Some(RecordedError::Changed { .. }) = error.downcast_ref() {
+        return Some("record it again with --record".into());
+    }
+    let is_class = error.is::<NoSuchClass>();
+    is_class
+        .then(|| " (written by `scaleproof detectors add --map`)".into())
+        .or_else(|| add::advice(error))
+}
+
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.command {
         Command::List(args) => list(args, out),
@@ -99,7 +167,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-type CommandResultOf<T> = Result<T, Box<dyn std::error::Error>>;
+type CommandResultOf<T> = Result<T, Box<dyn Error>>;
 
 /// Those that ship with the program, then the registered ones; one whose manifest cannot be read any more is named in a note.
 fn all() -> CommandResultOf<Vec<Manifest>> {
@@ -107,7 +175,7 @@ fn all() -> CommandResultOf<Vec<Manifest>> {
     for name in registered_names() {
         match registered(&name) {
             Ok(manifest) => all.extend(manifest),
-            Err(e) => say!("note: {e}"),
+            Err(e) => say!("note: {}", advice::sentence(&e)),
         }
     }
     Ok(all)
@@ -134,7 +202,7 @@ fn list(args: ListArgs, out: &mut dyn Write) -> CommandResult {
             let place = match checked {
                 Ok(path) => path.display().to_string(),
                 Err(WeightsError::WrongHash { path, .. }) => format!("not the described file: {}", path.display()),
-                Err(e) if m.weights.url.is_empty() => e.to_string(),
+                Err(e) if m.weights.url.is_empty() => advice::sentence(&e),
                 Err(_) => "not here: scaleproof detectors fetch".into(),
             };
             writeln!(

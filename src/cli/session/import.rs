@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::{by_variant, in_words};
 use crate::cli::{CommandResult, Outcome};
 use crate::files;
-use crate::session::import::{self, Request};
+use crate::session::import::{self, ImportRequest};
 use crate::spelling;
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
@@ -33,7 +33,7 @@ pub struct Args {
 
 pub fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let scene = args.scene.clone().unwrap_or_else(|| args.photos.join("scene.toml"));
-    let imported = import::import(&Request {
+    let imported = import::import(&ImportRequest {
         file: &args.file,
         folder: &args.photos,
         scene: &scene,

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{by_variant, in_words};
-use crate::cli::sessions::{About, pair, quoted};
+use crate::cli::sessions::{FolderFiles, pair, quoted};
 use crate::cli::{CommandResult, Outcome};
 use crate::session::NewSession;
 use crate::session::folders::PhotoFolder;
@@ -20,7 +20,7 @@ pub struct Args {
     #[arg(value_name = "VARIANT=DIR")]
     photos: Vec<PathBuf>,
     #[command(flatten)]
-    about: About,
+    about: FolderFiles,
     /// Copy the photos into the session, in a folder for each of theirs, instead of naming them where they are
     #[arg(long)]
     copy: bool,

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::cli::{CommandResult, Outcome, progress, sessions};
+use crate::cli::{CommandResult, Outcome, advice, progress, sessions};
 use crate::detect::{Manifest, Recorded, Recording};
 use crate::photo::Photo;
 use crate::score::EvaluatedDetector;
@@ -78,7 +78,7 @@ fn page(session: &Session) -> Page {
             Err(_) => Recording::open(&folder, &detector),
         };
         match opened {
-            Err(e) => notes.push(e.to_string()),
+            Err(e) => notes.push(advice::sentence(&e)),
             Ok(recording) => {
                 let (stored, note) = stored(session, &looks, &recording);
                 recordings.push(stored);
@@ -96,10 +96,7 @@ fn page(session: &Session) -> Page {
 /// Reads every photo, as far as its header.
 fn looks(session: &Session) -> Vec<Look> {
     let bar = progress::photos("reading", session.photos.len());
-    let look = |photo: &PhotoEntry| match Photo::open(&session.photo_path(photo)) {
-        Ok(file) => Ok(file.sha256),
-        Err(e) => Err(e.to_string()),
-    };
+    let look = |photo: &PhotoEntry| Photo::open(&session.photo_path(photo)).map(|photo| photo.sha256);
     let looks: Result<_, Infallible> =
         workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1));
     bar.finish_and_clear();

@@ -1,12 +1,12 @@
 //! DEIM, D-FINE, RT-DETR exports with `orig_target_sizes`: labels, boxes (x1 y1 x2 y2 in photo pixels) and scores; no
 //! suppression needed.
 
-use super::super::nms::Candidate;
+use super::super::nms::CandidateBox;
 use super::rows::Rows;
-use super::{Tensor, misfit};
+use super::{HeadError, Tensor, misfit};
 use crate::geometry::BoxPx;
 
-pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
     let rows =
         Rows::pick(outputs).ok_or_else(|| misfit("deim", "labels 1×n, boxes 1×n×4, scores 1×n".into(), outputs))?;
     rows.candidates(0, labels, BoxPx::from)
@@ -39,7 +39,9 @@ mod tests {
             [(2, 0.0), (7, 1.0)]
         );
         for strange in [91, 80, -1, i64::MIN] {
-            let error = decode(&outputs(vec![2, strange], vec![0.2, 0.01]), 80).unwrap_err();
+            let error = decode(&outputs(vec![2, strange], vec![0.2, 0.01]), 80)
+                .unwrap_err()
+                .to_string();
             assert!(
                 error.contains(&format!("label {strange}, which is not among the 80")),
                 "{error}"

@@ -3,9 +3,9 @@
 //! score = objectness^0.6 · label^0.4 (so not comparable with other detectors' scores); centre = cell + tanh(offset), size =
 //! sigmoid, both as a share of the input. Source: the FastestDet repository's `handle_preds`.
 
-use super::{Anchor, Anchors, Tensor, centred, misfit, sigmoid};
+use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, sigmoid};
 
-pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, String> {
+pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
     let (columns, rows) = ((width / 16) as usize, (height / 16) as usize);
     let data = outputs
         .first()
@@ -40,9 +40,9 @@ pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detect::nms::Candidate;
+    use crate::detect::nms::CandidateBox;
 
-    fn decode(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+    fn decode(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
         Ok(anchors(outputs, size, labels)?.candidates(outputs, labels))
     }
 

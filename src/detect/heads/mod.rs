@@ -18,7 +18,7 @@ mod yolox;
 
 use super::SCORE_FLOOR;
 use super::manifest::{Head, Manifest};
-use super::nms::{BestFirst, Candidate};
+use super::nms::{BestFirst, CandidateBox};
 use crate::geometry::BoxPx;
 
 /// One output tensor, row-major.
@@ -68,7 +68,7 @@ pub(crate) struct Anchor {
     pub label_step: usize,
 }
 
-/// All boxes of a head whose anchors are the same for every picture.
+/// All boxes of a head whose anchors are the same for every image.
 pub(crate) struct Anchors {
     pub anchors: Vec<Anchor>,
     /// score = objectness^exponents\[0\] · label^exponents\[1\]
@@ -82,7 +82,7 @@ impl Anchors {
     }
 
     /// Each anchor's best label, where it reaches the score floor.
-    fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<Candidate> {
+    fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<CandidateBox> {
         let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
         let candidate = |anchor: &Anchor| {
             let data = outputs.get(anchor.output)?.floats()?;
@@ -104,7 +104,7 @@ impl Anchors {
 
 /// The anchors of a detector's outputs for an input of width × height `size` in pixels; `None` for heads that choose their boxes by
 /// themselves.
-pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Option<Anchors>, String> {
+pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Option<Anchors>, HeadError> {
     let labels = manifest.labels.count();
     Ok(Some(match &manifest.head {
         Head::Yolox { .. } => yolox::anchors(outputs, size, labels)?,
@@ -119,27 +119,33 @@ pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -
 }
 
 /// Candidates in input pixels for most heads; DEIM answers in photo pixels.
-pub(super) struct Decoded {
+pub(super) struct DecodedOutputs {
     pub candidates: BestFirst,
     pub in_photo_px: bool,
 }
 
 /// Why outputs have no boxes to read.
-pub(super) enum Unreadable {
-    /// They are not what the manifest says; the sentence says in what.
-    Misfit(String),
-    /// A box is not finite, and in which output; as the end of the sentence "it answered with …".
-    NotFinite(String),
-}
-
-impl From<String> for Unreadable {
-    fn from(misfit: String) -> Unreadable {
-        Unreadable::Misfit(misfit)
-    }
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum HeadError {
+    #[error("its outputs {found} are not those of a {kind} head ({expected}): the manifest does not fit this file")]
+    Misfit {
+        kind: &'static str,
+        expected: String,
+        found: String,
+    },
+    #[error(
+        "it answered with label {label}, which is not among the {labels} of its manifest: `labels` or `first_label` is another network's"
+    )]
+    StrangeLabel { label: String, labels: usize },
+    #[error("it answered with {what}")]
+    NotFinite {
+        /// A box that is not finite, and in which output.
+        what: String,
+    },
 }
 
 /// Reads a detector's outputs for an input of width × height `size` in pixels.
-pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<Decoded, Unreadable> {
+pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Result<DecodedOutputs, HeadError> {
     let labels = manifest.labels.count();
     let mut candidates = match &manifest.head {
         Head::Yolov10 {} => yolov10::decode(outputs, labels)?,
@@ -154,9 +160,10 @@ pub(super) fn decode(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) ->
     // Numbers in the gaps of a list mean nothing, and no file could keep them.
     candidates.retain(|c| manifest.labels.name(c.label).is_some());
     if let Some(c) = candidates.iter().find(|c| !is_finite(&c.b)) {
-        return Err(Unreadable::NotFinite(not_finite(&c.b, outputs)));
+        let what = not_finite(&c.b, outputs);
+        return Err(HeadError::NotFinite { what });
     }
-    Ok(Decoded {
+    Ok(DecodedOutputs {
         candidates: BestFirst::new(candidates, manifest.head.nms_iou()),
         in_photo_px: matches!(manifest.head, Head::Deim {}),
     })
@@ -205,15 +212,15 @@ fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
 }
 
 /// A candidate by centre and size; `None` as in [`from_corners`].
-fn from_centre(label: usize, score: f32, centre_and_size: [f32; 4]) -> Option<Candidate> {
+fn from_centre(label: usize, score: f32, centre_and_size: [f32; 4]) -> Option<CandidateBox> {
     from_corners(label, score, centred(centre_and_size))
 }
 
 /// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`decode`] refuses the whole
 /// answer, since dropping it would make a network that fails look like one that finds nothing.
-fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<Candidate> {
+fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<CandidateBox> {
     let score = f64::from(score);
-    (score >= SCORE_FLOOR && (b.is_solid() || !is_finite(&b))).then_some(Candidate { label, score, b })
+    (score >= SCORE_FLOOR && (b.is_solid() || !is_finite(&b))).then_some(CandidateBox { label, score, b })
 }
 
 /// The best label and its score; the first of equals. NaN scores never win.
@@ -228,11 +235,11 @@ fn sigmoid(x: f32) -> f32 {
 }
 
 /// The refusal every head gives when the outputs are not what the manifest says.
-fn misfit(kind: &str, expected: String, outputs: &[Tensor]) -> String {
+fn misfit(kind: &'static str, expected: String, outputs: &[Tensor]) -> HeadError {
     let found = outputs
         .iter()
         .map(|t| format!("{} {:?}", t.name, t.shape).trim_start().to_owned())
         .collect::<Vec<_>>()
         .join(", ");
-    format!("its outputs {found} are not those of a {kind} head ({expected}): the manifest does not fit this file")
+    HeadError::Misfit { kind, expected, found }
 }

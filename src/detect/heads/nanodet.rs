@@ -3,7 +3,7 @@
 //! Each side's distance is the mean of a softmax over bins, times the stride; cells are centred at i·s + (s − 1)/2. Source:
 //! Li et al. 2020 (generalised focal loss) and the NanoDet repository.
 
-use super::{Anchor, Anchors, Tensor, misfit};
+use super::{Anchor, Anchors, HeadError, Tensor, misfit};
 use crate::geometry::BoxPx;
 
 pub(super) const BINS: usize = 8;
@@ -13,7 +13,7 @@ pub(super) fn anchors(
     [width, height]: [u32; 2],
     strides: &[u32],
     labels: usize,
-) -> Result<Anchors, String> {
+) -> Result<Anchors, HeadError> {
     let mut found = Vec::new();
     for &stride in strides {
         let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));
@@ -63,9 +63,14 @@ pub(super) fn expectation(logits: &[f32]) -> f64 {
 mod tests {
     use super::super::Data;
     use super::*;
-    use crate::detect::nms::Candidate;
+    use crate::detect::nms::CandidateBox;
 
-    fn decode(outputs: &[Tensor], size: [u32; 2], strides: &[u32], labels: usize) -> Result<Vec<Candidate>, String> {
+    fn decode(
+        outputs: &[Tensor],
+        size: [u32; 2],
+        strides: &[u32],
+        labels: usize,
+    ) -> Result<Vec<CandidateBox>, HeadError> {
         Ok(anchors(outputs, size, strides, labels)?.candidates(outputs, labels))
     }
 
@@ -107,6 +112,7 @@ mod tests {
         assert!(
             decode(&outputs[1..], [416, 320], &[8, 16, 32], 80)
                 .unwrap_err()
+                .to_string()
                 .contains("does not fit")
         );
     }

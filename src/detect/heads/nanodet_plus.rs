@@ -2,7 +2,7 @@
 //! order, centred at i·s. Source: the NanoDet repository's `NanoDetPlusHead`.
 
 use super::nanodet::{BINS, expectation};
-use super::{Anchor, Anchors, Tensor, misfit};
+use super::{Anchor, Anchors, HeadError, Tensor, misfit};
 use crate::geometry::BoxPx;
 
 pub(super) fn anchors(
@@ -10,7 +10,7 @@ pub(super) fn anchors(
     [width, height]: [u32; 2],
     strides: &[u32],
     labels: usize,
-) -> Result<Anchors, String> {
+) -> Result<Anchors, HeadError> {
     let cells: Vec<[u32; 3]> = strides
         .iter()
         .flat_map(|s| {

@@ -3,10 +3,14 @@
 //! score = sigmoid(logit), and every pair of box and label is a candidate of its own, as the repository's `PostProcess` ranks
 //! them; no suppression needed.
 
-use super::super::nms::Candidate;
-use super::{Tensor, from_centre, misfit, sigmoid};
+use super::super::nms::CandidateBox;
+use super::{HeadError, Tensor, from_centre, misfit, sigmoid};
 
-pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn decode(
+    outputs: &[Tensor],
+    [width, height]: [u32; 2],
+    labels: usize,
+) -> Result<Vec<CandidateBox>, HeadError> {
     let (boxes, logits, columns) = tensors(outputs, labels)
         .ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))?;
     let (w, h) = (width as f32, height as f32);

@@ -1,7 +1,7 @@
 //! What the networks have in common that list their boxes: n labels, n boxes, n scores, already suppressed.
 
-use super::super::nms::Candidate;
-use super::{Data, SCORE_FLOOR, Tensor, from_corners};
+use super::super::nms::CandidateBox;
+use super::{Data, HeadError, SCORE_FLOOR, Tensor, from_corners};
 use crate::geometry::BoxPx;
 
 /// The three lists, of equal length.
@@ -43,7 +43,7 @@ impl<'a> Rows<'a> {
         first_label: i64,
         labels: usize,
         to_input_px: impl Fn([f64; 4]) -> BoxPx,
-    ) -> Result<Vec<Candidate>, String> {
+    ) -> Result<Vec<CandidateBox>, HeadError> {
         let rows = self.labels.iter().zip(self.boxes.chunks_exact(4)).zip(self.scores);
         // Rows of padding have any label, and no score.
         let rows = rows.filter(|(_, score)| f64::from(**score) >= SCORE_FLOOR);
@@ -58,14 +58,13 @@ impl<'a> Rows<'a> {
                 to_input_px([b[0], b[1], b[2], b[3]].map(f64::from)),
             ))
         });
-        let candidates: Result<Vec<_>, String> = candidates.collect();
+        let candidates: Result<Vec<_>, HeadError> = candidates.collect();
         Ok(candidates?.into_iter().flatten().collect())
     }
 }
 
 /// The refusal of a label that the manifest does not have.
-pub(super) fn strange_label(label: impl std::fmt::Display, labels: usize) -> String {
-    format!(
-        "it answered with label {label}, which is not among the {labels} of its manifest: `labels` or `first_label` is another network's"
-    )
+pub(super) fn strange_label(label: impl std::fmt::Display, labels: usize) -> HeadError {
+    let label = label.to_string();
+    HeadError::StrangeLabel { label, labels }
 }

@@ -1,10 +1,14 @@
 //! RT-DETR as Ultralytics exports it: one tensor 1×n×(4 + labels): centre and size as shares of the input, then the labels'
 //! scores; no suppression needed. Source: Zhao et al. 2024 and the Ultralytics documentation.
 
-use super::super::nms::Candidate;
-use super::{Tensor, best, from_centre, misfit};
+use super::super::nms::CandidateBox;
+use super::{HeadError, Tensor, best, from_centre, misfit};
 
-pub(super) fn decode(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn decode(
+    outputs: &[Tensor],
+    [width, height]: [u32; 2],
+    labels: usize,
+) -> Result<Vec<CandidateBox>, HeadError> {
     let row = 4 + labels;
     let data = outputs
         .iter()

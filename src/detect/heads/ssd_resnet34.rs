@@ -2,9 +2,9 @@
 //! page on the model for the shapes; MLPerf's reference for the order (mlcommons/inference, `PostProcessCocoOnnx`, which swaps
 //! each pair to read it as TensorFlow's y1 x1 y2 x2).
 
-use super::super::nms::Candidate;
+use super::super::nms::CandidateBox;
 use super::rows::Rows;
-use super::{Tensor, misfit, scaled};
+use super::{HeadError, Tensor, misfit, scaled};
 use crate::geometry::BoxPx;
 
 pub(super) fn decode(
@@ -12,7 +12,7 @@ pub(super) fn decode(
     size: [u32; 2],
     first_label: i64,
     labels: usize,
-) -> Result<Vec<Candidate>, String> {
+) -> Result<Vec<CandidateBox>, HeadError> {
     let rows = Rows::pick(outputs).ok_or_else(|| {
         misfit(
             "ssd_resnet34",

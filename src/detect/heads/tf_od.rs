@@ -2,9 +2,9 @@
 //! photo), `detection_classes` 1×n (floats, counted from 1), `detection_scores` 1×n, `num_detections` 1. Source: the API's
 //! `exporter`.
 
-use super::super::nms::Candidate;
+use super::super::nms::CandidateBox;
 use super::rows::Rows;
-use super::{Data, Tensor, misfit, scaled};
+use super::{Data, HeadError, Tensor, misfit, scaled};
 use crate::geometry::BoxPx;
 
 pub(super) fn decode(
@@ -12,7 +12,7 @@ pub(super) fn decode(
     size: [u32; 2],
     first_label: i64,
     labels: usize,
-) -> Result<Vec<Candidate>, String> {
+) -> Result<Vec<CandidateBox>, HeadError> {
     let rows = rows(outputs).ok_or_else(|| {
         let expected = "detection_boxes 1×n×4, detection_classes 1×n, detection_scores 1×n";
         misfit("tf_od", expected.into(), outputs)

@@ -1,12 +1,12 @@
 //! YOLOv10, YOLO26 and other YOLOs that need no suppression: one tensor 1×n×6: x1 y1 x2 y2 in input pixels, score, label.
 //! Source: Wang et al. 2024 and the Ultralytics documentation of its exports.
 
-use super::super::nms::Candidate;
+use super::super::nms::CandidateBox;
 use super::rows::strange_label;
-use super::{SCORE_FLOOR, Tensor, from_corners, misfit};
+use super::{HeadError, SCORE_FLOOR, Tensor, from_corners, misfit};
 use crate::geometry::BoxPx;
 
-pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>, String> {
+pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
     let data = outputs
         .iter()
         .find(|t| matches!(t.shape[..], [1, _, 6]))
@@ -22,6 +22,6 @@ pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<Candidate>
         let b = [o[0], o[1], o[2], o[3]].map(f64::from);
         Ok(from_corners(label as usize, o[4], BoxPx::from(b)))
     });
-    let candidates: Result<Vec<_>, String> = candidates.collect();
+    let candidates: Result<Vec<_>, HeadError> = candidates.collect();
     Ok(candidates?.into_iter().flatten().collect())
 }

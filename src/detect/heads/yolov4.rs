@@ -4,7 +4,7 @@
 //! centre = (σ(output) · s − (s − 1)/2 + cell) · stride, size = exp(output) · anchor, score = objectness · label. Source:
 //! Bochkovskiy et al. 2020 and the zoo's page on the model, which has the anchors and s.
 
-use super::{Anchor, Anchors, Tensor, centred, misfit, sigmoid};
+use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, sigmoid};
 
 /// One of the three grids.
 struct Grid {
@@ -33,7 +33,7 @@ const GRIDS: [Grid; 3] = [
     },
 ];
 
-pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, String> {
+pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
     let row = 5 + labels;
     let mut found = Vec::new();
     for grid in &GRIDS {

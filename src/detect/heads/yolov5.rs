@@ -1,9 +1,9 @@
 //! YOLOv5, v6, v7, and YOLOX exported with its decoding: one tensor 1×n×(5 + labels), centre and size in input pixels,
 //! score = objectness · label. Source: the YOLOv5 repository's `non_max_suppression`.
 
-use super::{Anchor, Anchors, Tensor, centred, misfit};
+use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
 
-pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, String> {
+pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
     let row = 5 + labels;
     // Older exports also give the three grids the tensor was made from.
     let fits = |t: &Tensor| matches!(t.shape[..], [1, _, columns] if columns == row);

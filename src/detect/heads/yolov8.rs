@@ -1,9 +1,9 @@
 //! YOLOv8, v9, 11, 12: one tensor 1×(4 + labels)×n, a column per box: centre and size in input pixels, then the labels'
 //! scores; no objectness. Source: the Ultralytics documentation of its exports.
 
-use super::{Anchor, Anchors, Tensor, centred, misfit};
+use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
 
-pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, String> {
+pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
     let rows = 4 + labels;
     let (output, data, columns) = (outputs.iter().enumerate())
         .find_map(|(i, t)| match t.shape[..] {

@@ -3,11 +3,11 @@
 //! centre = (output + cell) · stride, size = exp(output) · stride, score = objectness · label. Source: Ge et al. 2021 and
 //! `demo_postprocess` of the YOLOX repository.
 
-use super::{Anchor, Anchors, Tensor, centred, misfit};
+use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
 
 const STRIDES: [u32; 3] = [8, 16, 32];
 
-pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, String> {
+pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
     let cells: usize = STRIDES.iter().map(|s| ((width / s) * (height / s)) as usize).sum();
     let row = 5 + labels;
     let data = outputs
@@ -43,9 +43,9 @@ pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usi
 mod tests {
     use super::super::Data;
     use super::*;
-    use crate::detect::nms::Candidate;
+    use crate::detect::nms::CandidateBox;
 
-    fn decode(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<Candidate>, String> {
+    fn decode(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
         Ok(anchors(outputs, size, labels)?.candidates(outputs, labels))
     }
 
@@ -81,6 +81,11 @@ mod tests {
         }
         assert!(decode(std::slice::from_ref(&t), [416, 320], 80).unwrap().is_empty());
         t.shape = vec![1, 3549, 85];
-        assert!(decode(&[t], [416, 320], 80).unwrap_err().contains("does not fit"));
+        assert!(
+            decode(&[t], [416, 320], 80)
+                .unwrap_err()
+                .to_string()
+                .contains("does not fit")
+        );
     }
 }

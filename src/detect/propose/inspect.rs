@@ -1,4 +1,4 @@
-//! What an ONNX file says of its inputs, and what the network answers to a grey picture and to one of noise.
+//! What an ONNX file says of its inputs, and what the network answers to a grey image and to one of noise.
 
 use std::path::Path;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use ort::value::{Outlet, TensorElementType};
 use super::ProposeError;
 use super::metadata::Metadata;
 use crate::detect::heads::Tensor;
-use crate::detect::input::{self, Placement};
+use crate::detect::input::{self, InputPlacement};
 use crate::detect::manifest::{Channels, Head, Input, Kernel, Layout, Manifest, Resize, SIDES_PX, Values, Weights};
 use crate::detect::runtime::{self, NoAnswer};
 use crate::detect::{DetectError, Labels, Runtime};
@@ -23,16 +23,16 @@ pub(super) struct Inspected {
     pub takes_photo_size: bool,
     /// True when the file fixes the input's width and height.
     pub size_is_fixed: bool,
-    /// Width, height of the two pictures.
+    /// Width, height of the two images.
     pub size_px: [u32; 2],
     pub metadata: Metadata,
-    /// The outputs for a grey picture and for noise.
+    /// The outputs for a grey image and for noise.
     pub answers: [Vec<Tensor>; 2],
     /// The inputs as a person writes them.
     pub inputs: String,
 }
 
-/// The side of the pictures where neither the file nor the user says one.
+/// The side of the images where neither the file nor the user says one.
 const OPEN_SIDE_PX: u32 = 640;
 
 /// Loads a network and runs it twice, each time within the limit. `size_px` is the user's, for files that leave it open.
@@ -58,7 +58,7 @@ pub(super) fn inspect(
         return Err(ProposeError::Size { size_px });
     }
     let manifest = asked.manifest(size_px);
-    let mut answer = |picture: RgbImage| answer(&mut session, &manifest, &picture, path, time_limit);
+    let mut answer = |image: RgbImage| answer(&mut session, &manifest, &image, path, time_limit);
     Ok(Inspected {
         layout: asked.layout,
         values: asked.values,
@@ -78,7 +78,7 @@ fn first_line(e: &ort::Error) -> String {
 fn answer(
     session: &mut Session,
     manifest: &Manifest,
-    picture: &RgbImage,
+    image: &RgbImage,
     path: &Path,
     time_limit: Duration,
 ) -> Result<Vec<Tensor>, ProposeError> {
@@ -86,8 +86,8 @@ fn answer(
         size_px: manifest.input.size_px,
         reason,
     };
-    let placement = Placement::new(&manifest.input, picture.width(), picture.height());
-    let tensor = input::tensor(picture, &manifest.input, &placement).map_err(failed)?;
+    let placement = InputPlacement::new(&manifest.input, image.width(), image.height());
+    let tensor = input::tensor(image, &manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
     let outputs = runtime::run(session, manifest, tensor, &placement, time_limit);
     outputs.map_err(|e| match e {
         NoAnswer::Failed(e) => failed(first_line(&e)),
@@ -132,8 +132,8 @@ impl Port {
         }
     }
 
-    /// The order of the axes, if this could be a picture of three channels.
-    fn picture(&self) -> Option<Layout> {
+    /// The order of the axes, if this could be a image of three channels.
+    fn image(&self) -> Option<Layout> {
         match self.shape[..] {
             [_, 3, _, _] => Some(Layout::Nchw),
             [_, _, _, 3] => Some(Layout::Nhwc),
@@ -168,12 +168,12 @@ struct Asked {
 
 impl Asked {
     fn of(inputs: &[Port]) -> Result<Asked, ProposeError> {
-        let pictures: Vec<&Port> = inputs.iter().filter(|p| p.picture().is_some()).collect();
+        let images: Vec<&Port> = inputs.iter().filter(|p| p.image().is_some()).collect();
         let all = listed(inputs);
-        let (port, layout) = match pictures[..] {
-            [] => return Err(ProposeError::NoPicture { inputs: all }),
-            [port] => (port, port.picture().unwrap_or_default()),
-            _ => return Err(ProposeError::SeveralPictures { inputs: all }),
+        let (port, layout) = match images[..] {
+            [] => return Err(ProposeError::NoImage { inputs: all }),
+            [port] => (port, port.image().unwrap_or_default()),
+            _ => return Err(ProposeError::SeveralImages { inputs: all }),
         };
         let values = match port.element {
             Some(TensorElementType::Float32) => Values::F32,
@@ -182,13 +182,13 @@ impl Asked {
         };
         let takes_photo_size = match inputs {
             [_] => false,
-            [first, size] if first.picture().is_some() && size.is_photo_size() => true,
+            [first, size] if first.image().is_some() && size.is_photo_size() => true,
             _ => return Err(ProposeError::OtherInputs { inputs: all }),
         };
         let (batch, sides) = match (layout, &port.shape[..]) {
             (Layout::Nchw, [n, _, h, w]) | (Layout::Nhwc, [n, h, w, _]) => (*n, [*w, *h]),
             (Layout::Chw, [_, h, w]) => (1, [*w, *h]),
-            _ => return Err(ProposeError::NoPicture { inputs: all }),
+            _ => return Err(ProposeError::NoImage { inputs: all }),
         };
         if !matches!(batch, -1 | 1) {
             return Err(ProposeError::Batch { inputs: all });
@@ -202,7 +202,7 @@ impl Asked {
         })
     }
 
-    /// A manifest good enough to run the network with pictures of the input's size.
+    /// A manifest good enough to run the network with images of the input's size.
     fn manifest(&self, size_px: [u32; 2]) -> Manifest {
         let std = match self.values {
             Values::F32 => 255.0,

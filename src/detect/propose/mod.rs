@@ -9,14 +9,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
-pub use family::Family;
+pub use family::{Family, NoSuchFamily};
 
-use super::heads::{self, Tensor, Unreadable};
+use super::heads::{self, HeadError, Tensor};
 use super::manifest::{Input, SIDES_PX, Values, Weights};
 use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
 use crate::files;
 use inspect::Inspected;
-use recognise::Candidate;
+use recognise::FamilyCandidate;
 
 /// What the user knows and the file may not say.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,11 +35,37 @@ pub struct Proposal {
     /// The manifest as TOML.
     pub text: String,
     /// What was read from the file and what was not, as sentences.
-    pub notes: Vec<String>,
+    pub notes: Vec<ProposalNote>,
 }
 
-/// Why no manifest can be proposed. Each is a sentence that says what to do.
+/// What was read from a file or taken for granted, as a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProposalNote {
+    #[error(
+        "{title}: told from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
+    )]
+    Recognised {
+        title: &'static str,
+        inputs: String,
+        outputs: String,
+    },
+    #[error("the labels are taken for {list}, as there are {count}")]
+    LabelsByCount { list: String, count: usize },
+    #[error("the file leaves the input's size open: {width}×{height} is taken")]
+    OpenSize { width: u32, height: u32 },
+    #[error("the input is bytes, so the network is taken to normalise them itself")]
+    Bytes,
+    #[error(
+        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
+         them: compare [input] with the program that the weights come from"
+    )]
+    UsualInput,
+}
+
+/// Why no manifest can be proposed, as a sentence.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProposeError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -47,28 +73,28 @@ pub enum ProposeError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Manifest(#[from] ManifestError),
-    #[error("no input is a picture of three channels (inputs: {inputs}): this is no detector for photos")]
-    NoPicture { inputs: String },
-    #[error("several inputs could be the picture ({inputs}): only networks that look at one picture can be used")]
-    SeveralPictures { inputs: String },
-    #[error("the picture is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
+    #[error("no input is a image of three channels (inputs: {inputs}): this is no detector for photos")]
+    NoImage { inputs: String },
+    #[error("several inputs could be the image ({inputs}): only networks that look at one image can be used")]
+    SeveralImages { inputs: String },
+    #[error("the image is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
     OtherNumbers { inputs: String },
     #[error(
-        "besides the picture only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
+        "besides the image only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
          network without the others"
     )]
     OtherInputs { inputs: String },
-    #[error("the network takes several pictures at once (inputs: {inputs}): export it for a single one")]
+    #[error("the network takes several images at once (inputs: {inputs}): export it for a single one")]
     Batch { inputs: String },
-    #[error("the input is fixed at {}×{} pixels, not {}×{}: leave --size out", fixed[0], fixed[1], named[0], named[1])]
+    #[error("the input is fixed at {}×{} pixels, not {}×{}", fixed[0], fixed[1], named[0], named[1])]
     OtherSize { fixed: [u32; 2], named: [u32; 2] },
     #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
     Size { size_px: [u32; 2] },
-    #[error("a picture of {}×{} pixels could not be run ({reason}): name the input's size by --size", size_px[0], size_px[1])]
+    #[error("a image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },
-    #[error("it answers a plain grey picture or noise with {what}: no box of it could be trusted")]
+    #[error("it answers a plain grey image or noise with {what}: no box of it could be trusted")]
     NotANumber { what: String },
     #[error("its outputs {outputs} are of no known family: see the table in docs/guide/reference/detector-manifest.md")]
     Unknown { outputs: String },
@@ -84,9 +110,9 @@ pub enum ProposeError {
         named: &'static str,
         instead: String,
     },
-    #[error("its outputs {outputs} could be of {families}, which are fed differently: name yours by --family")]
+    #[error("its outputs {outputs} could be of {families}, which are fed differently")]
     Ambiguous { outputs: String, families: String },
-    #[error("{what}: name the labels by --labels, as coco80, coco91, voc20 or a file with one a line")]
+    #[error("{what}")]
     NoLabels { what: String },
     #[error("the outputs have room for {room} labels, and {given} are named: the labels are another network's")]
     LabelCount { room: String, given: usize },
@@ -94,10 +120,10 @@ pub enum ProposeError {
     Misread { title: &'static str, reason: String },
 }
 
-/// Time limit for each of the two pictures.
+/// Time limit for each of the two images.
 const TRIAL_LIMIT: Duration = Duration::from_secs(30);
 
-/// Inspects an ONNX file, runs it on a grey picture and on noise, and writes the manifest of the family that fits.
+/// Inspects an ONNX file, runs it on a grey image and on noise, and writes the manifest of the family that fits.
 ///
 /// `weights` is how the manifest names the file. Nothing is guessed where two families fit or labels are not known: those
 /// are errors that say what to name. How a photo is prepared is the family's usual way; the notes say so.
@@ -156,11 +182,11 @@ pub fn propose_within(
     let text = manifest.to_toml()?;
     for outputs in &network.answers {
         heads::decode(&manifest, outputs, network.size_px).map_err(|e| match e {
-            Unreadable::Misfit(reason) => ProposeError::Misread {
+            HeadError::NotFinite { what } => ProposeError::NotANumber { what },
+            e => ProposeError::Misread {
                 title: candidate.family.title(),
-                reason,
+                reason: e.to_string(),
             },
-            Unreadable::NotFinite(what) => ProposeError::NotANumber { what },
         })?;
     }
     Ok(Proposal {
@@ -189,9 +215,9 @@ fn input(network: &Inspected, family: Family) -> Input {
 }
 
 /// The one family that fits, or why there is not one.
-fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<Candidate, ProposeError> {
+fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<FamilyCandidate, ProposeError> {
     let outputs = || shapes(&network.answers[0]);
-    let has_room = |c: &Candidate| {
+    let has_room = |c: &FamilyCandidate| {
         c.labels
             .zip(labels)
             .is_none_or(|(room, labels)| fits(c.family, room, labels))
@@ -224,14 +250,14 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
         let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
         return Err(ProposeError::LabelCount { room, given });
     }
-    let judged: Vec<(Candidate, Option<String>)> = fitting
+    let judged: Vec<(FamilyCandidate, Option<String>)> = fitting
         .into_iter()
         .map(|c| (c.clone(), recognise::against(&c, network)))
         .collect();
     let refuted = judged
         .iter()
         .find_map(|(c, against)| Some((c.family, against.clone()?)));
-    let left: Vec<Candidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
+    let left: Vec<FamilyCandidate> = judged.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
     match (&left[..], refuted) {
         ([only], _) => Ok(only.clone()),
         ([], Some((family, reason))) => Err(ProposeError::WrongNumbers {
@@ -259,7 +285,7 @@ fn fits(family: Family, room: usize, labels: Labels) -> bool {
 }
 
 /// The labels of a network, and whether their number alone says so.
-fn labels(candidate: &Candidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
+fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, bool), ProposeError> {
     if let Some(labels) = known {
         return Ok((labels, false));
     }
@@ -281,38 +307,26 @@ fn shapes(outputs: &[Tensor]) -> String {
     outputs.iter().map(of).collect::<Vec<_>>().join(", ")
 }
 
-fn notes(network: &Inspected, candidate: &Candidate, manifest: &Manifest, guessed: bool) -> Vec<String> {
+fn notes(network: &Inspected, candidate: &FamilyCandidate, manifest: &Manifest, guessed: bool) -> Vec<ProposalNote> {
     let family = candidate.family;
-    let mut notes = vec![format!(
-        "{}: told from inputs {} and outputs {}, and from what it answers to a grey picture and to noise",
-        family.title(),
-        network.inputs,
-        shapes(&network.answers[0])
-    )];
+    let mut notes = vec![ProposalNote::Recognised {
+        title: family.title(),
+        inputs: network.inputs.clone(),
+        outputs: shapes(&network.answers[0]),
+    }];
     if guessed {
-        let count = manifest.labels.count();
         let list = ["coco80", "coco91", "voc20"].into_iter();
-        let list = list
-            .filter(|l| Labels::of_list(l) == Some(manifest.labels))
-            .collect::<String>();
-        notes.push(format!(
-            "the labels are taken for {list}, as there are {count}: name others by --labels"
-        ));
+        let list = list.filter(|l| Labels::of_list(l) == Some(manifest.labels)).collect();
+        let count = manifest.labels.count();
+        notes.push(ProposalNote::LabelsByCount { list, count });
     }
-    let size = manifest.input.size_px;
     if !network.size_is_fixed && !family.takes_any_size() {
-        let [width, height] = size;
-        notes.push(format!(
-            "the file leaves the input's size open: {width}×{height} is taken, name another by --size"
-        ));
+        let [width, height] = manifest.input.size_px;
+        notes.push(ProposalNote::OpenSize { width, height });
     }
     if network.values == Values::U8 && family != Family::TfOd {
-        notes.push("the input is bytes, so the network is taken to normalise them itself".into());
+        notes.push(ProposalNote::Bytes);
     }
-    notes.push(
-        "how a photo is prepared (resize, kernel, pad, channels, mean, std) and nms_iou are the family's usual, as no file says \
-         them: compare [input] with the program that the weights come from"
-            .into(),
-    );
+    notes.push(ProposalNote::UsualInput);
     notes
 }

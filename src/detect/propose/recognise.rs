@@ -7,7 +7,7 @@ use crate::detect::manifest::Layout;
 
 /// A family whose outputs have these shapes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
+pub(super) struct FamilyCandidate {
     pub family: Family,
     /// How many labels the shapes have room for; `None` where they do not say.
     pub labels: Option<usize>,
@@ -19,9 +19,9 @@ pub(super) struct Candidate {
 const STRIDES: [&[u32]; 3] = [&[8, 16, 32], &[8, 16, 32, 64], &[16, 32, 64]];
 
 /// Every family with outputs of these shapes.
-pub(super) fn by_shape(network: &Inspected) -> Vec<Candidate> {
+pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     let outputs = &network.answers[0];
-    let candidate = |family, labels| Candidate {
+    let candidate = |family, labels| FamilyCandidate {
         family,
         labels,
         strides: Vec::new(),
@@ -63,7 +63,7 @@ fn listed_boxes(outputs: &[Tensor]) -> Option<&Tensor> {
     outputs.iter().find(is_boxes)
 }
 
-/// Families that list their boxes. R-CNNs take a picture without a batch axis or list their boxes without one.
+/// Families that list their boxes. R-CNNs take a image without a batch axis or list their boxes without one.
 fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
     if network.takes_photo_size {
         return vec![Family::Deim];
@@ -103,7 +103,7 @@ fn fastestdet(outputs: &[Tensor], [width, height]: [u32; 2]) -> Option<usize> {
 }
 
 /// A pair of tables per stride.
-fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<Candidate> {
+fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
     const BOX_LOGITS: usize = 32;
     let of_stride = |stride: u32| -> Vec<usize> {
         let count = cells(size, &[stride]);
@@ -124,7 +124,7 @@ fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<Candidate> {
     STRIDES.into_iter().find_map(|strides| {
         let labels: Vec<usize> = strides.iter().filter_map(labels_of).collect();
         let alike = labels.iter().all(|l| *l == labels[0]) && labels.len() == strides.len();
-        (alike && outputs.len() == 2 * strides.len()).then(|| Candidate {
+        (alike && outputs.len() == 2 * strides.len()).then(|| FamilyCandidate {
             family: Family::Nanodet,
             labels: labels.first().copied(),
             strides: strides.to_vec(),
@@ -146,13 +146,13 @@ fn rfdetr(outputs: &[Tensor]) -> Option<usize> {
 }
 
 /// The families that answer with one table; older exports add the grids it was made from.
-fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<Candidate> {
+fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<FamilyCandidate> {
     let [1, first, last] = table.shape[..] else {
         return Vec::new();
     };
     let mut found = Vec::new();
     let mut push = |family, labels: Option<usize>, strides: &[u32]| {
-        found.push(Candidate {
+        found.push(FamilyCandidate {
             family,
             labels,
             strides: strides.to_vec(),
@@ -185,7 +185,7 @@ fn one_table(table: &Tensor, size: [u32; 2]) -> Vec<Candidate> {
 }
 
 /// Why the numbers cannot be this family's, as what was found; `None` where nothing speaks against it.
-pub(super) fn against(candidate: &Candidate, network: &Inspected) -> Option<String> {
+pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Option<String> {
     network.answers.iter().find_map(|outputs| match candidate.family {
         Family::Yolov4 => outputs.iter().find_map(|t| no_score(columns(t, 4..))),
         Family::Yolov5 | Family::YoloxDecoded => {
@@ -263,13 +263,13 @@ fn no_score(mut values: impl Iterator<Item = f32>) -> Option<String> {
     Some(format!("a score is {outside}: was it exported without its sigmoid?"))
 }
 
-/// A coordinate that is no share of the picture's side; boxes may reach beyond the picture.
+/// A coordinate that is no share of the image's side; boxes may reach beyond the image.
 fn no_share(mut values: impl Iterator<Item = f32>) -> Option<String> {
     let outside = values.find(|v| !(-2.0..=3.0).contains(v))?;
-    Some(format!("a coordinate is {outside}, which is no share of the picture"))
+    Some(format!("a coordinate is {outside}, which is no share of the image"))
 }
 
-/// Raw YOLOX: sizes are logarithms, of which the largest a picture allows is ln(8192 / 8).
+/// Raw YOLOX: sizes are logarithms, of which the largest a image allows is ln(8192 / 8).
 fn decoded(t: &Tensor) -> Option<String> {
     let outside = columns(t, 2..4).find(|v| *v > 7.0)?;
     Some(format!(
@@ -277,7 +277,7 @@ fn decoded(t: &Tensor) -> Option<String> {
     ))
 }
 
-/// Decoded boxes have sizes of pixels, nearly all above 0, and centres all over the picture.
+/// Decoded boxes have sizes of pixels, nearly all above 0, and centres all over the image.
 fn not_decoded(t: &Tensor, [width, _]: [u32; 2]) -> Option<String> {
     let negative = columns(t, 2..4).find(|v| *v < 0.0);
     let widest = columns(t, 0..1).fold(0.0, f32::max);

@@ -7,7 +7,7 @@ use maud::{Markup, PreEscaped, html};
 use super::{filters, side, variants};
 use crate::detect::Detection;
 use crate::report::other_label;
-use crate::score::{EvaluatedDetector, MATCH_IOU, Outcome, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores, Verdict};
 
 /// More photos are not shown: the page would be too large to open.
 const MOST_PHOTOS: usize = 400;
@@ -15,14 +15,14 @@ const MOST_PHOTOS: usize = 400;
 /// Detections of the class below the hit confidence are drawn when enlarged, from here up.
 const WEAKEST_DRAWN: f64 = 0.1;
 
-/// The photos of which the run kept a picture.
-fn pictured(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
+/// The photos of which the run kept a preview.
+fn previewed(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
     scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
 }
 
 /// The photos that are shown: all, or those that the most detectors missed, the least confident first.
 fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
-    let mut photos: Vec<&ScoredPhoto> = pictured(scores).collect();
+    let mut photos: Vec<&ScoredPhoto> = previewed(scores).collect();
     let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
     let confidence = |p: &ScoredPhoto| p.outcomes.iter().map(|o| o.confidence).sum::<f64>();
     photos.sort_by(|a, b| hits(a).cmp(&hits(b)).then(confidence(a).total_cmp(&confidence(b))));
@@ -55,7 +55,7 @@ pub(super) fn photo_library(scores: &Scores) -> Markup {
 /// A card for each detector and photo, the worst first, and what narrows them down.
 pub(super) fn sheet(scores: &Scores) -> Markup {
     let photos = shown(scores);
-    let (kept, all) = (pictured(scores).count(), scores.photos.len());
+    let (kept, all) = (previewed(scores).count(), scores.photos.len());
     let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.detectors.len())
         .flat_map(|index| photos.iter().map(move |p| (index, *p)))
         .collect();
@@ -81,7 +81,7 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
         @if photos.len() < all {
             p.banner {
                 "Shown are the " (photos.len()) " of " (all) " photos that the most detectors missed"
-                @if kept < all { ", among " (kept) " that the run kept pictures of" }
+                @if kept < all { ", among " (kept) " that the run kept previews of" }
                 "; all are in photos.csv."
             }
         }
@@ -93,7 +93,7 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
 }
 
 /// Worst first: missed, found with another label, found.
-fn rank(outcome: &Outcome) -> usize {
+fn rank(outcome: &PhotoOutcome) -> usize {
     match outcome.verdict {
         Verdict::Missed => 0,
         Verdict::FoundWithOther => 1,
@@ -112,7 +112,7 @@ fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
         figure class=(format!("photo {class}")) data-detector=(detector.manifest.name) data-variant=(p.variant)
             data-outcome=(filters::outcome_key(outcome)) data-azimuth=[p.bin.map(|b| b.azimuth_deg)]
             data-pitch=[p.bin.map(|b| b.pitch_deg)] data-distance=[p.bin.map(|b| b.distance_mm)] data-texture=(texture) {
-            (picture(scores, p, index))
+            (photo_view(scores, p, index))
             figcaption {
                 b { (word) } @if outcome.confidence > 0.0 { (format!(" {:.2}", outcome.confidence)) }
                 @if let Some((label, confidence)) = other_label(p, index, detector) {
@@ -133,7 +133,7 @@ fn direction(p: &ScoredPhoto) -> String {
     format!("{:.0}° {}", v.azimuth_deg, side(v.azimuth_deg))
 }
 
-fn picture(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let detector = &scores.detectors[index];
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
@@ -163,7 +163,7 @@ fn paint(d: &Detection, detector: &EvaluatedDetector) -> &'static str {
     if detector.counts(d) { "#29a3ff" } else { "#ff8c1a" }
 }
 
-/// The label and confidence above a detection's box, or in it at the picture's upper edge.
+/// The label and confidence above a detection's box, or in it at the photo's upper edge.
 fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup {
     let label = detector.labels().name(d.label).unwrap_or("?");
     let above = d.box_px.y1 - 0.3 * letter(p);

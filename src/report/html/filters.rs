@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::{side, variants};
 use crate::scene::Bin;
-use crate::score::{Outcome, ScoredPhoto, Scores, Verdict};
+use crate::score::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
 
 /// A choice: its key on the cards, its name, and (value, name) of what can be chosen.
 type Choice = (&'static str, &'static str, Vec<(String, String)>);
@@ -71,7 +71,7 @@ const OUTCOMES: [(&str, &str); 4] = [
 ];
 
 /// The key of an outcome on the cards.
-pub(super) fn outcome_key(outcome: &Outcome) -> &'static str {
+pub(super) fn outcome_key(outcome: &PhotoOutcome) -> &'static str {
     match outcome.verdict {
         Verdict::Missed if outcome.is_misclassified() => "misclassified",
         Verdict::Missed => "disappeared",

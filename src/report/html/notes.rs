@@ -38,7 +38,7 @@ pub(super) fn definitions(scores: &Scores) -> Markup {
             dt { "truth box" }
             dd {
                 (truth_boxes(scores)) ". Through the pose: the model's envelope projected through the pose that the AprilTags give, cut at "
-                "the picture's border; nothing hides the model."
+                "the photo's border; nothing hides the model."
             }
             dt { "azimuth" } dd { "0° looks at the front, counter-clockwise from above; 90° is the model's left side." }
         }

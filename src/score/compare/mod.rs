@@ -9,7 +9,7 @@ pub use pairs::Unpaired;
 pub use plan::{PlanError, pairs_needed, power};
 
 use super::summary::{boxes, variants};
-use super::{MATCH_IOU, Outcome, ScoredPhoto, Scores};
+use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores};
 use crate::ap::{ApDefinition, Ranked};
 use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, interval_95, mcnemar_p};
 use pairs::{Cluster, pair};
@@ -97,6 +97,7 @@ pub struct Comparison {
 
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CompareError {
     #[error("no scored photo has the variant `{base}`, only {variants}")]
     NoBase { base: String, variants: String },
@@ -173,7 +174,7 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    fn outcome(self, photo: &ScoredPhoto) -> &Outcome {
+    fn outcome(self, photo: &ScoredPhoto) -> &PhotoOutcome {
         &photo.outcomes[self.detector]
     }
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
-use super::{Fault, Row, viewpoint};
+use super::{ImportFault, ImportedPhoto, viewpoint};
 use crate::geometry::BoxPx;
 use crate::scene::Classes;
 use crate::session::{PhotoEntry, words};
@@ -53,8 +53,8 @@ struct About {
 }
 
 /// The photos with a box of the class, in the order of `images`, and the names of those without.
-pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<Row>, Vec<String>), Fault> {
-    let fault = |e: serde_json::Error| Fault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
+pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<ImportedPhoto>, Vec<String>), ImportFault> {
+    let fault = |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
     let file: File = serde_json::from_str(text).map_err(fault)?;
     let boxes = boxes(&file, class)?;
     let mut ids = BTreeSet::new();
@@ -62,12 +62,12 @@ pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<Row>, Vec<String
     for image in &file.images {
         let place = format!("image {}", image.id);
         if !ids.insert(image.id) {
-            return Err(Fault::at(place, "its id appears twice: give every image its own"));
+            return Err(ImportFault::at(place, "its id appears twice: give every image its own"));
         }
         match boxes.get(&image.id).map(Vec::as_slice) {
             None | Some([]) => without_box.push(image.file_name.clone()),
-            Some([annotation]) => rows.push(Row {
-                entry: entry(image, annotation).map_err(|message| Fault::at(&place, message))?,
+            Some([annotation]) => rows.push(ImportedPhoto {
+                entry: entry(image, annotation).map_err(|message| ImportFault::at(&place, message))?,
                 size: image.width.zip(image.height).map(|(w, h)| [w, h]),
                 place,
             }),
@@ -78,12 +78,12 @@ pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<Row>, Vec<String
                     several.len(),
                     class.quoted()
                 );
-                return Err(Fault::at(place, message));
+                return Err(ImportFault::at(place, message));
             }
         }
     }
     match boxes.keys().find(|id| !ids.contains(id)) {
-        Some(id) => Err(Fault::of_file(format!(
+        Some(id) => Err(ImportFault::of_file(format!(
             "an annotation names image {id}, which is not in `images`"
         ))),
         None => Ok((rows, without_box)),
@@ -91,7 +91,7 @@ pub(super) fn parse(text: &str, class: &Classes) -> Result<(Vec<Row>, Vec<String
 }
 
 /// The annotations of a class by image.
-fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, Fault> {
+fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a Annotation>>, ImportFault> {
     let wanted: Vec<u64> = file
         .categories
         .iter()
@@ -106,7 +106,7 @@ fn boxes<'a>(file: &'a File, class: &Classes) -> Result<BTreeMap<u64, Vec<&'a An
             .map(|c| format!("`{}`", c.name))
             .collect();
         let more = if file.categories.len() > 8 { ", …" } else { "" };
-        return Err(Fault::of_file(format!(
+        return Err(ImportFault::of_file(format!(
             "it has no category {}, the class of the scene's model; it has {}{more}",
             class.quoted(),
             known.join(", ")

@@ -2,7 +2,7 @@
 
 use csv::{Position, ReaderBuilder, StringRecord};
 
-use super::{Fault, Row, viewpoint};
+use super::{ImportFault, ImportedPhoto, viewpoint};
 use crate::geometry::BoxPx;
 use crate::session::PhotoEntry;
 
@@ -22,7 +22,7 @@ const COLUMNS: [&str; 10] = [
 const NEEDED: [&str; 5] = ["file", "x1", "y1", "x2", "y2"];
 
 /// The rows of a table.
-pub(super) fn parse(text: &str) -> Result<Vec<Row>, Fault> {
+pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
     // Spreadsheets mark UTF-8 with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -32,8 +32,8 @@ pub(super) fn parse(text: &str) -> Result<Vec<Row>, Fault> {
     for record in reader.records() {
         let record = record.map_err(|e| fault(e, text))?;
         let line = record.position().map_or(0, |p| line(p, text));
-        let at = |message: String| Fault::at(format!("line {line}"), message);
-        rows.push(Row {
+        let at = |message: String| ImportFault::at(format!("line {line}"), message);
+        rows.push(ImportedPhoto {
             place: format!("line {line}"),
             entry: entry(&record, &columns).map_err(at)?,
             size: None,
@@ -43,20 +43,20 @@ pub(super) fn parse(text: &str) -> Result<Vec<Row>, Fault> {
 }
 
 /// Where each of [`COLUMNS`] stands.
-fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], Fault> {
+fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
     let wanted = COLUMNS.join(",");
     for (i, name) in header.iter().enumerate() {
         if !COLUMNS.contains(&name) {
             let message = format!("`{name}` is no column this program reads: the header is {wanted}");
-            return Err(Fault::at("line 1", message));
+            return Err(ImportFault::at("line 1", message));
         }
         if header.iter().take(i).any(|other| other == name) {
-            return Err(Fault::at("line 1", format!("the column {name} is there twice")));
+            return Err(ImportFault::at("line 1", format!("the column {name} is there twice")));
         }
     }
     if let Some(name) = NEEDED.iter().find(|name| !header.iter().any(|h| h == **name)) {
         let message = format!("the header has no column {name}: it is {wanted}");
-        return Err(Fault::at("line 1", message));
+        return Err(ImportFault::at("line 1", message));
     }
     Ok(COLUMNS.map(|name| header.iter().position(|h| h == name)))
 }
@@ -88,7 +88,7 @@ fn line(position: &Position, text: &str) -> u64 {
     position.line() + empty.filter(|b| **b == b'\n').count() as u64
 }
 
-fn fault(e: csv::Error, text: &str) -> Fault {
+fn fault(e: csv::Error, text: &str) -> ImportFault {
     let message = match e.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("it has {len} values where the header has {expected_len}")
@@ -96,7 +96,7 @@ fn fault(e: csv::Error, text: &str) -> Fault {
         _ => e.to_string().replace('\n', " "),
     };
     match e.position() {
-        Some(position) => Fault::at(format!("line {}", line(position, text)), message),
-        None => Fault::of_file(message),
+        Some(position) => ImportFault::at(format!("line {}", line(position, text)), message),
+        None => ImportFault::of_file(message),
     }
 }

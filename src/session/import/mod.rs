@@ -18,7 +18,8 @@ use crate::scene::{Classes, Scene, SceneError, Viewpoint};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
-pub enum ImportError {
+#[non_exhaustive]
+pub enum SessionImportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -30,12 +31,14 @@ pub enum ImportError {
     #[error("{path} is neither a COCO annotation file (.json) nor a table (.csv)", path = path.display())]
     UnknownFormat { path: PathBuf },
     #[error("{path}, {place}: {message}", path = path.display())]
-    Row {
+    Entry {
         path: PathBuf,
         /// `line 3`, or `image 17`.
         place: String,
         message: String,
     },
+    #[error("{path}, {place}: {file} has no variant: add one", path = path.display())]
+    NoVariant { path: PathBuf, place: String, file: String },
     #[error("{path}: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
     #[error("{path} is there already: move it away, or import into another folder", path = path.display())]
@@ -44,7 +47,7 @@ pub enum ImportError {
 
 /// What is imported, and where it belongs.
 #[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
+pub struct ImportRequest<'a> {
     /// The annotation file: `.json` or `.csv`.
     pub file: &'a Path,
     /// The folder that holds the photos and gets the `session.json`.
@@ -70,7 +73,7 @@ pub struct Imported {
 
 /// Formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub enum AnnotationFormat {
     /// COCO's `images`, `annotations` and `categories`. An image or its annotation's `attributes` may have `variant`, `place`,
     /// `azimuth_deg`, `pitch_deg` and `distance_mm`.
     Coco,
@@ -80,7 +83,7 @@ pub enum Format {
 
 /// What a file says about one photo.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct ImportedPhoto {
     /// Where it says so: `line 3`, or `image 17`.
     pub place: String,
     /// Its variant is empty where the file names none.
@@ -91,13 +94,13 @@ pub struct Row {
 
 /// What is wrong, and where in the file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fault {
+pub struct ImportFault {
     /// Nothing when it concerns the whole file.
     pub place: Option<String>,
     pub message: String,
 }
 
-impl Fault {
+impl ImportFault {
     fn of_file(message: impl Into<String>) -> Self {
         Self {
             place: None,
@@ -117,10 +120,14 @@ impl Fault {
 ///
 /// # Errors
 /// Broken syntax, numbers that are none, several boxes in one photo.
-pub fn parse(text: &str, format: Format, class: &Classes) -> Result<(Vec<Row>, Vec<String>), Fault> {
+pub fn parse(
+    text: &str,
+    format: AnnotationFormat,
+    class: &Classes,
+) -> Result<(Vec<ImportedPhoto>, Vec<String>), ImportFault> {
     match format {
-        Format::Coco => coco::parse(text, class),
-        Format::Csv => csv::parse(text).map(|rows| (rows, Vec::new())),
+        AnnotationFormat::Coco => coco::parse(text, class),
+        AnnotationFormat::Csv => csv::parse(text).map(|rows| (rows, Vec::new())),
     }
 }
 
@@ -128,16 +135,16 @@ pub fn parse(text: &str, format: Format, class: &Classes) -> Result<(Vec<Row>, V
 ///
 /// # Errors
 /// Whatever is wrong with the file, a photo it names, the scene or the camera; a session that is there already.
-pub fn import(request: &Request) -> Result<Imported, ImportError> {
+pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
     let path = request.folder.join("session.json");
     if path.exists() {
-        return Err(ImportError::SessionThere { path });
+        return Err(SessionImportError::SessionThere { path });
     }
     let format = match request.file.extension().and_then(|e| e.to_str()) {
-        Some("json") => Format::Coco,
-        Some("csv") => Format::Csv,
+        Some("json") => AnnotationFormat::Coco,
+        Some("csv") => AnnotationFormat::Csv,
         _ => {
-            return Err(ImportError::UnknownFormat {
+            return Err(SessionImportError::UnknownFormat {
                 path: request.file.to_owned(),
             });
         }
@@ -146,7 +153,7 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     let text = files::read_text(request.file)?;
     let (rows, without_box) = parse(&text, format, &class).map_err(|fault| error(request.file, fault))?;
     if rows.is_empty() {
-        let fault = Fault::of_file(format!("it has no photo with a box of {}", class.quoted()));
+        let fault = ImportFault::of_file(format!("it has no photo with a box of {}", class.quoted()));
         return Err(error(request.file, fault));
     }
     let photos = checked(rows, request)?;
@@ -158,8 +165,7 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
             .transpose()?,
         photos,
     };
-    let text =
-        serde_json::to_string_pretty(&file).map_err(|e| error(request.file, Fault::of_file(e.to_string())))? + "\n";
+    let text = file.to_json(&path)?;
     // The reader's checks are the checks.
     let session = Session::parse(&text, &path)?;
     Ok(Imported {
@@ -170,23 +176,27 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     })
 }
 
-fn error(path: &Path, fault: Fault) -> ImportError {
+fn error(path: &Path, fault: ImportFault) -> SessionImportError {
     let (path, message) = (path.to_owned(), fault.message);
     match fault.place {
-        Some(place) => ImportError::Row { path, place, message },
-        None => ImportError::Content { path, message },
+        Some(place) => SessionImportError::Entry { path, place, message },
+        None => SessionImportError::Content { path, message },
     }
 }
 
 /// The photos of some rows, each held against its file.
-fn checked(rows: Vec<Row>, request: &Request) -> Result<Vec<PhotoEntry>, ImportError> {
+fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<PhotoEntry>, SessionImportError> {
     let mut seen = HashSet::new();
     let mut photos = Vec::new();
-    for Row { place, mut entry, size } in rows {
-        let refuse = |message: String| error(request.file, Fault::at(place.as_str(), message));
+    for ImportedPhoto { place, mut entry, size } in rows {
+        let refuse = |message: String| error(request.file, ImportFault::at(place.as_str(), message));
         if entry.variant.is_empty() {
-            let missing = || format!("{} has no variant: add one, or give --variant for all", entry.file);
-            entry.variant = request.variant.ok_or_else(|| refuse(missing()))?.to_owned();
+            let missing = || SessionImportError::NoVariant {
+                path: request.file.to_owned(),
+                place: place.clone(),
+                file: entry.file.clone(),
+            };
+            entry.variant = request.variant.ok_or_else(missing)?.to_owned();
         }
         check_photo(&entry).map_err(refuse)?;
         if Path::new(&entry.file).starts_with("..") {
@@ -201,19 +211,19 @@ fn checked(rows: Vec<Row>, request: &Request) -> Result<Vec<PhotoEntry>, ImportE
                 entry.file
             )));
         }
-        check_picture(&entry, size, request.folder).map_err(refuse)?;
+        check_against_photo(&entry, size, request.folder).map_err(refuse)?;
         photos.push(entry);
     }
     Ok(photos)
 }
 
 /// The photo is there, as large as the file says, and the box is in it.
-fn check_picture(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
+fn check_against_photo(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
     let photo::Photo { width, height, .. } =
         photo::Photo::open(&folder.join(&entry.file)).map_err(|e| e.to_string())?;
     if let Some([w, h]) = size.filter(|size| *size != [width, height]) {
         return Err(format!(
-            "{} is {width}×{height} px upright and not {w}×{h}: the boxes are another picture's",
+            "{} is {width}×{height} px upright and not {w}×{h}: the boxes are another photo's",
             entry.file
         ));
     }
@@ -223,7 +233,7 @@ fn check_picture(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> R
             entry.file
         )),
         Some(b) if reaches_out(b, width, height) => Err(format!(
-            "the box of {} reaches out of its {width}×{height} px: is it another picture's? If not, cut it at the border",
+            "the box of {} reaches out of its {width}×{height} px: is it another photo's? If not, cut it at the border",
             entry.file
         )),
         _ => Ok(()),

@@ -1,14 +1,14 @@
-//! What `--detector` takes: a name, a manifest, or an ONNX file with its manifest beside it.
+//! Detectors as users name them: by a name, a manifest, or an ONNX file with its manifest beside it.
 
 use std::path::Path;
 
-use super::CommandResultOf;
-use crate::detect::{Manifest, ManifestError, registered, registered_names};
+use super::{Manifest, ManifestError, registered, registered_names};
+use crate::files::{self, FileError};
 
 /// The named detectors, each once, or all that ship with the program. Registered detectors take part when they are named.
-pub fn chosen(names: &[String]) -> CommandResultOf<Vec<Manifest>> {
+pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
     if names.is_empty() {
-        return Ok(Manifest::all()?);
+        return Manifest::all();
     }
     let mut manifests: Vec<Manifest> = Vec::new();
     for name in names {
@@ -21,11 +21,11 @@ pub fn chosen(names: &[String]) -> CommandResultOf<Vec<Manifest>> {
 }
 
 /// How another run, started in another folder, chooses the same detector again: a manifest's whole path, else the name.
-pub fn chosen_as(manifest: &Manifest, names: &[String]) -> std::io::Result<String> {
+pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileError> {
     let files = names.iter().filter(|name| is_file(name));
     let mut files = files.map(|name| Path::new(name).with_extension("toml"));
     match files.find(|path| Manifest::open(path).is_ok_and(|m| m == *manifest)) {
-        Some(path) => Ok(path.canonicalize()?.display().to_string()),
+        Some(path) => Ok(files::whole_path(&path)?.display().to_string()),
         None => Ok(manifest.name.clone()),
     }
 }
@@ -40,9 +40,9 @@ fn is_network(name: &str) -> bool {
     lower.ends_with(".onnx") || lower.ends_with(".ort")
 }
 
-fn one(name: &str) -> CommandResultOf<Manifest> {
+fn one(name: &str) -> Result<Manifest, ManifestError> {
     if name.ends_with(".toml") {
-        return Ok(Manifest::open(Path::new(name))?);
+        return Manifest::open(Path::new(name));
     }
     if is_network(name) {
         return of_network(Path::new(name));
@@ -53,35 +53,30 @@ fn one(name: &str) -> CommandResultOf<Manifest> {
     Manifest::named(name).map_err(|e| match e {
         ManifestError::Unknown { name, known } => {
             let known = [known, registered_names()].concat();
-            ManifestError::Unknown { name, known }.into()
+            ManifestError::Unknown { name, known }
         }
-        e => e.into(),
+        e => e,
     })
 }
 
 /// The manifest beside an ONNX file, which must be about this file.
-fn of_network(network: &Path) -> CommandResultOf<Manifest> {
-    let (path, shown) = (network.with_extension("toml"), network.display());
+fn of_network(network: &Path) -> Result<Manifest, ManifestError> {
+    let path = network.with_extension("toml");
+    let (network, manifest) = (network.to_owned(), path.clone());
     if !network.is_file() {
-        return Err(format!("there is no file {shown}").into());
+        return Err(ManifestError::NoNetwork { network });
     }
     if !path.is_file() {
-        return Err(format!(
-            "{shown} has no manifest {} beside it, which says how the network is fed and read: run `scaleproof detectors add {shown}` first",
-            path.display()
-        )
-        .into());
+        return Err(ManifestError::NoManifest { network, manifest });
     }
-    let manifest = Manifest::open(&path)?;
-    let described = path.parent().unwrap_or(Path::new("")).join(&manifest.weights.file);
-    let is_same = described.canonicalize().ok() == network.canonicalize().ok();
-    match is_same {
-        true => Ok(manifest),
-        false => Err(format!(
-            "{} describes {} and not {shown}: name the manifest of this network",
-            path.display(),
-            manifest.weights.file
-        )
-        .into()),
+    let found = Manifest::open(&path)?;
+    let described = path.parent().unwrap_or(Path::new("")).join(&found.weights.file);
+    match described.canonicalize().ok() == network.canonicalize().ok() {
+        true => Ok(found),
+        false => Err(ManifestError::OtherNetwork {
+            network,
+            manifest,
+            described: found.weights.file,
+        }),
     }
 }
