@@ -65,7 +65,7 @@ pub(crate) enum Definition {
     /// Kalibr's layout: ids row by row from the bottom left, black squares in the corners between tags.
     Aprilgrid {
         tags: [u32; 2],
-        /// Outer edge of a tag's black border: Kalibr's `tagSize`, which it wants in metres.
+        /// Outer edge of a tag's black border: Kalibr's `tagSize`, there in metres.
         tag_mm: f64,
         /// The gap between two tags by the tag's size: Kalibr's `tagSpacing`.
         tag_spacing: f64,
@@ -76,7 +76,7 @@ pub(crate) enum Definition {
 }
 
 impl Definition {
-    /// The dictionary of a ChArUco board unless another is asked for.
+    /// The default dictionary of a ChArUco board.
     pub(crate) const DICTIONARY: &'static str = "DICT_5X5_100";
     /// A ChArUco marker's share of its square.
     pub(crate) const MARKER_SHARE: f64 = 0.75;

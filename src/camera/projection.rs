@@ -1,4 +1,4 @@
-//! Where a point lands in the image, and how that changes with the point, the pose and the camera.
+//! The projection of a point into the image, and its derivatives by the point, the pose and the camera.
 //!
 //! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
 

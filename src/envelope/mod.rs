@@ -1,7 +1,7 @@
-//! The truth box of a photo: the model's envelope, projected through the pose and the lens, cut at the photo's border.
+//! The ground truth box of a photo: the model's envelope, projected through the pose and the lens, cut at the photo's border.
 //!
 //! Three envelopes, from the smallest model up: the **box** of the model's size, the convex **hull** of its mesh, the **mesh** itself. A model
-//! that is wholly in the photo has the same truth box from hull and mesh, up to the bend that distortion gives the hull's long
+//! that is wholly in the photo has the same truth box from hull and mesh, up to how distortion curves the hull's long
 //! edges. They differ at the photo's border, where the hull's box also holds what only bridges a hollow. `chart envelope` measures
 //! them; the scene chooses, and without a mesh it can only choose the box.
 //!

@@ -213,7 +213,7 @@ impl Mesh {
         Err(MeshError::NoModel { length, width, height })
     }
 
-    /// Refuses the car itself, as a glTF in metres usually is, where a model of 1:`scale` is wanted and nobody said how long it is.
+    /// Refuses the car itself, as a glTF in metres usually is, where a model of 1:`scale` is needed and its length is not given.
     ///
     /// # Errors
     /// A longest side above 1500 mm.

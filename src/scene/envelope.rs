@@ -1,4 +1,4 @@
-//! What stands for the model where truth boxes are drawn.
+//! The shape of the model for ground truth boxes.
 
 use std::path::{Path, PathBuf};
 

@@ -57,7 +57,7 @@ pub struct ScaleModel {
     pub class: Classes,
     /// Length (x), width (y), height (z) of the printed model in mm.
     pub size_mm: [f64; 3],
-    /// What truth boxes are drawn around.
+    /// The shape whose projection is the ground truth box.
     pub envelope: Envelope,
 }
 

@@ -143,7 +143,7 @@ impl TagDetectorChoice {
         })
     }
 
-    /// A faster search for live images, where there is one. What it finds may be told; what is kept is found by [`Self::open`].
+    /// A faster search for live images, where there is one. Its tags guide the photographer; those that are kept come from [`Self::open`].
     ///
     /// # Errors
     /// As [`Self::open`].

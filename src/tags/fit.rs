@@ -19,7 +19,7 @@ impl<S: Search> TagDetector for WithFittedCorners<S> {
 /// The found tags with their corners fitted to the image.
 pub(super) fn fitted(found: Vec<Found>, grey: &GrayImage) -> Vec<SeenTag> {
     let fits: Vec<TagFit> = found.into_iter().map(|found| TagFit::new(found, grey)).collect();
-    // Blur is much the same all over a photo, so small tags are told what the larger ones show.
+    // Blur is much the same all over a photo, so small tags take what the larger ones show.
     let insets: Vec<f64> = fits.iter().filter_map(|fit| fit.inset_px).collect();
     let usual = upper_median(&insets).unwrap_or(0.0);
     fits.into_iter().map(|fit| fit.seen(usual, grey)).collect()
