@@ -5,18 +5,20 @@ mod decode;
 mod heif;
 mod lens;
 mod outline;
+mod problem;
 
 use std::path::{Path, PathBuf};
 
 use image::{GrayImage, RgbImage, imageops};
 
 use crate::files;
-use decode::{DecodeProblem, Header, heif_kind, orientation_of, turned_deg};
+use decode::{Header, heif_kind, orientation_of, turned_deg};
 
 pub use budget::Budget;
 pub use decode::{PngError, open_png};
 pub use heif::reads_heif;
 pub use lens::Lens;
+use problem::DecodeProblem;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

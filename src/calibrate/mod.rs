@@ -23,7 +23,7 @@ use crate::photo::Photo;
 use crate::workers;
 
 pub use choice_text::{choice_lines, numbers};
-pub use detect::{NoBoard, SeenCorner, check};
+pub use detect::{NoBoard, check};
 pub use doubt::{CalibrationError, Caution};
 pub use ladder::{Moves, Rung};
 pub use model::Model;
@@ -32,6 +32,15 @@ pub use summary::json;
 pub use uncertainty::{Cell, Map};
 
 use view::View;
+
+/// A corner of the board where a photo shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenCorner {
+    /// Which of [`Definition::corners_mm`].
+    pub id: usize,
+    /// Pixel (0, 0) is the centre of the top-left pixel.
+    pub px: [f64; 2],
+}
 
 /// With fewer photos than this there is nothing to hold a camera against.
 pub const LEAST_PHOTOS: usize = 4;

@@ -1,5 +1,6 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
+mod abstention;
 mod consensus;
 pub mod diagnosis;
 mod doubt;
@@ -26,8 +27,8 @@ use matches::{Corners, Match};
 use refine::NO_HUBER;
 use solver::Candidate;
 
+pub use abstention::Abstention;
 pub use diagnosis::Diagnosis;
-pub use doubt::Abstention;
 pub use factor::spread;
 pub use matches::{Ignored, IgnoredTag};
 pub use photo::{LocatedPhoto, locate_luma, locate_photo, locate_tags};

@@ -4,8 +4,8 @@
 //! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
 //! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst picture within each budget takes.
 
-use super::decode::DecodeProblem;
 use super::outline::Outline;
+use super::problem::DecodeProblem;
 
 /// The bounds of one use.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,6 +26,7 @@ pub struct Additive {
 
 /// Why colours could not be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum AdditiveError {
     #[error(transparent)]
     Frames(#[from] FramesError),

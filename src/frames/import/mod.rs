@@ -32,6 +32,7 @@ use crate::photo::{Photo, PhotoError};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FrameImportError {
     #[error(transparent)]
     File(#[from] FileError),
