@@ -5,9 +5,7 @@ use std::time::Instant;
 use image::RgbImage;
 use serde::Serialize;
 
-use crate::frames::light;
-use crate::frames::views;
-use crate::frames::{Coverage, Frame, FrameSet, FramesError};
+use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};

@@ -23,9 +23,8 @@ use nalgebra::Point3;
 use serde::Deserialize;
 
 use crate::files::{self, FileError};
-use crate::frames::light;
 use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, outline, syntax,
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, light, outline, syntax,
 };
 use crate::geometry::rigid;
 use crate::photo::{Photo, PhotoError};

@@ -23,9 +23,8 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use crate::camera::Camera;
-use crate::frames::light;
 use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb,
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb, light,
 };
 use crate::geometry::rigid::{self, Rigid};
 use crate::mesh::Mesh;

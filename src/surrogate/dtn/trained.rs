@@ -7,8 +7,7 @@ use super::data::{PaintPixels, PaintWindow};
 use super::network::{Architecture, LayerShapes, values};
 use super::transformer::Maps;
 use super::{DtnError, Transformer};
-use crate::frames::Coverage;
-use crate::frames::light;
+use crate::frames::{Coverage, light};
 use crate::surrogate::renderer::{NeuralRenderer, NotComputed, Renderer};
 
 /// A network that is trained.
