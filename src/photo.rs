@@ -4,6 +4,7 @@ mod budget;
 mod decode;
 mod heif;
 mod lens;
+mod problem;
 mod structure;
 
 use std::path::{Path, PathBuf};
@@ -11,12 +12,13 @@ use std::path::{Path, PathBuf};
 use image::{GrayImage, RgbImage, imageops};
 
 use crate::files;
-use decode::{DecodeProblem, Header, heif_kind, orientation_of, turned_deg};
+use decode::{Header, heif_kind, orientation_of, turned_deg};
 
 pub(crate) use budget::Budget;
 pub(crate) use decode::{PngError, open_png};
 pub(crate) use heif::reads_heif;
 pub(crate) use lens::Lens;
+use problem::DecodeProblem;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

@@ -276,17 +276,11 @@ fn two_file_circles(modules: &Modules) -> Vec<String> {
 }
 
 /// Files that still use each other: this list may only shrink.
-const CIRCLES: [&str; 10] = [
-    "calibrate/detect and calibrate/sharpness",
-    "capture/recover and capture/store",
-    "locate/diagnosis and locate/factor",
-    "locate/doubt and locate/matches",
+const CIRCLES: [&str; 4] = [
     "pattern/gamut and pattern/printed",
     "print/template/layout and print/template/seams",
     "print/wrap/cover and print/wrap/draw",
     "print/wrap/draw and print/wrap/strips",
-    "tags/apriltag_c and tags/choice",
-    "tags/choice and tags/coarse_to_fine",
 ];
 
 #[test]

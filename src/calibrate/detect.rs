@@ -5,18 +5,10 @@ use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 
+use super::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use crate::board::{Definition, Marker};
 use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, reduced};
-
-/// A corner of the board where a photo shows it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SeenCorner {
-    /// Which of [`Definition::corners_mm`].
-    pub id: usize,
-    /// Pixel (0, 0) is the centre of the top-left pixel.
-    pub px: [f64; 2],
-}
 
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -23,7 +23,7 @@ use crate::photo::Photo;
 use crate::workers;
 
 pub(crate) use choice_text::{choice_lines, numbers};
-pub(crate) use detect::{NoBoard, SeenCorner, check};
+pub(crate) use detect::{NoBoard, check};
 pub(crate) use doubt::{CalibrationCaution, CalibrationError};
 pub(crate) use ladder::{CandidateModel, ModelDifference};
 pub(crate) use model::LensModel;
@@ -32,6 +32,15 @@ pub(crate) use summary::json;
 pub(crate) use uncertainty::{MapCell, UncertaintyMap};
 
 use view::BoardView;
+
+/// A corner of the board where a photo shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenCorner {
+    /// Which of [`Definition::corners_mm`].
+    pub id: usize,
+    /// Pixel (0, 0) is the centre of the top-left pixel.
+    pub px: [f64; 2],
+}
 
 /// With fewer photos than this there is nothing to hold a camera against.
 pub(crate) const LEAST_PHOTOS: usize = 4;

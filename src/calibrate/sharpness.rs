@@ -2,7 +2,7 @@
 
 use image::GrayImage;
 
-use super::detect::SeenCorner;
+use super::SeenCorner;
 
 /// Edges wider than this are blurred: a corner is then found, but where a moving camera smeared it. Sharp photos measure 3 to 5 px.
 pub(super) const BLURRED_PX: f64 = 9.0;

@@ -7,11 +7,26 @@
 //! | a photo and its sidecar, not listed | accepted, list not yet written | listed |
 //! | a listed photo whose sidecar is in `taken_back` | being taken back | taken back |
 
+use std::path::Path;
+
 use super::store::{SESSION, Store, StoreError, TAKEN_BACK, is_ours, names, number, sidecar_of, sidecars};
 use crate::files;
 use crate::session::Session;
 
-pub(super) fn recover(store: &mut Store, variant: &str) -> Result<(), StoreError> {
+impl Store {
+    /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera, to fill it with photos of a texture. What an
+    /// earlier capture left unfinished is finished; files that no capture made stay as they are.
+    ///
+    /// # Errors
+    /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
+    pub fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
+        let mut store = Store::begin(folder, scene, camera)?;
+        recover(&mut store, variant)?;
+        Ok(store)
+    }
+}
+
+fn recover(store: &mut Store, variant: &str) -> Result<(), StoreError> {
     let folder = store.folder.clone();
     let mut there = names(&folder)?;
     for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {

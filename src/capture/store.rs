@@ -88,12 +88,8 @@ pub(crate) struct Store {
 }
 
 impl Store {
-    /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera, to fill it with photos of a texture. What an
-    /// earlier capture left unfinished is finished; files that no capture made stay as they are.
-    ///
-    /// # Errors
-    /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
-    pub(crate) fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
+    /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera; what an earlier capture left unfinished stays so.
+    pub(super) fn begin(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
         let read = Scene::open(scene).map_err(SessionError::from)?;
         Camera::open(camera).map_err(SessionError::from)?;
         let mesh = session::mesh_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
@@ -108,16 +104,14 @@ impl Store {
         if let (Some(mesh), Some(home)) = (mesh, scene.parent()) {
             keep_copy(&home.join(&mesh), folder, &mesh.to_string_lossy(), "mesh", is_new)?;
         }
-        let mut store = Store {
+        Ok(Store {
             folder: folder.to_owned(),
             camera: camera_name,
             accepted: Vec::new(),
             taken_back: Vec::new(),
             next: 0,
             _lock: lock,
-        };
-        super::recover::recover(&mut store, variant)?;
-        Ok(store)
+        })
     }
 
     /// Accepted photos, in the order they were accepted.

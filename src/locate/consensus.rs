@@ -5,7 +5,8 @@
 
 use nalgebra::{Matrix6, SMatrix, SVector};
 
-use super::doubt::{self, Abstention};
+use super::abstention::Abstention;
+use super::doubt;
 use super::matches::{Corners, Ignored, IgnoredTag, Match};
 use super::refine::{self, NO_HUBER};
 use super::solver::{PoseCandidate, Solver, largest_first};

@@ -1,5 +1,6 @@
 //! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
 
+mod abstention;
 mod consensus;
 pub(crate) mod diagnosis;
 mod doubt;
@@ -26,8 +27,8 @@ use matches::{Corners, Match};
 use refine::NO_HUBER;
 use solver::PoseCandidate;
 
+pub use abstention::Abstention;
 pub(crate) use diagnosis::Diagnosis;
-pub use doubt::Abstention;
 pub(crate) use factor::spread;
 pub(crate) use matches::{Ignored, IgnoredTag};
 pub use photo::{LocatedPhoto, locate_photo};

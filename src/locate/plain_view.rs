@@ -3,7 +3,7 @@
 //! A lone tag whose card was turned, or that was read as another one, fits perfectly in a wrong place. The rest of the image
 //! can contradict it: the model is not where the camera looks, or tags that should be in plain view are not there.
 
-use super::doubt::Abstention;
+use super::abstention::Abstention;
 use super::matches::{Match, area_px};
 use crate::camera::Camera;
 use crate::geometry::Rigid;

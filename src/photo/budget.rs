@@ -4,9 +4,8 @@
 //! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
 //! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst image within each budget takes.
 
-use super::decode::DecodeProblem;
+use super::problem::DecodeProblem;
 use super::structure::JpegStructure;
-
 /// The bounds of one use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {

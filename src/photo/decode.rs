@@ -1,7 +1,6 @@
 //! From the bytes of a JPEG or PNG file to upright pixels, whole or not at all.
 
 use std::io::Cursor;
-use std::path::Path;
 
 use image::codecs::png::PngDecoder;
 use image::metadata::Orientation;
@@ -11,36 +10,9 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-use super::PhotoError;
 use super::budget::{Budget, DecodeCost};
+use super::problem::DecodeProblem;
 use super::structure::JpegStructure;
-
-/// What is wrong with the bytes of an image.
-#[derive(Debug, PartialEq)]
-pub(super) enum DecodeProblem {
-    NotAPicture,
-    /// Its kind.
-    Heif(&'static str),
-    Truncated,
-    /// How large, as a clause.
-    TooLarge(String),
-    TooManyScans(u64),
-    Damaged(String),
-}
-
-impl DecodeProblem {
-    pub(super) fn at(self, path: &Path) -> PhotoError {
-        let path = path.to_owned();
-        match self {
-            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
-            DecodeProblem::Heif(kind) => PhotoError::Heif { path, kind },
-            DecodeProblem::Truncated => PhotoError::Truncated { path },
-            DecodeProblem::TooLarge(size) => PhotoError::TooLarge { path, size },
-            DecodeProblem::TooManyScans(scans) => PhotoError::TooManyScans { path, scans },
-            DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
-        }
-    }
-}
 
 /// JPEG or PNG, by the first bytes.
 enum FileKind {

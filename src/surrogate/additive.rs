@@ -26,6 +26,7 @@ pub(crate) struct Additive {
 
 /// Why colours could not be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum AdditiveError {
     #[error(transparent)]
     Frames(#[from] FramesError),

@@ -5,15 +5,14 @@ use std::time::Instant;
 use image::RgbImage;
 use serde::Serialize;
 
-use crate::frames::light;
-use crate::frames::views;
-use crate::frames::{Coverage, Frame, FrameSet, FramesError};
+use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
-use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
+use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum SurrogateChartError {
     #[error(transparent)]
     Frames(#[from] FramesError),
@@ -24,7 +23,7 @@ pub(crate) enum SurrogateChartError {
     #[error("the network {network} starts from {wanted}, which is not among the references; add it")]
     OtherReference { network: String, wanted: String },
     #[error("the network {network}: {reason}")]
-    Network { network: String, reason: String },
+    Network { network: String, reason: NotComputed },
     #[error("no view has a flat colour besides the references, so there is nothing to predict: render one more")]
     NothingToPredict,
 }

@@ -21,6 +21,7 @@ mod opencv_markers;
 mod refine;
 mod rivals;
 mod search;
+mod start;
 mod tag_image;
 
 use image::GrayImage;

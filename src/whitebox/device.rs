@@ -13,6 +13,7 @@ pub(crate) enum DeviceKind {
 
 /// Why a device cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum DeviceError {
     #[error("this program was built without {0}")]
     NotBuilt(&'static str),

@@ -4,8 +4,8 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NetworkFault {
-    #[error("at {node}: {fault}")]
-    At { node: String, fault: Box<NetworkFault> },
+    #[error("at {0}: {1}")]
+    At(String, Box<NetworkFault>),
     /// A sentence about settings that make no sense.
     #[error("{0}")]
     Malformed(&'static str),
@@ -22,30 +22,22 @@ pub enum NetworkFault {
     WholeOutput(String),
     #[error("its output {0} is never computed")]
     NotComputed(String),
-    #[error("it takes {expected} {what} and gets {found}")]
-    Count {
-        what: &'static str,
-        expected: usize,
-        found: usize,
-    },
-    #[error("a tensor of rank {rank} has no axis {axis}")]
-    NoAxis { rank: usize, axis: i64 },
-    #[error("a tensor {shape:?} came where rank {rank} belongs")]
-    Rank { shape: Vec<usize>, rank: usize },
-    #[error("a tensor {shape:?} has more than {most} axes")]
-    TooManyAxes { shape: Vec<usize>, most: usize },
-    #[error("a tensor of it would have more than {most} numbers")]
-    TooLarge { most: usize },
-    #[error("a tensor {from:?} cannot become {to:?}")]
-    Reshape { from: Vec<usize>, to: Vec<usize> },
-    #[error("{what} {left:?} and {right:?} do not go together")]
-    Mismatch {
-        what: &'static str,
-        left: Vec<usize>,
-        right: Vec<usize>,
-    },
-    #[error("it asks for indices {indices:?} of an axis of length {length}")]
-    Indices { indices: Vec<usize>, length: usize },
+    #[error("it takes {1} {0} and gets {2}")]
+    Count(&'static str, usize, usize),
+    #[error("a tensor of rank {0} has no axis {1}")]
+    NoAxis(usize, i64),
+    #[error("a tensor {0:?} came where rank {1} belongs")]
+    Rank(Vec<usize>, usize),
+    #[error("a tensor {0:?} has more than {1} axes")]
+    TooManyAxes(Vec<usize>, usize),
+    #[error("a tensor of it would have more than {0} numbers")]
+    TooLarge(usize),
+    #[error("a tensor {0:?} cannot become {1:?}")]
+    Reshape(Vec<usize>, Vec<usize>),
+    #[error("{0} {1:?} and {2:?} do not go together")]
+    Mismatch(&'static str, Vec<usize>, Vec<usize>),
+    #[error("it asks for indices {0:?} of an axis of length {1}")]
+    Indices(Vec<usize>, usize),
 }
 
 impl From<&'static str> for NetworkFault {

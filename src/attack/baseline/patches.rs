@@ -4,8 +4,7 @@
 use image::RgbImage;
 
 use crate::attack::run::Rgb;
-use crate::frames::light;
-use crate::frames::{Frame, FrameSet, FramesError, SurfacePoint};
+use crate::frames::{Frame, FrameSet, FramesError, SurfacePoint, light};
 use crate::pattern::world_aligned::Side;
 
 /// An image on one side of the model. The hood is part of the roof's side: both look up.

@@ -21,6 +21,7 @@ use crate::session::{self, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum EvaluateError {
     #[error(transparent)]
     File(#[from] FileError),

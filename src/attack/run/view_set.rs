@@ -6,9 +6,7 @@ use serde::Serialize;
 
 use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
 use super::{Rgb, RunError};
-use crate::frames::light;
-use crate::frames::views;
-use crate::frames::{Coverage, Frame, FrameList, FrameSet, outline};
+use crate::frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
 use crate::geometry::BoxPx;
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};

@@ -6,8 +6,7 @@ use std::path::PathBuf;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::files;
-use crate::frames::FrameSet;
-use crate::frames::views;
+use crate::frames::{FrameSet, views};
 use crate::surrogate::chart::{draw, draw_training, measure, numbers, table};
 use crate::surrogate::renderer::NeuralRenderer;
 

@@ -11,8 +11,7 @@ use rand_pcg::Pcg32;
 use super::CommandResult;
 use super::render::hex;
 use crate::files;
-use crate::frames::light;
-use crate::frames::{FrameSet, LIST};
+use crate::frames::{FrameSet, LIST, light};
 use crate::surrogate::additive::recoloured;
 
 /// Make further flat colours of rendered views, without rendering: light adds up

@@ -10,12 +10,11 @@ use serde_json::{Value, json};
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::files;
-use crate::frames::LIST;
-use crate::frames::light;
 use crate::frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
 };
 use crate::frames::photos::{LeftOutPhoto, PhotoFrames, PhotoFramesRequest, PhotoView, make};
+use crate::frames::{LIST, light};
 use crate::session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view

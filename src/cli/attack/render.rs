@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::print::wrap::ModelArgs;
 use super::{CommandResult, progress};
-use crate::frames::LIST;
-use crate::frames::light;
 use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
+use crate::frames::{LIST, light};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;

@@ -23,15 +23,15 @@ use nalgebra::Point3;
 use serde::Deserialize;
 
 use crate::files::{self, FileError};
-use crate::frames::light;
 use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, outline, syntax,
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, light, outline, syntax,
 };
 use crate::geometry::rigid;
 use crate::photo::{Photo, PhotoError};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum FrameImportError {
     #[error(transparent)]
     File(#[from] FileError),

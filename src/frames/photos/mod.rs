@@ -23,9 +23,8 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use crate::camera::Camera;
-use crate::frames::light;
 use crate::frames::{
-    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb,
+    FORMAT, Frame, FrameList, FramePaint, FramesError, Positions, encode_grey, encode_positions, encode_rgb, light,
 };
 use crate::geometry::rigid::{self, Rigid};
 use crate::mesh::Mesh;
@@ -40,6 +39,7 @@ pub(crate) const FACTOR: u32 = 3;
 
 /// Why there are no frames.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum PhotosError {
     #[error(transparent)]
     Photo(#[from] PhotoError),

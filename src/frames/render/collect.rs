@@ -7,8 +7,7 @@ use image::{GrayImage, RgbImage};
 use super::RenderError;
 use super::plan::{Missing, PlannedFrame, RenderPlan};
 use crate::files;
-use crate::frames::light;
-use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb};
+use crate::frames::{encode_grey, encode_linear, encode_positions, encode_rgb, light};
 
 /// Puts images into the folder of a plan.
 pub(super) struct Collector<'a> {

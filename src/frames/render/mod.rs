@@ -23,6 +23,7 @@ use crate::mesh::MeshError;
 
 /// Why nothing, or not everything, was rendered.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum RenderError {
     #[error(transparent)]
     File(#[from] FileError),

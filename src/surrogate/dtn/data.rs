@@ -8,9 +8,7 @@ use rand_pcg::Pcg32;
 
 use super::{Architecture, DtnError};
 use crate::files;
-use crate::frames::light;
-use crate::frames::views;
-use crate::frames::{Coverage, Frame, FrameSet};
+use crate::frames::{Coverage, Frame, FrameSet, light, views};
 use crate::surrogate::additive::Additive;
 
 /// Between the paint and the window's edge, where the convolutions see the padding.

@@ -34,6 +34,7 @@ use crate::surrogate::additive::AdditiveError;
 
 /// Why there is no network.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub(crate) enum DtnError {
     #[error(transparent)]
     Frames(#[from] FramesError),

@@ -7,9 +7,8 @@ use super::data::{PaintPixels, PaintWindow};
 use super::network::{Architecture, LayerShapes, values};
 use super::transformer::Maps;
 use super::{DtnError, Transformer};
-use crate::frames::Coverage;
-use crate::frames::light;
-use crate::surrogate::renderer::{NeuralRenderer, Renderer};
+use crate::frames::{Coverage, light};
+use crate::surrogate::renderer::{NeuralRenderer, NotComputed, Renderer};
 
 /// A network that is trained.
 #[derive(Debug, Clone)]
@@ -88,10 +87,10 @@ impl NeuralRenderer for DtnNetwork {
         self.training_seconds
     }
 
-    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String> {
+    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, NotComputed> {
         match self.view(reference, mask) {
             Ok(view) => Ok(Box::new(view)),
-            Err(e) => Err(e.to_string()),
+            Err(e) => Err(NotComputed(e.to_string())),
         }
     }
 }

@@ -51,9 +51,14 @@ pub(crate) trait NeuralRenderer {
     /// The model of a view, from its image in a reference colour and the paint's coverage, of one size.
     ///
     /// # Errors
-    /// A sentence, when it cannot be computed.
-    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String>;
+    /// Tensors that cannot be computed.
+    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, NotComputed>;
 }
+
+/// Why a network gave no model of a view.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct NotComputed(pub String);
 
 /// Which model. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -97,6 +102,7 @@ impl ClosedForm {
 
 /// Why a model could not be fitted.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FitError {
     #[error(
         "the {model} model needs images in {needed} flat colours that differ in every channel, and there are {found}"

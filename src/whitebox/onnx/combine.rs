@@ -96,11 +96,7 @@ fn product(a: Floats, b: Floats) -> Result<Floats, NetworkFault> {
     let (left, right) = (a.shape(), b.shape());
     let fit = matches!((&left[..], &right[..]), ([_, .., inner], [.., rows, _]) if inner == rows);
     if !fit {
-        return Err(NetworkFault::Mismatch {
-            what: "matrices",
-            left,
-            right,
-        });
+        return Err(NetworkFault::Mismatch("matrices", left, right));
     }
     let rank = a.rank.max(b.rank);
     Ok(Floats {

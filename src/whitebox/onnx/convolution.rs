@@ -64,11 +64,7 @@ impl Operator for Convolution {
         };
         let ([_, channels, rows, columns], [_, per_group, ..]) = (x.dims(), weight.dims());
         if channels != per_group * self.groups {
-            return Err(NetworkFault::Count {
-                what: "channels",
-                expected: per_group * self.groups,
-                found: channels,
-            });
+            return Err(NetworkFault::Count("channels", per_group * self.groups, channels));
         }
         let Window { stride, dilation, .. } = self.window;
         let padding = self.window.padding([channels, rows, columns])?;

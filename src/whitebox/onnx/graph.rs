@@ -133,10 +133,10 @@ impl Graph {
 
 impl GraphStep {
     fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), NetworkFault> {
-        let outputs = self.operator.run(inputs).map_err(|fault| NetworkFault::At {
-            node: self.name.clone(),
-            fault: fault.into(),
-        })?;
+        let outputs = self
+            .operator
+            .run(inputs)
+            .map_err(|fault| NetworkFault::At(self.name.clone(), fault.into()))?;
         for (slot, value) in self.outputs.iter().zip(outputs) {
             values[*slot] = Some(value);
         }

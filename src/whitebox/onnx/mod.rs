@@ -135,11 +135,11 @@ impl OnnxNetwork {
 
     fn try_forward(&self, numbers: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, NetworkFault> {
         if numbers.len() != self.shape.iter().product::<usize>() {
-            return Err(NetworkFault::Count {
-                what: "numbers",
-                expected: self.shape.iter().product(),
-                found: numbers.len(),
-            });
+            return Err(NetworkFault::Count(
+                "numbers",
+                self.shape.iter().product(),
+                numbers.len(),
+            ));
         }
         let (image, value) = self.image(numbers, requires_grad)?;
         let (mut outputs, mut tensors) = (Vec::new(), Vec::new());

@@ -108,5 +108,5 @@ pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize, NetworkFault> {
     usize::try_from(from_start)
         .ok()
         .filter(|a| *a < rank)
-        .ok_or(NetworkFault::NoAxis { rank, axis })
+        .ok_or(NetworkFault::NoAxis(rank, axis))
 }

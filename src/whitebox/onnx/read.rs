@@ -82,11 +82,7 @@ impl<'a> Builder<'a> {
 
     fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, NetworkFault> {
         let [image] = &parsed.inputs[..] else {
-            return Err(NetworkFault::Count {
-                what: "inputs",
-                expected: parsed.inputs.len(),
-                found: 1,
-            });
+            return Err(NetworkFault::Count("inputs", parsed.inputs.len(), 1));
         };
         let input = self.named_slot(&image.name);
         let mut steps = Vec::new();

@@ -24,10 +24,7 @@ impl Value {
                 shape: shape.to_vec(),
                 data: v.data,
             })),
-            Value::Integers(v) => Err(NetworkFault::Reshape {
-                from: v.shape,
-                to: shape.to_vec(),
-            }),
+            Value::Integers(v) => Err(NetworkFault::Reshape(v.shape, shape.to_vec())),
         }
     }
 
@@ -35,10 +32,7 @@ impl Value {
     fn taken(self, axis: usize, indices: &[usize]) -> Result<Value, NetworkFault> {
         let side = self.shape().get(axis).copied().unwrap_or(0);
         if indices.is_empty() || indices.iter().any(|p| *p >= side) {
-            return Err(NetworkFault::Indices {
-                indices: indices.to_vec(),
-                length: side,
-            });
+            return Err(NetworkFault::Indices(indices.to_vec(), side));
         }
         Ok(match self {
             Value::Floats(v) => Value::Floats(v.taken(axis, indices)?),
@@ -123,10 +117,7 @@ impl Operator for Flatten {
         let value = inputs.value(0)?;
         let shape = value.shape();
         if self.0 > shape.len() {
-            return Err(NetworkFault::NoAxis {
-                rank: shape.len(),
-                axis: self.0 as i64,
-            });
+            return Err(NetworkFault::NoAxis(shape.len(), self.0 as i64));
         }
         let (rows, columns) = shape.split_at(self.0);
         let shape = [rows.iter().product(), columns.iter().product()];
@@ -177,10 +168,7 @@ impl Operator for Unsqueeze {
         new.sort_unstable();
         for axis in new {
             if axis > shape.len() {
-                return Err(NetworkFault::NoAxis {
-                    rank: shape.len(),
-                    axis: axis as i64,
-                });
+                return Err(NetworkFault::NoAxis(shape.len(), axis as i64));
             }
             shape.insert(axis, 1);
         }
@@ -229,10 +217,7 @@ impl Operator for Concat {
             .ok_or("it has no input")?;
         let shape = first.shape();
         if self.0 >= shape.len() {
-            return Err(NetworkFault::NoAxis {
-                rank: shape.len(),
-                axis: self.0 as i64,
-            });
+            return Err(NetworkFault::NoAxis(shape.len(), self.0 as i64));
         }
         let fits = |v: &Value| {
             let other = v.shape();

@@ -113,7 +113,7 @@ impl Operator for Resize {
             .map(Value::shape)
             .unwrap_or_default();
         let [_, _, rows, columns] = shape[..] else {
-            return Err(NetworkFault::Rank { shape, rank: 4 });
+            return Err(NetworkFault::Rank(shape, 4));
         };
         let [(new_rows, y), (new_columns, x)] = self.target([rows, columns], &mut inputs)?;
         if new_rows == 0 || new_columns == 0 || rows == 0 || columns == 0 {
@@ -160,11 +160,7 @@ impl Operator for Pad {
         let Floats { x, rank } = inputs.floats(0)?;
         let axes = axes.unwrap_or_else(|| (0..rank as i64).collect());
         if pads.len() != 2 * axes.len() {
-            return Err(NetworkFault::Count {
-                what: "paddings",
-                expected: 2 * axes.len(),
-                found: pads.len(),
-            });
+            return Err(NetworkFault::Count("paddings", 2 * axes.len(), pads.len()));
         }
         let mut pairs = [(0, 0); RANK];
         for (i, axis) in axes.iter().enumerate() {

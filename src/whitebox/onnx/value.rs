@@ -77,20 +77,14 @@ impl Floats {
     pub(super) fn axis(&self, axis: usize) -> Result<usize, NetworkFault> {
         match axis < self.rank {
             true => Ok(RANK - self.rank + axis),
-            false => Err(NetworkFault::NoAxis {
-                rank: self.rank,
-                axis: axis as i64,
-            }),
+            false => Err(NetworkFault::NoAxis(self.rank, axis as i64)),
         }
     }
 
     pub(super) fn reshaped(self, shape: &[usize]) -> Result<Floats, NetworkFault> {
         let wanted: usize = shape.iter().product();
         if self.x.shape().num_elements() != wanted {
-            return Err(NetworkFault::Reshape {
-                from: self.shape(),
-                to: shape.to_vec(),
-            });
+            return Err(NetworkFault::Reshape(self.shape(), shape.to_vec()));
         }
         Ok(Floats {
             x: self.x.reshape(full(shape)?),
@@ -101,9 +95,7 @@ impl Floats {
     /// With its own rank in its type; `R` must be that rank.
     pub(super) fn of_rank<const R: usize>(self) -> Result<Tensor<R>, NetworkFault> {
         let shape = self.shape();
-        let sides: [usize; R] = shape
-            .try_into()
-            .map_err(|shape| NetworkFault::Rank { shape, rank: R })?;
+        let sides: [usize; R] = shape.try_into().map_err(|shape| NetworkFault::Rank(shape, R))?;
         Ok(self.x.reshape(sides))
     }
 
@@ -126,10 +118,9 @@ impl Floats {
 /// A shape with ones in front, [`RANK`] axes in all.
 pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], NetworkFault> {
     let mut sides = [1; RANK];
-    let from = RANK.checked_sub(shape.len()).ok_or_else(|| NetworkFault::TooManyAxes {
-        shape: shape.to_vec(),
-        most: RANK,
-    })?;
+    let from = RANK
+        .checked_sub(shape.len())
+        .ok_or_else(|| NetworkFault::TooManyAxes(shape.to_vec(), RANK))?;
     sides[from..].copy_from_slice(shape);
     Ok(sides)
 }
@@ -143,7 +134,7 @@ pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize, N
         .into_iter()
         .try_fold(1_usize, |count, side| count.checked_mul(side));
     let count = count.filter(|count| *count <= MOST_NUMBERS);
-    count.ok_or(NetworkFault::TooLarge { most: MOST_NUMBERS })
+    count.ok_or(NetworkFault::TooLarge(MOST_NUMBERS))
 }
 
 /// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
@@ -154,11 +145,7 @@ pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>, NetworkF
         .map(|i| match (side(a, i), side(b, i)) {
             (x, y) if x == y || y == 1 => Ok(x),
             (1, y) => Ok(y),
-            _ => Err(NetworkFault::Mismatch {
-                what: "tensors",
-                left: a.to_vec(),
-                right: b.to_vec(),
-            }),
+            _ => Err(NetworkFault::Mismatch("tensors", a.to_vec(), b.to_vec())),
         })
         .collect()
 }

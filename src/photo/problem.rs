@@ -1,0 +1,32 @@
+//! What is wrong with the bytes of an image.
+
+use std::path::Path;
+
+use super::PhotoError;
+
+/// What is wrong with the bytes of a picture.
+#[derive(Debug, PartialEq)]
+pub(super) enum DecodeProblem {
+    NotAPicture,
+    /// Its kind.
+    Heif(&'static str),
+    Truncated,
+    /// How large, as a clause.
+    TooLarge(String),
+    TooManyScans(u64),
+    Damaged(String),
+}
+
+impl DecodeProblem {
+    pub fn at(self, path: &Path) -> PhotoError {
+        let path = path.to_owned();
+        match self {
+            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
+            DecodeProblem::Heif(kind) => PhotoError::Heif { path, kind },
+            DecodeProblem::Truncated => PhotoError::Truncated { path },
+            DecodeProblem::TooLarge(size) => PhotoError::TooLarge { path, size },
+            DecodeProblem::TooManyScans(scans) => PhotoError::TooManyScans { path, scans },
+            DecodeProblem::Damaged(reason) => PhotoError::Damaged { path, reason },
+        }
+    }
+}
