@@ -87,10 +87,9 @@ fn assert_finds_the_camera(session: &Path) {
     assert_eq!(found["model"], "k1_k2");
     assert!(above_best <= 5.0);
     let written = Camera::open(&yaml).unwrap();
-    assert_eq!(
-        (written.width, written.height, written.fx),
-        (1280, 960, number("fx_px"))
-    );
+    assert_eq!((written.width, written.height), (1280, 960));
+    // serde_json reads some numbers one unit in the last place off.
+    assert!((written.fx - number("fx_px")).abs() <= f64::EPSILON * written.fx);
     assert!(
         (written.distortion()[0] - -0.08).abs() < 0.002,
         "{:?}",
