@@ -1,6 +1,6 @@
-//! Lines, outlines and labels in pictures. Pixel (0, 0) is the centre of the top-left pixel.
+//! Lines, outlines and labels in images. Pixel (0, 0) is the centre of the top-left pixel.
 //!
-//! Whatever lies outside the picture, or is no number, is simply not drawn. Same input, same pixels.
+//! Whatever lies outside the image, or is no number, is simply not drawn. Same input, same pixels.
 
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 use image::{Rgb, RgbImage};
@@ -12,26 +12,26 @@ const FONT: &[u8] = include_bytes!("print/fonts/DejaVuSans-latin1.ttf");
 const MARGIN: f64 = 0.3;
 
 /// An sRGB colour, 8 bit.
-pub type Colour = [u8; 3];
+pub type DrawColour = [u8; 3];
 
 /// What a line looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pen {
-    pub colour: Colour,
+    pub colour: DrawColour,
     pub width_px: f64,
 }
 
 /// What a label looks like: letters of a colour on a ground, their height from the tallest to the lowest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lettering {
-    pub colour: Colour,
-    pub ground: Colour,
+    pub colour: DrawColour,
+    pub ground: DrawColour,
     pub size_px: f64,
 }
 
 /// Where a label stands relative to its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
+pub enum LabelAnchor {
     /// The place is the label's top-left corner.
     TopLeft,
     /// The place is the label's bottom-left corner: a label that sits on a box.
@@ -40,15 +40,15 @@ pub enum Anchor {
     Centre,
 }
 
-/// The line width and the height of letters, px, that are readable when a picture is seen whole on a screen.
-pub fn readable_px(picture: &RgbImage) -> (f64, f64) {
-    let longest = f64::from(picture.width().max(picture.height()));
+/// The line width and the height of letters, px, that are readable when an image is seen whole on a screen.
+pub fn readable_px(image: &RgbImage) -> (f64, f64) {
+    let longest = f64::from(image.width().max(image.height()));
     ((longest / 700.0).max(1.5), (longest / 70.0).max(11.0))
 }
 
 /// A straight line.
-pub fn line(picture: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
-    let Some([from, to]) = clipped(picture, from, to, pen.width_px) else {
+pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
+    let Some([from, to]) = clipped(image, from, to, pen.width_px) else {
         return;
     };
     let along = [to[0] - from[0], to[1] - from[1]];
@@ -69,32 +69,32 @@ pub fn line(picture: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
             let mut at = [m; 2];
             at[minor] = n;
             let distance = distance_to(from, to, at.map(|v| v as f64));
-            blend(picture, at, pen.colour, half + 0.5 - distance);
+            blend(image, at, pen.colour, half + 0.5 - distance);
         }
     }
 }
 
 /// Lines from each corner to the next, and from the last to the first.
-pub fn polygon(picture: &mut RgbImage, corners: &[[f64; 2]], pen: Pen) {
+pub fn polygon(image: &mut RgbImage, corners: &[[f64; 2]], pen: Pen) {
     for (i, corner) in corners.iter().enumerate() {
-        line(picture, *corner, corners[(i + 1) % corners.len()], pen);
+        line(image, *corner, corners[(i + 1) % corners.len()], pen);
     }
 }
 
 /// The outline of an upright rectangle between two opposite corners.
-pub fn rectangle(picture: &mut RgbImage, one: [f64; 2], other: [f64; 2], pen: Pen) {
-    polygon(picture, &[one, [other[0], one[1]], other, [one[0], other[1]]], pen);
+pub fn rectangle(image: &mut RgbImage, one: [f64; 2], other: [f64; 2], pen: Pen) {
+    polygon(image, &[one, [other[0], one[1]], other, [one[0], other[1]]], pen);
 }
 
-/// Text on a ground, moved as far as it takes to lie inside the picture, and cut where it is larger than that. `\n` starts a new
+/// Text on a ground, moved as far as it takes to lie inside the image, and cut where it is larger than that. `\n` starts a new
 /// line; a letter outside Latin-1 becomes a question mark.
-pub fn label(picture: &mut RgbImage, at: [f64; 2], anchor: Anchor, text: &str, lettering: Lettering) {
-    let Some([left, top, width, height]) = placed(picture, at, anchor, text, lettering.size_px) else {
+pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, lettering: Lettering) {
+    let Some([left, top, width, height]) = placed(image, at, anchor, text, lettering.size_px) else {
         return;
     };
-    for y in top..(top + height).min(picture.height().into()) {
-        for x in left..(left + width).min(picture.width().into()) {
-            blend(picture, [x, y], lettering.ground, 1.0);
+    for y in top..(top + height).min(image.height().into()) {
+        for x in left..(left + width).min(image.width().into()) {
+            blend(image, [x, y], lettering.ground, 1.0);
         }
     }
     let margin = MARGIN * lettering.size_px;
@@ -104,7 +104,7 @@ pub fn label(picture: &mut RgbImage, at: [f64; 2], anchor: Anchor, text: &str, l
         outlined.draw(|x, y, covered| {
             let x = left + i64::from(x) + (f64::from(corner.x) + margin).round() as i64;
             let y = top + i64::from(y) + (f64::from(corner.y) + margin / 2.0).round() as i64;
-            blend(picture, [x, y], lettering.colour, covered.into());
+            blend(image, [x, y], lettering.colour, covered.into());
         });
     }
 }
@@ -131,21 +131,21 @@ fn line_height(size_px: f64) -> f64 {
     1.15 * size_px
 }
 
-/// Left, top, width and height of a label in whole pixels, inside the picture; the top-left is kept where it is too large. `None`
+/// Left, top, width and height of a label in whole pixels, inside the image; the top-left is kept where it is too large. `None`
 /// where the place is no number.
-fn placed(picture: &RgbImage, at: [f64; 2], anchor: Anchor, text: &str, size_px: f64) -> Option<[i64; 4]> {
+fn placed(image: &RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, size_px: f64) -> Option<[i64; 4]> {
     let [width, height] = label_size_px(text, size_px).map(f64::ceil);
     let [left, top] = match anchor {
-        Anchor::TopLeft => at,
-        Anchor::BottomLeft => [at[0], at[1] - height],
-        Anchor::Centre => [at[0] - width / 2.0, at[1] - height / 2.0],
+        LabelAnchor::TopLeft => at,
+        LabelAnchor::BottomLeft => [at[0], at[1] - height],
+        LabelAnchor::Centre => [at[0] - width / 2.0, at[1] - height / 2.0],
     };
     let inside = |start: f64, length: f64, side: u32| start.min(f64::from(side) - length).max(0.0).round() as i64;
     let is_number = left.is_finite() && top.is_finite() && size_px > 0.0 && size_px < 10_000.0;
     is_number.then(|| {
         [
-            inside(left, width, picture.width()),
-            inside(top, height, picture.height()),
+            inside(left, width, image.width()),
+            inside(top, height, image.height()),
             width as i64,
             height as i64,
         ]
@@ -196,13 +196,13 @@ fn shown(c: char) -> char {
     }
 }
 
-/// A line's part within reach of the picture (Liang & Barsky 1984).
-fn clipped(picture: &RgbImage, from: [f64; 2], to: [f64; 2], width_px: f64) -> Option<[[f64; 2]; 2]> {
+/// A line's part within reach of the image (Liang & Barsky 1984).
+fn clipped(image: &RgbImage, from: [f64; 2], to: [f64; 2], width_px: f64) -> Option<[[f64; 2]; 2]> {
     if !from.iter().chain(&to).all(|v| v.is_finite()) || !(0.0..10_000.0).contains(&width_px) {
         return None;
     }
     let margin = width_px + 2.0;
-    let sides = [f64::from(picture.width()), f64::from(picture.height())];
+    let sides = [f64::from(image.width()), f64::from(image.height())];
     let along = [to[0] - from[0], to[1] - from[1]];
     let (mut enter, mut leave) = (0.0, 1.0);
     for axis in 0..2 {
@@ -234,13 +234,13 @@ fn distance_to(from: [f64; 2], to: [f64; 2], at: [f64; 2]) -> f64 {
     (x - t * along[0]).hypot(y - t * along[1])
 }
 
-/// Mixes a colour into a pixel by how much of it is covered; nothing outside the picture.
-fn blend(picture: &mut RgbImage, [x, y]: [i64; 2], colour: Colour, covered: f64) {
+/// Mixes a colour into a pixel by how much of it is covered; nothing outside the image.
+fn blend(image: &mut RgbImage, [x, y]: [i64; 2], colour: DrawColour, covered: f64) {
     let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
         return;
     };
     let covered = covered.clamp(0.0, 1.0);
-    if let Some(Rgb(pixel)) = picture.get_pixel_mut_checked(x, y) {
+    if let Some(Rgb(pixel)) = image.get_pixel_mut_checked(x, y) {
         for (channel, paint) in pixel.iter_mut().zip(colour) {
             *channel = (f64::from(*channel) * (1.0 - covered) + f64::from(paint) * covered).round() as u8;
         }
@@ -261,9 +261,9 @@ mod tests {
         size_px: 20.0,
     };
 
-    fn painted(picture: &RgbImage) -> Vec<[u32; 2]> {
+    fn painted(image: &RgbImage) -> Vec<[u32; 2]> {
         let is_painted = |(_, _, p): &(u32, u32, &Rgb<u8>)| p.0 != [0; 3];
-        picture
+        image
             .enumerate_pixels()
             .filter(is_painted)
             .map(|(x, y, _)| [x, y])
@@ -272,57 +272,57 @@ mod tests {
 
     #[test]
     fn a_line_covers_its_width_and_ends_where_it_should() {
-        let mut picture = RgbImage::new(60, 40);
-        line(&mut picture, [10.0, 20.0], [49.0, 20.0], PEN);
+        let mut image = RgbImage::new(60, 40);
+        line(&mut image, [10.0, 20.0], [49.0, 20.0], PEN);
         for x in 10..50 {
-            let column: Vec<u8> = (18..23).map(|y| picture.get_pixel(x, y).0[0]).collect();
+            let column: Vec<u8> = (18..23).map(|y| image.get_pixel(x, y).0[0]).collect();
             assert_eq!(column, [0, 255, 255, 255, 0], "column {x}");
         }
-        assert!(painted(&picture).iter().all(|[x, _]| (8..=51).contains(x)));
+        assert!(painted(&image).iter().all(|[x, _]| (8..=51).contains(x)));
     }
 
     #[test]
     fn a_slanted_line_is_as_heavy_as_its_length_and_width_say() {
-        let mut picture = RgbImage::new(200, 200);
-        line(&mut picture, [20.0, 30.0], [170.0, 140.0], PEN);
-        let ink: f64 = picture.pixels().map(|p| f64::from(p.0[0]) / 255.0).sum();
+        let mut image = RgbImage::new(200, 200);
+        line(&mut image, [20.0, 30.0], [170.0, 140.0], PEN);
+        let ink: f64 = image.pixels().map(|p| f64::from(p.0[0]) / 255.0).sum();
         let expected = 150f64.hypot(110.0) * 3.0 + std::f64::consts::PI * 1.5 * 1.5;
         assert!((ink / expected - 1.0).abs() < 0.02, "{ink} of {expected}");
     }
 
     #[test]
     fn what_is_far_outside_or_no_number_is_not_drawn_and_takes_no_time() {
-        let mut picture = RgbImage::new(60, 40);
-        line(&mut picture, [-1e12, -1e12], [1e12, -1e12], PEN);
-        line(&mut picture, [f64::NAN, 3.0], [5.0, 5.0], PEN);
-        label(&mut picture, [f64::INFINITY, 0.0], Anchor::Centre, "text", LETTERS);
-        assert!(painted(&picture).is_empty());
-        line(&mut picture, [-1e9, 20.0], [1e9, 20.0], PEN);
-        assert_eq!(painted(&picture).len(), 3 * 60, "it crosses the whole picture");
-        polygon(&mut picture, &[], PEN);
+        let mut image = RgbImage::new(60, 40);
+        line(&mut image, [-1e12, -1e12], [1e12, -1e12], PEN);
+        line(&mut image, [f64::NAN, 3.0], [5.0, 5.0], PEN);
+        label(&mut image, [f64::INFINITY, 0.0], LabelAnchor::Centre, "text", LETTERS);
+        assert!(painted(&image).is_empty());
+        line(&mut image, [-1e9, 20.0], [1e9, 20.0], PEN);
+        assert_eq!(painted(&image).len(), 3 * 60, "it crosses the whole image");
+        polygon(&mut image, &[], PEN);
     }
 
     #[test]
     fn a_label_stays_inside_and_has_the_size_it_says() {
         for (at, anchor) in [
-            ([1e6, 1e6], Anchor::TopLeft),
-            ([-50.0, 3.0], Anchor::BottomLeft),
-            ([100.0, 50.0], Anchor::Centre),
+            ([1e6, 1e6], LabelAnchor::TopLeft),
+            ([-50.0, 3.0], LabelAnchor::BottomLeft),
+            ([100.0, 50.0], LabelAnchor::Centre),
         ] {
-            let mut picture = RgbImage::new(200, 100);
-            label(&mut picture, at, anchor, "azimuth 45°\n± 0.1", LETTERS);
+            let mut image = RgbImage::new(200, 100);
+            label(&mut image, at, anchor, "azimuth 45°\n± 0.1", LETTERS);
             let [width, height] = label_size_px("azimuth 45°\n± 0.1", 20.0).map(f64::ceil);
-            assert_eq!(painted(&picture).len() as f64, width * height);
-            assert!(picture.pixels().any(|p| p.0 == [255; 3]), "there are letters");
+            assert_eq!(painted(&image).len() as f64, width * height);
+            assert!(image.pixels().any(|p| p.0 == [255; 3]), "there are letters");
         }
     }
 
     /// The label's border has the ground's colour: no letter leaves its ground.
     #[test]
     fn the_letters_lie_within_their_ground() {
-        let mut picture = RgbImage::new(400, 100);
-        label(&mut picture, [20.0, 20.0], Anchor::TopLeft, "ÄgjÅ|Wy,", LETTERS);
-        let letters: Vec<_> = picture.enumerate_pixels().filter(|(_, _, p)| p.0[0] > 60).collect();
+        let mut image = RgbImage::new(400, 100);
+        label(&mut image, [20.0, 20.0], LabelAnchor::TopLeft, "ÄgjÅ|Wy,", LETTERS);
+        let letters: Vec<_> = image.enumerate_pixels().filter(|(_, _, p)| p.0[0] > 60).collect();
         let [width, height] = label_size_px("ÄgjÅ|Wy,", 20.0).map(|v| v.ceil() as u32);
         assert!(letters.len() > 200);
         assert!(

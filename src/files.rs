@@ -26,6 +26,18 @@ pub enum FileError {
     Write { path: PathBuf, reason: String },
 }
 
+impl FileError {
+    pub fn read(path: &Path, e: &std::io::Error) -> FileError {
+        let (path, reason) = (path.to_owned(), plain(e));
+        FileError::Read { path, reason }
+    }
+
+    pub fn write(path: &Path, e: &std::io::Error) -> FileError {
+        let (path, reason) = (path.to_owned(), plain(e));
+        FileError::Write { path, reason }
+    }
+}
+
 /// A file or folder that lies beside the running program, as in an unpacked archive; `None` when it is not there.
 pub fn beside_the_program(name: &str) -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?.canonicalize().ok()?;
@@ -84,6 +96,14 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
 /// Whether an output is named as standard output.
 pub fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
+}
+
+/// Whether an output is written to as a stream: standard output, a named pipe or a character device.
+///
+/// # Errors
+/// What lies in its place can be neither replaced nor written to.
+pub fn is_stream(path: &Path) -> Result<bool, FileError> {
+    Ok(matches!(OutputPlace::of(path)?, OutputPlace::Stream(_)))
 }
 
 /// Writes outputs that a user named, together: each is whole under a temporary name before the first takes its place, and a run that is
@@ -158,20 +178,14 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
 /// Removes a file; that there is none is fine.
 pub fn remove(path: &Path) -> Result<(), FileError> {
     match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::Write {
-            path: path.to_owned(),
-            reason: plain(&e),
-        }),
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
         _ => Ok(()),
     }
 }
 
 /// The whole path of a file or folder, without links.
 pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
-    path.canonicalize().map_err(|e| FileError::Read {
-        path: path.to_owned(),
-        reason: plain(&e),
-    })
+    path.canonicalize().map_err(|e| FileError::read(path, &e))
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -23,6 +23,8 @@ pub(crate) struct Limits {
 
 /// A step of this damping changes nothing any more.
 const MOST_DAMPING: f64 = 1e9;
+/// Costs that differ by less than this share of them are the same: the rest is rounding.
+const ROUNDING: f64 = 1e-15;
 /// Damping below the rounding of the equations has no effect.
 const LEAST_DAMPING: f64 = 1e-12;
 
@@ -30,18 +32,17 @@ const LEAST_DAMPING: f64 = 1e-12;
 pub(crate) fn minimise<P: LeastSquares>(start: P, limits: &Limits) -> P {
     let (mut at, mut damping) = (start, limits.first_damping);
     for _ in 0..limits.most_trials {
-        match at.stepped(damping).filter(|next| next.cost() <= at.cost()) {
-            Some(next) => {
-                let gain = at.cost() - next.cost();
-                let is_last = gain <= limits.relative_gain * at.cost() + limits.absolute_gain;
-                (at, damping) = (next, (damping / 10.0).max(LEAST_DAMPING));
-                if is_last {
-                    break;
-                }
-            }
-            None => damping *= 10.0,
-        }
-        if damping > MOST_DAMPING {
+        let cost = at.cost();
+        let next = at.stepped(damping);
+        let gain = next.as_ref().map_or(f64::NEG_INFINITY, |next| cost - next.cost());
+        let is_last = if let (Some(next), true) = (next, gain >= 0.0) {
+            (at, damping) = (next, (damping / 10.0).max(LEAST_DAMPING));
+            gain <= limits.relative_gain.max(ROUNDING) * cost + limits.absolute_gain
+        } else {
+            damping *= 10.0;
+            damping > MOST_DAMPING || -gain <= ROUNDING * cost
+        };
+        if is_last {
             break;
         }
     }

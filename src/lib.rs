@@ -1,69 +1,100 @@
-//! Physical validation of adversarial patterns on printed scale models.
+//! Physical validation of adversarial patterns on printed scale models: print a pattern at 1:10, photograph the model among AprilTags, and
+//! score object detectors per viewpoint.
 //!
-//! Print a pattern at 1:10, photograph the model among AprilTags, and score object detectors per viewpoint. The rooms and
-//! which may use which are listed in `ARCHITECTURE.md`.
-//!
-//! # The AprilTag library of a program that depends on this crate
-//!
-//! `apriltag-sys` links the system's C AprilTag library where `pkg-config` finds one, and the one it carries otherwise. Accuracy is measured
-//! with the latter, and an environment variable alone asks for it, which a crate cannot set for those who depend on it. Put it into your
-//! own `.cargo/config.toml`:
-//!
-//! ```toml
-//! [env]
-//! APRILTAG_SYS_METHOD = "raw,static"
+//! ```no_run
+#![doc = include_str!("../examples/locate_a_photo.rs")]
 //! ```
 //!
-//! Either way the provenance of results names the library that is linked.
+//! `examples/` also scores a session and prints a template. Everything the program `scaleproof` does goes through this library; what is
+//! public here is what other programs need. Lengths are millimetres, angles degrees; the model frame has x to the front, y to the left and z up,
+//! with its origin on the ground below the model, and the camera frame is OpenCV's.
+//!
+//! # Building
+//! Scoring needs ONNX Runtime at run time (`ORT_DYLIB_PATH` names its shared library). The feature `full` (default) needs OpenCV 4 and clang; without it
+//! photos are located and scored, and patterns are printed. The feature `attack` adds the tensor framework. ARCHITECTURE.md lists the rooms.
 
+#![allow(missing_docs)]
+#![cfg_attr(not(any(test, fuzzing)), allow(unreachable_pub))]
 // What only the left-out rooms use is kept: it is small, and a mark on each of its items would be more than it.
-#![cfg_attr(not(feature = "full"), allow(dead_code, unused_imports))]
+#![cfg_attr(not(all(feature = "full", feature = "attack")), allow(dead_code, unused_imports))]
 
-pub mod ap;
+mod ap;
 #[cfg(feature = "full")]
-pub mod attack;
-pub mod board;
+mod attack;
+mod board;
 #[cfg(feature = "full")]
-pub mod calibrate;
-pub mod camera;
+mod calibrate;
+mod camera;
 #[cfg(feature = "full")]
-pub mod capture;
+mod capture;
 #[cfg(feature = "full")]
-pub mod chart;
-pub mod cli;
-pub mod colour_chart;
-pub mod detect;
-pub mod draw;
-pub mod envelope;
-pub mod files;
+mod chart;
+mod cli;
+mod colour_chart;
+mod detect;
+mod draw;
+mod envelope;
+mod files;
 #[cfg(feature = "full")]
-pub mod frames;
-pub mod geometry;
+mod frames;
+mod geometry;
 mod least_squares;
-pub mod locate;
-pub mod mesh;
+mod locate;
+mod mesh;
 #[cfg(feature = "full")]
-pub mod page;
-pub mod pattern;
-pub mod photo;
-pub mod plot;
-pub mod print;
-pub mod report;
-pub mod scene;
-pub mod score;
-pub mod session;
+mod page;
+mod pattern;
+mod photo;
+mod plot;
+mod print;
+mod report;
+mod scene;
+mod score;
+mod session;
 #[cfg(feature = "full")]
-pub mod simulate;
-pub mod spelling;
-pub mod statistics;
+mod simulate;
+mod spelling;
+mod statistics;
 #[cfg(feature = "full")]
-pub mod surrogate;
+mod surrogate;
 #[cfg(feature = "full")]
-pub mod survey;
-pub mod tags;
+mod survey;
+mod tags;
 #[cfg(feature = "full")]
-pub mod whitebox;
-pub mod workers;
+mod whitebox;
+mod workers;
+
+pub use camera::{Camera, CameraError, FittedCamera, SizeError};
+pub use detect::{Detection, Manifest, ManifestError, WeightFolders};
+pub use geometry::{BoxPx, Rigid};
+pub use locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+pub use pattern::{Pattern, PatternError};
+pub use photo::{Photo, PhotoError};
+pub use print::paper::{Orientation, Paper, Stock};
+pub use print::pdf::write as write_pdf;
+pub use print::printer::Printer;
+pub use print::template::{Front, LayoutRequest, Template, TemplateRequest, template};
+pub use report::{ReportError, summary_table, write as write_report};
+pub use scene::{Bin, Bins, Classes, Envelope, ScaleModel, Scene, SceneError, Tag, TagFamily, Viewpoint};
+pub use score::{
+    ApDefinition, Comparison, EvaluatedDetector, EvaluatedDetectorError, NotScored, Options, ScoreError, ScoredPhoto,
+    Scores, compare, score,
+};
+pub use session::{PhotoEntry, Session, SessionError};
+pub use tags::{SeenTag, TagDetector, TagDetectorChoice};
+
+#[cfg(feature = "attack")]
+pub use attack::run::{Attack, AttackConfig, view_set::ViewSet};
+#[cfg(feature = "full")]
+pub use frames::{FrameSet, FramesError};
+#[cfg(feature = "attack")]
+pub use whitebox::{WhiteBox, WhiteBoxError, detector::OnnxDetector};
+
+/// The program `scaleproof`.
+#[doc(hidden)]
+pub fn main() -> std::process::ExitCode {
+    cli::main()
+}
 
 /// What fuzzing and the tests call.
 #[cfg(any(test, fuzzing))]

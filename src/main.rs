@@ -1,3 +1,3 @@
 fn main() -> std::process::ExitCode {
-    scaleproof::cli::main()
+    scaleproof::main()
 }

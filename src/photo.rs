@@ -4,8 +4,8 @@ mod budget;
 mod decode;
 mod heif;
 mod lens;
-mod outline;
 mod problem;
+mod structure;
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +22,7 @@ use problem::DecodeProblem;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -39,7 +40,7 @@ pub enum PhotoError {
     Damaged { path: PathBuf, reason: String },
 }
 
-/// What to do with a picture of another kind that phones make.
+/// What to do with an image of another kind that phones make.
 fn convert_sentence(path: &Path, kind: &str) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof::board::Definition;
-use scaleproof::calibrate::{BoardPhoto, Calibration, CalibrationError, Model, SeenCorner, calibrate};
+use scaleproof::calibrate::{BoardPhoto, Calibration, CalibrationError, LensModel, SeenCorner, calibrate};
 use scaleproof::camera::Camera;
 use scaleproof::workers;
 
@@ -345,7 +345,13 @@ fn any_pose(random: &mut Random) -> Isometry3<f64> {
 }
 
 /// The board's corners as a camera sees them, with noise of `sigma_px` on each axis; corners outside the picture are not seen.
-fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, random: &mut Random) -> BoardPhoto {
+fn board_photo(
+    number: usize,
+    camera: &Camera,
+    pose: &Isometry3<f64>,
+    sigma_px: f64,
+    random: &mut Random,
+) -> BoardPhoto {
     let mut corners = Vec::new();
     for (id, [x, y]) in charuco().corners_mm().into_iter().enumerate() {
         let Some([u, v]) = camera.project(&(pose * Point3::new(x, y, 0.0))) else {
@@ -365,17 +371,17 @@ fn shot(number: usize, camera: &Camera, pose: &Isometry3<f64>, sigma_px: f64, ra
     }
 }
 
-fn shots(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<BoardPhoto> {
+fn board_photos(count: usize, camera: &Camera, sigma_px: f64, seed: u64) -> Vec<BoardPhoto> {
     let random = &mut Random::new(seed);
     let any = |i| {
         let pose = any_pose(random);
-        shot(i, camera, &pose, sigma_px, random)
+        board_photo(i, camera, &pose, sigma_px, random)
     };
     (0..count).map(any).filter(|s| s.corners.len() >= 20).collect()
 }
 
-fn found(shots: Vec<BoardPhoto>) -> Calibration {
-    calibrate(shots, Vec::new(), &charuco()).unwrap()
+fn found(board_photos: Vec<BoardPhoto>) -> Calibration {
+    calibrate(board_photos, Vec::new(), &charuco()).unwrap()
 }
 
 fn lens(distortion: &[f64]) -> Camera {
@@ -386,11 +392,11 @@ fn lens(distortion: &[f64]) -> Camera {
 fn the_ladder_stops_where_the_camera_does() {
     let centred = Camera::pinhole(1280, 960, 1100.0, 1100.0, 639.5, 479.5);
     let cameras = [
-        (Model::F, centred),
-        (Model::FC, lens(&[])),
-        (Model::K1, lens(&[-0.12])),
-        (Model::K1K2, lens(&[-0.25, 0.12])),
-        (Model::PlumbBob, lens(&[-0.1, 0.03, 0.002, -0.002])),
+        (LensModel::F, centred),
+        (LensModel::FC, lens(&[])),
+        (LensModel::K1, lens(&[-0.12])),
+        (LensModel::K1K2, lens(&[-0.25, 0.12])),
+        (LensModel::PlumbBob, lens(&[-0.1, 0.03, 0.002, -0.002])),
     ];
     let cases: Vec<(usize, u64)> = (0..cameras.len())
         .flat_map(|i| (0..3).map(move |seed| (i, seed)))
@@ -398,7 +404,11 @@ fn the_ladder_stops_where_the_camera_does() {
     let models = workers::map(
         &cases,
         || Ok::<(), String>(()),
-        |(), (i, seed)| Ok(found(shots(14, &cameras[*i].1, 0.15, *seed)).rung().model),
+        |(), (i, seed)| {
+            Ok(found(board_photos(14, &cameras[*i].1, 0.15, *seed))
+                .chosen_model()
+                .model)
+        },
         || {},
     );
     for ((i, seed), model) in cases.iter().zip(models.unwrap()) {
@@ -415,7 +425,7 @@ fn the_stated_uncertainty_is_the_real_one() {
         &seeds,
         || Ok::<(), String>(()),
         |(), seed| {
-            let found = found(shots(12, &camera, 0.2, *seed));
+            let found = found(board_photos(12, &camera, 0.2, *seed));
             let (c, s) = (&found.camera, &found.sigmas);
             let z = [
                 (c.fx - 1100.0) / s[0],
@@ -451,15 +461,15 @@ fn photos_that_leave_the_focal_length_open_are_refused() {
             ]
         };
         (0..12)
-            .map(|i| shot(i, &camera, &posed(at(i), tilts(i), 10.0 * i as f64), 0.2, random))
+            .map(|i| board_photo(i, &camera, &posed(at(i), tilts(i), 10.0 * i as f64), 0.2, random))
             .collect()
     };
     let frontal = set(&|_| [0.0, 0.0]);
     let nearly_frontal = set(&|i| [if i % 2 == 0 { 2.0 } else { -2.0 }, 0.0]);
     let little_tilt = set(&|i| [if i % 2 == 0 { 6.5 } else { -6.5 }, 0.0]);
-    let result = |shots| calibrate(shots, Vec::new(), &charuco());
-    for shots in [frontal, nearly_frontal] {
-        let error = result(shots).unwrap_err();
+    let result = |board_photos| calibrate(board_photos, Vec::new(), &charuco());
+    for board_photos in [frontal, nearly_frontal] {
+        let error = result(board_photos).unwrap_err();
         println!("{error}");
         assert!(
             matches!(
@@ -478,7 +488,7 @@ fn photos_that_leave_the_focal_length_open_are_refused() {
                 10.0 * (i % 3) as f64,
                 350.0 + 10.0 * i as f64,
             ];
-            shot(i, &camera, &posed(at, [35.0, 0.0], 0.0), 0.2, turned)
+            board_photo(i, &camera, &posed(at, [35.0, 0.0], 0.0), 0.2, turned)
         })
         .collect();
     let error = result(parallel).unwrap_err();
@@ -493,7 +503,7 @@ fn photos_that_leave_the_focal_length_open_are_refused() {
 #[test]
 fn a_bent_board_and_a_wrong_corner_are_left_out() {
     let camera = lens(&[-0.1]);
-    let mut all = shots(13, &camera, 0.15, 9);
+    let mut all = board_photos(13, &camera, 0.15, 9);
     // A board bowed by 3 mm along its width.
     let random = &mut Random::new(10);
     let pose = posed([0.0, 0.0, 350.0], [30.0, 10.0], 0.0);
@@ -501,7 +511,7 @@ fn a_bent_board_and_a_wrong_corner_are_left_out() {
         let bow = 3.0 * ((x - 99.0) / 99.0).powi(2);
         let px = camera.project(&(pose * Point3::new(x, y, bow))).unwrap();
         if id == 0 {
-            all.push(shot(99, &camera, &pose, 0.15, random));
+            all.push(board_photo(99, &camera, &pose, 0.15, random));
             all.last_mut().unwrap().corners.clear();
         }
         all.last_mut().unwrap().corners.push(SeenCorner { id, px });
@@ -530,18 +540,20 @@ fn the_fit_is_opencvs() {
     use opencv::calib3d;
     use opencv::core::{Mat, Point2f, Point3f, Size, TermCriteria, Vector};
     use opencv::prelude::*;
-    let set = shots(14, &lens(&[-0.12]), 0.2, 3);
+    let set = board_photos(14, &lens(&[-0.12]), 0.2, 3);
     let places = charuco().corners_mm();
     let (mut object, mut image) = (Vector::<Vector<Point3f>>::new(), Vector::<Vector<Point2f>>::new());
-    for shot in &set {
+    for board_photo in &set {
         object.push(
-            shot.corners
+            board_photo
+                .corners
                 .iter()
                 .map(|c| Point3f::new(places[c.id][0] as f32, places[c.id][1] as f32, 0.0))
                 .collect(),
         );
         image.push(
-            shot.corners
+            board_photo
+                .corners
                 .iter()
                 .map(|c| Point2f::new(c.px[0] as f32, c.px[1] as f32))
                 .collect(),
@@ -568,7 +580,7 @@ fn the_fit_is_opencvs() {
     )
     .unwrap();
     let ours = found(set);
-    assert_eq!(ours.rung().model, Model::K1);
+    assert_eq!(ours.chosen_model().model, LensModel::K1);
     let at = |row, column| *k.at_2d::<f64>(row, column).unwrap();
     let apart = [
         ours.camera.fx - at(0, 0),

@@ -12,7 +12,7 @@ use common::{assert_refused, program, read_json, skyline, stderr, stdout};
 use image::{GrayImage, Rgb, RgbImage};
 use live::live_capture;
 use rand::{RngExt, SeedableRng};
-use scaleproof::capture::{Answer, Capture, Frame, Original};
+use scaleproof::capture::{Capture, FrameAnswer, Original, SourceFrame};
 use scaleproof::files::sha256_hex;
 use scaleproof::photo::Photo;
 use scaleproof::scene::Scene;
@@ -778,7 +778,7 @@ fn a_stream_of_pixels_is_taken_once_it_holds_still_and_kept_without_loss() {
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let mut capture = live_capture(out.path(), &scene, 850.0);
     let mut see = |rgb: &RgbImage| {
-        let frame = Frame {
+        let frame = SourceFrame {
             name: "live".into(),
             taken: None,
             original: Original::Pixels(rgb.clone()),
@@ -818,12 +818,12 @@ fn a_photo_is_taken_by_hand_on_target_only() {
     let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
     capture.set_auto(false);
     let shown = Photo::open(&photo(1)).unwrap().rgb(1).unwrap();
-    let frame = |rgb: &RgbImage| Frame {
+    let frame = |rgb: &RgbImage| SourceFrame {
         name: "live".into(),
         taken: None,
         original: Original::Pixels(rgb.clone()),
     };
-    let said = |answer: Answer| {
+    let said = |answer: FrameAnswer| {
         answer
             .verdict
             .map(|(photo, _)| photo)
@@ -877,7 +877,7 @@ fn a_write_that_fails_takes_no_view_twice() {
     let session = out.path().join("session");
     let mut capture = live_capture(&session, &scene, 850.0);
     let filled = |capture: &Capture| 8 - capture.guidance().open().count();
-    let frame = |i| Frame {
+    let frame = |i| SourceFrame {
         name: format!("photo {i}"),
         taken: None,
         original: Original::Encoded(std::fs::read(photo(i)).unwrap()),
@@ -919,7 +919,7 @@ fn latency_from_frame_to_advice() {
     frames.push(jpeg(&covered(&rgb, &tags, &[])));
     let (mut ms, mut located) = (Vec::new(), 0);
     for bytes in frames.iter().cycle().take(90) {
-        let frame = Frame {
+        let frame = SourceFrame {
             name: "frame".into(),
             taken: None,
             original: Original::Encoded(bytes.clone()),

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use common::{assert_refused, program, read_json, skyline, stdout};
 use image::{Rgb, RgbImage};
 use live::live_capture;
-use scaleproof::capture::live::{Device, PixelFormat, RawPicture, Setting};
+use scaleproof::capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
 use scaleproof::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original, usual};
 use scaleproof::photo::{Budget, Photo};
 use scaleproof::scene::Scene;
@@ -86,8 +86,8 @@ fn without_tables(jpeg: &[u8]) -> Vec<u8> {
     left
 }
 
-fn raw(picture: &RgbImage, format: PixelFormat, bytes: Vec<u8>) -> RawPicture {
-    RawPicture {
+fn raw(picture: &RgbImage, format: PixelFormat, bytes: Vec<u8>) -> RawImage {
+    RawImage {
         format,
         width: picture.width(),
         height: picture.height(),
@@ -141,7 +141,7 @@ fn known_frames_of_every_format_are_decoded() {
         assert!(sentence.contains("half a picture"), "{format:?}: {sentence}");
         assert!(raw(&picture, format, Vec::new()).original().is_err());
     }
-    let odd = RawPicture {
+    let odd = RawImage {
         width: 95,
         ..raw(&picture, PixelFormat::Yuyv, packed(&picture, PixelFormat::Yuyv))
     };
@@ -170,18 +170,18 @@ fn motion_jpegs_become_whole_files() {
 
 /// What a fake camera does: a picture every `every`, and after `last` of them only failures.
 struct Fake {
-    pictures: Vec<RawPicture>,
+    pictures: Vec<RawImage>,
     every: Duration,
     sent: Arc<AtomicU32>,
     last: u32,
 }
 
 impl Device for Fake {
-    fn picture(&mut self) -> Result<RawPicture, String> {
+    fn image(&mut self) -> Result<RawImage, LiveCameraError> {
         std::thread::sleep(self.every);
         let count = self.sent.load(Ordering::SeqCst);
         if count == self.last {
-            return Err("no such device".into());
+            return Err(LiveCameraError::Driver("no such device".into()));
         }
         self.sent.store(count + 1, Ordering::SeqCst);
         Ok(self.pictures[count as usize % self.pictures.len()].clone())
@@ -204,7 +204,7 @@ impl Device for Fake {
     }
 }
 
-fn fake(pictures: Vec<RawPicture>, every_ms: u64, last: u32) -> (LiveCamera, Arc<AtomicU32>) {
+fn fake(pictures: Vec<RawImage>, every_ms: u64, last: u32) -> (LiveCamera, Arc<AtomicU32>) {
     let sent = Arc::new(AtomicU32::new(0));
     let device = Fake {
         pictures,
@@ -246,7 +246,9 @@ fn a_stale_picture_is_never_queued() {
 
 #[test]
 fn a_camera_that_cannot_be_used_is_one_sentence() {
-    let refused = LiveCamera::of(3, || Err("it is busy".into())).err().unwrap();
+    let refused = LiveCamera::of(3, || Err(LiveCameraError::Driver("it is busy".into())))
+        .err()
+        .unwrap();
     assert_eq!(
         refused.to_string(),
         "the camera 3 cannot be used (it is busy): see `scaleproof capture list-cameras`"
@@ -257,7 +259,7 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
     let start = Instant::now();
     let hanging = LiveCamera::of_within(3, Duration::from_secs(2), || {
         std::thread::sleep(Duration::from_secs(60));
-        Err("nobody waits for this".into())
+        Err(LiveCameraError::Driver("nobody waits for this".into()))
     });
     let hanging = hanging.err().unwrap().to_string();
     assert!(
@@ -311,14 +313,14 @@ fn a_camera_fills_the_session_and_goes_on_after_it_was_unplugged() {
     let session = out.path().join("session");
     let view = |i: u32| {
         let sent = std::fs::read(skyline().join(format!("normal_{i:03}.jpg"))).unwrap();
-        RawPicture {
+        RawImage {
             format: PixelFormat::Mjpeg,
             width: 1280,
             height: 960,
             bytes: without_tables(&sent),
         }
     };
-    let filled = |views: Vec<RawPicture>, last: u32| {
+    let filled = |views: Vec<RawImage>, last: u32| {
         let (mut camera, _) = fake(views, 50, last);
         let mut capture = capture(&session);
         loop {

@@ -3,20 +3,20 @@
 use crate::tests::common;
 
 use common::{assert_refused, copy_of_skyline, program, skyline, stderr, stdout, tinted_twice};
-use scaleproof::chart::locate::{CameraModel, Sample, detectors, measure};
+use scaleproof::chart::locate::{LensTerms, PhotoSample, detectors, measure};
 use scaleproof::chart::{stability, true_views};
 use scaleproof::locate::Solver;
 use scaleproof::photo::Photo;
 use scaleproof::session::Session;
 use scaleproof::tags::TagDetectorChoice;
 
-fn samples() -> (Session, Vec<Sample>) {
+fn samples() -> (Session, Vec<PhotoSample>) {
     let session = Session::open(&skyline()).unwrap();
     let files: Vec<&str> = session.photos.iter().map(|p| p.file.as_str()).collect();
     let truths = true_views(&skyline().join("truth.json"), &files).unwrap();
     let samples = session.photos.iter().zip(truths).map(|(entry, truth)| {
         let photo = Photo::open(&session.photo_path(entry)).unwrap();
-        Sample {
+        PhotoSample {
             luma: photo.luma().unwrap(),
             turned_deg: photo.turned_deg,
             truth,
@@ -33,7 +33,7 @@ fn the_default_is_on_the_chart_s_accurate_end() {
     let rows = measure(&samples, &session.scene, session.known_camera().unwrap(), || {}).unwrap();
     assert_eq!(
         rows.len(),
-        detectors(&session.scene).len() * Solver::all().len() * CameraModel::ALL.len()
+        detectors(&session.scene).len() * Solver::all().len() * LensTerms::ALL.len()
     );
     let default: Vec<_> = rows.iter().filter(|row| row.is_default).collect();
     let [default] = default[..] else {
@@ -46,7 +46,7 @@ fn the_default_is_on_the_chart_s_accurate_end() {
     assert!(default.distance_error_max_mm.unwrap() <= 1.0);
     // Without its distortion the lens misleads, which the chart must show.
     let pinhole = rows.iter().find(|row| {
-        row.camera_model == CameraModel::Pinhole
+        row.camera_model == LensTerms::Pinhole
             && (row.tag_detector, row.solver) == (default.tag_detector, default.solver)
     });
     let (bent, straight) = (pinhole.unwrap(), default);

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use common::{assert_refused, skyline, stdout};
 use image::{Rgb, RgbImage};
 use render::{done, pages, scaleproof};
-use scaleproof::colour_chart::ChartError;
+use scaleproof::colour_chart::ColourChartError;
 use scaleproof::colour_chart::layout::{CELL_MM, ChartKind, ChartLayout};
-use scaleproof::colour_chart::read::{FAMILIES, Reading, read};
+use scaleproof::colour_chart::read::{ChartReading, FAMILIES, read};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::colour::Lab;
 use scaleproof::photo::Photo;
@@ -41,17 +41,17 @@ fn stored(picture: &RgbImage, quality: u8, folder: &Path) -> PathBuf {
     path
 }
 
-fn read_file(path: &Path) -> Result<Reading, ChartError> {
+fn read_file(path: &Path) -> Result<ChartReading, ColourChartError> {
     read(&Photo::open(path).unwrap(), &mut AprilTagC::new(&FAMILIES).unwrap()).unwrap()
 }
 
-fn taken(sheet: &RgbImage, printer: &Printer, view: &View) -> Result<Reading, ChartError> {
+fn taken(sheet: &RgbImage, printer: &Printer, view: &View) -> Result<ChartReading, ColourChartError> {
     let folder = tempfile::tempdir().unwrap();
     read_file(&stored(&photo(sheet, printer, view), view.jpeg_quality, folder.path()))
 }
 
 /// Mean and worst ΔE2000 of what was read from what was printed, and the mean from what was asked for.
-fn off(reading: &Reading, printer: &Printer) -> (f64, f64, f64) {
+fn off(reading: &ChartReading, printer: &Printer) -> (f64, f64, f64) {
     let (mut sum, mut worst, mut from_asked) = (0.0, 0.0_f64, 0.0);
     for (asked, light) in &reading.patches {
         let found = Lab::of_linear(*light);

@@ -612,6 +612,12 @@ fn bad_input_is_one_sentence_and_no_manifest() {
     );
     let endless = Input::floats("images", &[1, 3, 1_000_000, 1_000_000]);
     refused(&of(&[endless]), &[], &["1000000×1000000 pixels", "32 to 8192"]);
+    // What the user can do about it names the options.
+    let vague = [filled("output", &[1, 126, 85], 0.5)];
+    let vague = onnx::network(&[picture()], &vague);
+    refused(&vague, &[], &["which are fed differently: name yours by --family"]);
+    refused(&good, &[], &["name the labels by --labels, as coco80"]);
+    refused(&good, &["--size", "64"], &[": leave --size out"]);
     refused(&good, &["--size", "64"], &["fixed at 96×64 pixels, not 64×64"]);
     refused(&good, &["--size", "7"], &["--size", "32 to 8192"]);
     refused(

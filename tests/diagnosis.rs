@@ -15,7 +15,7 @@ use scaleproof::camera::Camera;
 use scaleproof::locate::diagnosis::{self, is_bad};
 use scaleproof::locate::{Diagnosis, LocatedPhoto, locate};
 use scaleproof::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing};
-use scaleproof::simulate::{Fault, Noise, Simulator};
+use scaleproof::simulate::{Noise, SimulatedFault, Simulator};
 
 const NOISE: Noise = Noise {
     sigma_px: 0.3,
@@ -26,7 +26,7 @@ const NOISE: Noise = Noise {
 #[derive(Debug, Clone, Copy)]
 enum Wrong {
     Nothing,
-    In(Fault),
+    In(SimulatedFault),
     /// Each photo has one of these.
     Mixed,
     /// So many cards stand elsewhere in all photos.
@@ -109,11 +109,11 @@ fn photos(count: usize, wrong: Wrong, seed: u64) -> (Vec<LocatedPhoto>, Scene) {
         let distance = 1.2 * f64::from(camera.width) / camera.fx;
         let viewpoint = simulator.viewpoint(8.0..40.0, 700.0 / distance..1300.0 / distance);
         let mixture = [
-            Fault::Hidden { share: 0.9 },
-            Fault::MovedTag { mm: 60.0 },
-            Fault::Cropped { share: 0.2 },
-            Fault::WrongFocal { factor: 1.2 },
-            Fault::WrongTagSize { factor: 0.8 },
+            SimulatedFault::Hidden { share: 0.9 },
+            SimulatedFault::MovedTag { mm: 60.0 },
+            SimulatedFault::Cropped { share: 0.2 },
+            SimulatedFault::WrongFocal { factor: 1.2 },
+            SimulatedFault::WrongTagSize { factor: 0.8 },
         ];
         let fault = match wrong {
             Wrong::In(fault) => Some(fault),
@@ -200,17 +200,17 @@ fn diagnosis_asked(photos: &[LocatedPhoto]) -> bool {
 #[test]
 fn the_cause_is_named_and_no_other() {
     let causes = [
-        (Wrong::In(Fault::WrongTagSize { factor: 0.8 }), Some("size")),
-        (Wrong::In(Fault::WrongTagSize { factor: 1.1 }), Some("size")),
-        (Wrong::In(Fault::WrongFocal { factor: 0.8 }), Some("focal")),
-        (Wrong::In(Fault::WrongFocal { factor: 1.2 }), Some("focal")),
+        (Wrong::In(SimulatedFault::WrongTagSize { factor: 0.8 }), Some("size")),
+        (Wrong::In(SimulatedFault::WrongTagSize { factor: 1.1 }), Some("size")),
+        (Wrong::In(SimulatedFault::WrongFocal { factor: 0.8 }), Some("focal")),
+        (Wrong::In(SimulatedFault::WrongFocal { factor: 1.2 }), Some("focal")),
         (Wrong::Nothing, None),
         (Wrong::Mixed, None),
         (Wrong::Shuffled, None),
         (Wrong::Cards { count: 30, mm: 20.0 }, None),
         (Wrong::Everything { factor: 1.2 }, None),
         (Wrong::Distortion { k1: -0.4 }, None),
-        (Wrong::In(Fault::WrongPrincipalPoint { px: 200.0 }), None),
+        (Wrong::In(SimulatedFault::WrongPrincipalPoint { px: 200.0 }), None),
     ];
     for (wrong, cause) in causes {
         let mut named = named(4, 12, wrong);
@@ -233,16 +233,16 @@ fn sweep() {
     let sets = std::env::var("SETS").map_or(20, |n| n.parse().unwrap());
     let mut wrongs: Vec<Wrong> = vec![Wrong::Nothing, Wrong::Mixed, Wrong::Shuffled];
     for factor in [0.6, 0.8, 0.9, 0.95, 0.97, 1.03, 1.05, 1.1, 1.2, 1.5] {
-        wrongs.push(Wrong::In(Fault::WrongTagSize { factor }));
-        wrongs.push(Wrong::In(Fault::WrongFocal { factor }));
+        wrongs.push(Wrong::In(SimulatedFault::WrongTagSize { factor }));
+        wrongs.push(Wrong::In(SimulatedFault::WrongFocal { factor }));
     }
     wrongs.extend([1, 2, 4, 30].map(|count| Wrong::Cards { count, mm: 20.0 }));
     wrongs.extend([2, 30].map(|count| Wrong::Cards { count, mm: 5.0 }));
     wrongs.extend([0.9, 1.2].map(|factor| Wrong::Everything { factor }));
     wrongs.extend([-0.4, -0.2, 0.1, 0.3].map(|k1| Wrong::Distortion { k1 }));
-    wrongs.extend([50.0, 200.0].map(|px| Wrong::In(Fault::WrongPrincipalPoint { px })));
-    wrongs.push(Wrong::In(Fault::IgnoredDistortion));
-    wrongs.push(Wrong::In(Fault::Hidden { share: 0.8 }));
+    wrongs.extend([50.0, 200.0].map(|px| Wrong::In(SimulatedFault::WrongPrincipalPoint { px })));
+    wrongs.push(Wrong::In(SimulatedFault::IgnoredDistortion));
+    wrongs.push(Wrong::In(SimulatedFault::Hidden { share: 0.8 }));
     wrongs.extend([20, 4].map(|by| Wrong::Ids { by }));
     for wrong in wrongs {
         println!("{wrong:?}: {:?}", named(sets, 12, wrong));

@@ -16,7 +16,7 @@ use scaleproof::geometry::{Rigid, angle::turn, rigid};
 use scaleproof::locate::{Abstention, Located, Solver, Warning, locate, locate_by};
 use scaleproof::photo::Photo;
 use scaleproof::scene::{Scene, Viewpoint};
-use scaleproof::simulate::{Fault, Noise, Simulator, View};
+use scaleproof::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
 use scaleproof::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof::workers;
 
@@ -49,7 +49,7 @@ const TAILED: Noise = Noise {
     tail_share: 0.1,
 };
 
-fn any_view(simulator: &mut Simulator, fault: Option<Fault>) -> View {
+fn any_view(simulator: &mut Simulator, fault: Option<SimulatedFault>) -> SimulatedView {
     let viewpoint = simulator.viewpoint(5.0..40.0, 600.0..1600.0);
     simulator.view(&viewpoint, fault)
 }
@@ -72,7 +72,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn count(&mut self, view: &View, answer: &Result<Located, Abstention>) {
+    fn count(&mut self, view: &SimulatedView, answer: &Result<Located, Abstention>) {
         self.views += 1;
         self.struck += usize::from(view.struck.is_some());
         let located = match answer {
@@ -129,7 +129,7 @@ impl Tally {
 }
 
 /// 1,000 views from anywhere with a fault, that see so many tags or more.
-fn sweep(scene: &Scene, camera: &Camera, seed: u64, fault: Fault, least_tags: usize) -> Tally {
+fn sweep(scene: &Scene, camera: &Camera, seed: u64, fault: SimulatedFault, least_tags: usize) -> Tally {
     let mut simulator = Simulator::new(scene, camera, USUAL, seed);
     let mut tally = Tally::default();
     while tally.views < 1000 {
@@ -287,15 +287,15 @@ fn a_frontal_tag_is_never_answered() {
 fn a_bad_tag_is_named_and_left_out() {
     let (scene, camera) = skyline();
     let faults = [
-        (Fault::MovedTag { mm: 2.0 }, 0.2),
-        (Fault::MovedTag { mm: 5.0 }, 0.8),
-        (Fault::MovedTag { mm: 15.0 }, 0.9),
-        (Fault::MovedTag { mm: 50.0 }, 0.9),
-        (Fault::TwistedTag { deg: 15.0 }, 0.9),
-        (Fault::MirroredTag, 0.9),
-        (Fault::WrongId, 0.9),
-        (Fault::DuplicatedId, 0.95),
-        (Fault::WrongCorner { px: 8.0 }, 0.9),
+        (SimulatedFault::MovedTag { mm: 2.0 }, 0.2),
+        (SimulatedFault::MovedTag { mm: 5.0 }, 0.8),
+        (SimulatedFault::MovedTag { mm: 15.0 }, 0.9),
+        (SimulatedFault::MovedTag { mm: 50.0 }, 0.9),
+        (SimulatedFault::TwistedTag { deg: 15.0 }, 0.9),
+        (SimulatedFault::MirroredTag, 0.9),
+        (SimulatedFault::WrongId, 0.9),
+        (SimulatedFault::DuplicatedId, 0.95),
+        (SimulatedFault::WrongCorner { px: 8.0 }, 0.9),
     ];
     for (seed, (fault, least)) in faults.into_iter().enumerate() {
         let tally = sweep(&scene, &camera, 50 + seed as u64, fault, 5);
@@ -316,13 +316,13 @@ fn wrong_models_and_missing_tags_do_not_make_wrong_bins() {
     let (scene, camera) = skyline();
     let camera = camera.with_distortion(&[-0.2, 0.06]);
     let faults = [
-        Fault::Hidden { share: 0.5 },
-        Fault::Hidden { share: 0.8 },
-        Fault::Cropped { share: 0.5 },
-        Fault::WrongTagSize { factor: 1.02 },
-        Fault::WrongFocal { factor: 1.05 },
-        Fault::WrongPrincipalPoint { px: 30.0 },
-        Fault::IgnoredDistortion,
+        SimulatedFault::Hidden { share: 0.5 },
+        SimulatedFault::Hidden { share: 0.8 },
+        SimulatedFault::Cropped { share: 0.5 },
+        SimulatedFault::WrongTagSize { factor: 1.02 },
+        SimulatedFault::WrongFocal { factor: 1.05 },
+        SimulatedFault::WrongPrincipalPoint { px: 30.0 },
+        SimulatedFault::IgnoredDistortion,
     ];
     for (seed, fault) in faults.into_iter().enumerate() {
         let tally = sweep(&scene, &camera, 70 + seed as u64, fault, 2);
@@ -343,7 +343,7 @@ fn two_tags_that_disagree_are_not_chosen_between() {
         let mut simulator = Simulator::new(&scene, &camera, USUAL, 80);
         let mut tally = Tally::default();
         while tally.views < 300 {
-            let mut view = any_view(&mut simulator, Some(Fault::MovedTag { mm: 60.0 }));
+            let mut view = any_view(&mut simulator, Some(SimulatedFault::MovedTag { mm: 60.0 }));
             let Some(at) = view.seen.iter().position(|tag| Some(tag.id) == view.struck) else {
                 continue;
             };
@@ -510,9 +510,9 @@ fn each_tag_alone_on_the_photos_is_right_or_refused() {
 fn a_lone_tag_that_the_picture_contradicts_is_refused() {
     let (scene, camera) = skyline();
     for (seed, fault) in [
-        Fault::TwistedTag { deg: 45.0 },
-        Fault::TwistedTag { deg: 90.0 },
-        Fault::WrongId,
+        SimulatedFault::TwistedTag { deg: 45.0 },
+        SimulatedFault::TwistedTag { deg: 90.0 },
+        SimulatedFault::WrongId,
     ]
     .into_iter()
     .enumerate()
@@ -580,7 +580,7 @@ fn the_photos_are_as_far_from_the_truth_as_they_say() {
                     located.ignored_tags
                 );
                 // One tag of these photos has a corner 0.3 px off, and is named for it.
-                assert!(located.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()).count() <= 1);
+                assert!(located.ignored_tags.iter().filter(|tag| tag.why.is_outlier()).count() <= 1);
             }
         }
         Ok::<_, String>(squares)

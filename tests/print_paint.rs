@@ -140,9 +140,9 @@ fn assert_areas(what: &str, made: &PaintSheets, size_mm: (f64, f64)) {
     let held = |mm: f64| (mm * 1e4).round() / 1e4;
     let panel = held(size_mm.0) * held(size_mm.1);
     assert!(
-        (made.panel_mm2() - panel).abs() < 1e-6,
+        (made.whole().cells_mm2 - panel).abs() < 1e-6,
         "{what}: {} of {panel} mm²",
-        made.panel_mm2()
+        made.whole().cells_mm2
     );
     for area in &made.areas {
         let sum = area.openings_mm2 + area.bridges_mm2;

@@ -18,7 +18,7 @@ use scaleproof::pattern::Pattern;
 use scaleproof::pattern::card::Card;
 use scaleproof::print::paper::{Orientation, Paper, Stock};
 use scaleproof::print::printer::Printer;
-use scaleproof::print::template::{LayoutRequest, Region, layout};
+use scaleproof::print::template::{LayoutRequest, TemplateRect, layout};
 
 fn print(pattern: Pattern, tile_mm: f64, request: LayoutRequest, paper: &str) -> Printed {
     let folder = tempfile::tempdir().unwrap();
@@ -450,7 +450,7 @@ proptest! {
         prop_assert_eq!(made.sheets.len(), made.rows * made.columns);
         for (i, sheet) in made.sheets.iter().enumerate() {
             prop_assert_eq!((sheet.row, sheet.column), (i / made.columns, i % made.columns));
-            let Region { left_mm, top_mm, right_mm, bottom_mm } = sheet.own;
+            let TemplateRect { left_mm, top_mm, right_mm, bottom_mm } = sheet.own;
             prop_assert!(left_mm < right_mm && top_mm < bottom_mm);
             // Bit-equal edges with the neighbours and the template: no gap, no double cover.
             let right = if sheet.column + 1 < made.columns { made.sheets[i + 1].own.left_mm } else { size_mm.0 };

@@ -16,7 +16,7 @@ use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::{Side, WorldAligned};
 use scaleproof::print::paper::Paper;
 use scaleproof::print::printer::Printer;
-use scaleproof::print::wrap::{Face, Paint, Region, Unrolled, Wrap, WrapRequest, wrap};
+use scaleproof::print::wrap::{Face, PaintedSurface, Region, Unrolled, Wrap, WrapRequest, wrap};
 
 const DPI: f64 = 400.0;
 /// What the program takes when nothing is said.
@@ -132,7 +132,7 @@ impl Printed {
 }
 
 /// Points spread evenly over the paint that is printed, and the faces they are on.
-fn points(paint: &Paint, count: usize) -> Vec<(Point3<f64>, Face)> {
+fn points(paint: &PaintedSurface, count: usize) -> Vec<(Point3<f64>, Face)> {
     let mut random = Pcg32::seed_from_u64(7);
     let mut sums = Vec::new();
     for face in &paint.faces {
@@ -182,7 +182,7 @@ fn share_right(printed: &Printed, mesh: &Mesh, materials: &[usize], pattern: &Pa
     };
     // Right and compared: on panels, on strips.
     let mut counts = [[0; 2]; 2];
-    for (point, face) in points(&Paint::of_materials(mesh, materials), 10_000) {
+    for (point, face) in points(&PaintedSurface::of_materials(mesh, materials), 10_000) {
         let [a, b, c] = face.corners;
         let normal = (b - a).cross(&(c - a));
         let side = Side::of(&normal);
@@ -414,7 +414,7 @@ fn flattened(tile_mm: f64, paper: Paper, max_stretch: f64) -> WrapRequest {
 }
 
 /// Holds what was unrolled against the mesh: true sizes, nothing twice, nothing lost, nothing steep left.
-fn strips_are_the_surface(made: &Wrap, paint: &Paint, limit: f64) {
+fn strips_are_the_surface(made: &Wrap, paint: &PaintedSurface, limit: f64) {
     assert!(!made.strips.is_empty());
     let mut worst = 0.0_f64;
     let mut taken = std::collections::BTreeSet::new();
@@ -495,7 +495,7 @@ fn slopes_of_the_bar_are_unrolled() {
     );
     let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let materials = mesh.materials_named(&["paint".into()]).unwrap();
-    let paint = Paint::of_materials(&mesh, &materials);
+    let paint = PaintedSurface::of_materials(&mesh, &materials);
     let made = wrap(&mesh, &materials, &pattern, &flattened(61.7, Paper::A4, 1.1)).unwrap();
     strips_are_the_surface(&made, &paint, 1.1);
     // Each slope is a rectangle beside its side and the roof, too long to lie upright: the front is at the right.
@@ -559,7 +559,7 @@ fn a_dome_is_unrolled_without_overlap() {
     let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let made = wrap(&mesh, &[], &pattern, &flattened(40.0, Paper::A4, 1.2)).unwrap();
     made.facts().iter().for_each(|fact| println!("{fact}"));
-    strips_are_the_surface(&made, &Paint::of_materials(&mesh, &[]), 1.2);
+    strips_are_the_surface(&made, &PaintedSurface::of_materials(&mesh, &[]), 1.2);
     let share = share_right(&Printed::new(made, &pdf), &mesh, &[], &pattern);
     assert!(share >= 0.999, "{share}");
     // What would take minutes and be of no use is refused.
@@ -624,7 +624,7 @@ fn the_skyline_is_unrolled() {
     let materials = mesh.materials_named(&["Material.001".into()]).unwrap();
     let made = wrap(&mesh, &materials, &pattern, &flattened(118.0, Paper::A3, 1.2)).unwrap();
     made.facts().iter().for_each(|fact| println!("{fact}"));
-    strips_are_the_surface(&made, &Paint::of_materials(&mesh, &materials), 1.2);
+    strips_are_the_surface(&made, &PaintedSurface::of_materials(&mesh, &materials), 1.2);
     let share = share_right(&Printed::new(made, &pdf), &mesh, &materials, &pattern);
     assert!(share >= 0.999, "{share}");
 }

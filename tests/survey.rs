@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use scaleproof::camera::Camera;
 use scaleproof::geometry::{Rigid, angle::turn, rigid};
 use scaleproof::scene::{Scene, Tag, TagFamily, Viewpoint};
-use scaleproof::survey::{Given, PhotoTags, Reason, Sizes, Survey, SurveyError, shift, survey};
+use scaleproof::survey::{LeftOutReason, PhotoTags, Sizes, Survey, SurveyError, SurveyInput, shift, survey};
 use scaleproof::tags::SeenTag;
 
 const FAMILY: TagFamily = TagFamily::Tag36h11;
@@ -357,7 +357,7 @@ fn see(tag: &Tag, pose: &Rigid, c: &Camera, sigma_px: f64, rng: &mut Pcg64Mcg) -
 fn survey_with(photos: &[PhotoTags], scene: &Scene, fixed: &[u32], sizes: Option<&str>) -> Result<Survey, SurveyError> {
     let fixed: Vec<_> = fixed.iter().map(|id| (FAMILY, *id)).collect();
     let sizes: Option<Sizes> = sizes.map(|text| text.parse().unwrap());
-    let given = Given {
+    let given = SurveyInput {
         scene,
         fixed: &fixed,
         sizes: sizes.as_ref(),
@@ -410,7 +410,7 @@ fn a_tag_that_moved_between_photos_is_named_and_left_out() {
     let [left] = &found.left_out[..] else {
         panic!("{:?}", found.left_out)
     };
-    let Reason::Moved { mm, here, there } = &left.reason else {
+    let LeftOutReason::Moved { mm, here, there } = &left.reason else {
         panic!("{left:?}")
     };
     println!("moved by 30 mm in every second photo: {}", left.reason);
@@ -438,7 +438,7 @@ fn a_wrong_size_is_named() {
     let [left] = &found.left_out[..] else {
         panic!("{:?}", found.left_out)
     };
-    let Reason::WrongSize { stated_mm, fits_mm } = left.reason else {
+    let LeftOutReason::WrongSize { stated_mm, fits_mm } = left.reason else {
         panic!("{left:?}")
     };
     println!("{}", left.reason);

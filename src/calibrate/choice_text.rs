@@ -4,7 +4,7 @@ use super::Calibration;
 
 /// The chosen model and, for each other, what it would change.
 pub fn choice_lines(found: &Calibration) -> Vec<String> {
-    let chosen = found.rung();
+    let chosen = found.chosen_model();
     let best = found.best_held_out_px();
     let mut lines = vec![format!(
         "model: {} ({} numbers), held-out error {:.3} px, {:.1} % above the best of the ladder",
@@ -13,15 +13,15 @@ pub fn choice_lines(found: &Calibration) -> Vec<String> {
         chosen.held_out_px,
         100.0 * (chosen.held_out_px / best - 1.0)
     )];
-    for (i, rung) in found.rungs.iter().enumerate().filter(|(i, _)| *i != found.chosen) {
+    for (i, model) in found.models.iter().enumerate().filter(|(i, _)| *i != found.chosen) {
         let verdict = if i < found.chosen { "too small" } else { "not needed" };
         lines.push(format!(
             "dropped {}: {verdict}, held-out error {:.3} px; it would move the camera by up to {:.3}° in azimuth and {:.2} mm ({:.3} %) in distance",
-            rung.model.name(),
-            rung.held_out_px,
-            rung.moves.direction_deg,
-            rung.moves.distance_mm,
-            rung.moves.distance_percent
+            model.model.name(),
+            model.held_out_px,
+            model.moves.direction_deg,
+            model.moves.distance_mm,
+            model.moves.distance_percent
         ));
     }
     lines

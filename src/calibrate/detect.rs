@@ -12,6 +12,7 @@ use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least
 
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoBoard {
     #[error("no board was found: is this the board of the file, wholly in the picture, sharp and evenly lit?")]
     NotFound,
@@ -36,7 +37,7 @@ pub enum NoBoard {
 /// Larger photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
 const MOST_SEARCHED_PX: u64 = 27_000_000;
 
-/// No board fits a smaller picture.
+/// No board fits a smaller image.
 const LEAST_SIDE_PX: u32 = 32;
 
 /// A photo of fewer corners says little, and its halves could not be held against each other.
@@ -92,7 +93,7 @@ fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBo
             charuco(&picture, board, &seen).map_err(failed)?
         }
         Definition::Aprilgrid { border_modules, .. } => {
-            // OpenCV's picture of this family is turned by 180°: its first corner is the upright tag's lower right.
+            // OpenCV's image of this family is turned by 180°: its first corner is the upright tag's lower right.
             let seen = known(markers(&picture, "DICT_APRILTAG_36h11", *border_modules)?, board, 2)?;
             aprilgrid(&picture, board, &seen).map_err(failed)?
         }
@@ -122,12 +123,12 @@ fn markers(picture: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<S
 }
 
 /// A marker of the board, and where the photo shows its corners (upper left first).
-struct Placed {
+struct PlacedMarker {
     marker: Marker,
     corners_px: [[f64; 2]; 4],
 }
 
-impl Placed {
+impl PlacedMarker {
     /// The shortest side, in px per mm of the board.
     fn px_per_mm(&self) -> f64 {
         let side = |i: usize| distance(self.corners_px[i], self.corners_px[(i + 1) % 4]);
@@ -137,14 +138,14 @@ impl Placed {
 }
 
 /// The seen markers that the board has, each seen once; `first` is OpenCV's number for the upper left corner.
-fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<Placed>, NoBoard> {
+fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<PlacedMarker>, NoBoard> {
     let all = board.markers();
     let times = |id: i32| seen.iter().filter(|m| m.id == id).count();
-    let placed: Vec<Placed> = seen
+    let placed: Vec<PlacedMarker> = seen
         .iter()
         .filter(|m| times(m.id) == 1)
         .filter_map(|m| {
-            Some(Placed {
+            Some(PlacedMarker {
                 marker: *all.get(usize::try_from(m.id).ok()?)?,
                 corners_px: [0, 1, 2, 3].map(|i| m.corners_px[(first + i) % 4]),
             })
@@ -160,18 +161,18 @@ fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<
     Ok(placed)
 }
 
-fn charuco(picture: &Mat, board: &Definition, seen: &[Placed]) -> opencv::Result<Vec<SeenCorner>> {
+fn charuco(picture: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
     let mut found = Vec::new();
     for (id, corner) in board.corners_mm().into_iter().enumerate() {
         // The two white squares that meet in this corner are the two with the nearest markers.
-        let near = |p: &&Placed| {
+        let near = |p: &&PlacedMarker| {
             let [x, y] = centre(&p.marker);
             let Definition::Charuco { square_mm, .. } = board else {
                 return false;
             };
             (x - corner[0]).abs() < *square_mm && (y - corner[1]).abs() < *square_mm
         };
-        let beside: Vec<&Placed> = seen.iter().filter(near).collect();
+        let beside: Vec<&PlacedMarker> = seen.iter().filter(near).collect();
         let [a, b] = beside[..] else { continue };
         let from = [a, b].map(|p| p.marker.corners_mm).concat();
         let to = [a, b].map(|p| p.corners_px).concat();
@@ -185,7 +186,7 @@ fn charuco(picture: &Mat, board: &Definition, seen: &[Placed]) -> opencv::Result
     Ok(found)
 }
 
-fn aprilgrid(picture: &Mat, board: &Definition, seen: &[Placed]) -> opencv::Result<Vec<SeenCorner>> {
+fn aprilgrid(picture: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
     let Definition::Aprilgrid {
         tag_mm,
         tag_spacing,
@@ -242,7 +243,7 @@ fn refined(picture: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Optio
     Ok((distance(px, guess) < half.min(4.0)).then_some(px))
 }
 
-/// A point of the board carried into the picture by the homography of known points.
+/// A point of the board carried into the image by the homography of known points.
 fn carried(from: &[[f64; 2]], to: &[[f64; 2]], point: [f64; 2]) -> opencv::Result<Option<[f64; 2]>> {
     let h = calib3d::find_homography_ext_def(&points(from), &points(to))?;
     Ok(through(&h, point))

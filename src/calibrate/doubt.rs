@@ -1,14 +1,15 @@
 //! When photos do not make a camera, and what makes one weaker.
 
-use super::fit::Fit;
-use super::ladder::{Rung, normal};
-use super::model::Model;
+use super::fit::CameraFit;
+use super::ladder::{CandidateModel, normal};
+use super::model::LensModel;
 use super::sharpness::BLURRED_PX;
-use super::view::View;
-use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, LeftOut};
+use super::view::BoardView;
+use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CalibrationError {
     #[error("no photo shows the board; {first}")]
     NoPhotos { first: String },
@@ -33,7 +34,7 @@ pub enum CalibrationError {
 /// What weakens a camera that was found. Each is a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(transparent)]
-pub struct Caution(pub String);
+pub struct CalibrationCaution(pub String);
 
 /// A photo is blurred when its edges are also wider than this many times the usual of the set, so that a soft lens is not held against every photo.
 const BLUR_TIMES: f64 = 2.0;
@@ -42,26 +43,26 @@ const BLUR_TIMES: f64 = 2.0;
 const LEAST_SPREAD_DEG: f64 = 12.0;
 /// With the principal point free, the focal length must be known to this. It goes into every distance as it is.
 const MOST_FOCAL_SIGMA: f64 = 0.01;
-/// Larger residuals than this share of the picture's diagonal are another board or another camera: 2.4 px at 1280×960.
+/// Larger residuals than this share of the image's diagonal are another board or another camera: 2.4 px at 1280×960.
 const MOST_RMS_SHARE: f64 = 0.0015;
 /// Photos below which the uncertainties are themselves uncertain.
 const FEW_PHOTOS: usize = 10;
 
 /// Leaves out blurred photos and those of another size than most.
-pub fn alike(shots: Vec<BoardPhoto>, mut left_out: Vec<LeftOut>) -> (Vec<BoardPhoto>, Vec<LeftOut>) {
-    let count = |size: (u32, u32)| shots.iter().filter(|s| s.size == size).count();
+pub fn alike(board_photos: Vec<BoardPhoto>, mut left_out: Vec<UnusedPhoto>) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
+    let count = |size: (u32, u32)| board_photos.iter().filter(|s| s.size == size).count();
     // The first of the most frequent sizes.
-    let most = shots.iter().map(|s| count(s.size)).max().unwrap_or(0);
-    let usual = shots.iter().map(|s| s.size).find(|size| count(*size) == most);
-    let mut widths: Vec<f64> = shots.iter().filter_map(|s| s.edge_width_px).collect();
+    let most = board_photos.iter().map(|s| count(s.size)).max().unwrap_or(0);
+    let usual = board_photos.iter().map(|s| s.size).find(|size| count(*size) == most);
+    let mut widths: Vec<f64> = board_photos.iter().filter_map(|s| s.edge_width_px).collect();
     widths.sort_by(f64::total_cmp);
     let blurred = BLURRED_PX.max(BLUR_TIMES * widths.get(widths.len() / 2).copied().unwrap_or(0.0));
     let mut kept = Vec::new();
-    for shot in shots {
-        let reason = match (usual, shot.edge_width_px) {
-            (Some((w, h)), _) if shot.size != (w, h) => Some(format!(
+    for board_photo in board_photos {
+        let reason = match (usual, board_photo.edge_width_px) {
+            (Some((w, h)), _) if board_photo.size != (w, h) => Some(format!(
                 "it is {}×{} and most photos are {w}×{h}: a camera file holds for one size; use original photos, whose EXIF data says how they were turned",
-                shot.size.0, shot.size.1
+                board_photo.size.0, board_photo.size.1
             )),
             (_, Some(width)) if width > blurred => Some(format!(
                 "it is blurred: its edges are {width:.0} px wide, more than {blurred:.0} px; hold board and camera still"
@@ -69,26 +70,26 @@ pub fn alike(shots: Vec<BoardPhoto>, mut left_out: Vec<LeftOut>) -> (Vec<BoardPh
             _ => None,
         };
         match reason {
-            Some(reason) => left_out.push(LeftOut {
-                file: shot.file,
+            Some(reason) => left_out.push(UnusedPhoto {
+                file: board_photo.file,
                 reason,
             }),
-            None => kept.push(shot),
+            None => kept.push(board_photo),
         }
     }
     (kept, left_out)
 }
 
 /// Refuses too few photos.
-pub fn enough(shots: &[BoardPhoto], left_out: &[LeftOut]) -> Result<(), CalibrationError> {
-    if shots.len() >= LEAST_PHOTOS {
+pub fn enough(board_photos: &[BoardPhoto], left_out: &[UnusedPhoto]) -> Result<(), CalibrationError> {
+    if board_photos.len() >= LEAST_PHOTOS {
         return Ok(());
     }
     let first = left_out.first().map_or_else(
         || "give more photos".to_owned(),
         |out| format!("{}: {}", out.file, out.reason),
     );
-    Err(match shots.len() {
+    Err(match board_photos.len() {
         0 => CalibrationError::NoPhotos { first },
         usable => CalibrationError::FewPhotos {
             usable,
@@ -99,7 +100,7 @@ pub fn enough(shots: &[BoardPhoto], left_out: &[LeftOut]) -> Result<(), Calibrat
 }
 
 /// Refuses photos that all show the board from one side.
-pub fn seen_from_several_sides(fit: &Fit) -> Result<(), CalibrationError> {
+pub fn seen_from_several_sides(fit: &CameraFit) -> Result<(), CalibrationError> {
     let normals: Vec<_> = fit.poses.iter().map(normal).collect();
     let angles = normals
         .iter()
@@ -113,9 +114,9 @@ pub fn seen_from_several_sides(fit: &Fit) -> Result<(), CalibrationError> {
 }
 
 /// Refuses photos whose focal length is known only because the principal point is held, or not even then.
-pub fn determined(rungs: &[Rung], chosen: usize, views: &[View]) -> Result<(), CalibrationError> {
-    let fit = &rungs[chosen].fit;
-    let model = fit.model.max(Model::FC);
+pub fn determined(models: &[CandidateModel], chosen: usize, views: &[BoardView]) -> Result<(), CalibrationError> {
+    let fit = &models[chosen].fit;
+    let model = fit.model.max(LensModel::FC);
     let open = |percent: &str| CalibrationError::FocalOpen {
         percent: percent.to_owned(),
     };
@@ -128,7 +129,7 @@ pub fn determined(rungs: &[Rung], chosen: usize, views: &[View]) -> Result<(), C
 }
 
 /// Refuses a camera that does not explain its own photos.
-pub fn fits(fit: &Fit, views: &[View], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
+pub fn fits(fit: &CameraFit, views: &[BoardView], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
     let rms_px = super::rms_px(fit, views);
     let limit_px = MOST_RMS_SHARE * f64::from(width).hypot(f64::from(height));
     if rms_px > limit_px {
@@ -138,9 +139,9 @@ pub fn fits(fit: &Fit, views: &[View], (width, height): (u32, u32)) -> Result<()
 }
 
 /// What a user should know about a camera that was found.
-pub fn cautions(found: &Calibration) -> Vec<Caution> {
+pub fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     let mut cautions = Vec::new();
-    let mut say = |sentence: String| cautions.push(Caution(sentence));
+    let mut say = |sentence: String| cautions.push(CalibrationCaution(sentence));
     let photos = found.photos.len();
     if photos < FEW_PHOTOS {
         say(format!(
@@ -177,7 +178,7 @@ pub fn cautions(found: &Calibration) -> Vec<Caution> {
             found.lost_corners
         ));
     }
-    if found.chosen + 1 == Model::LADDER.len() {
+    if found.chosen + 1 == LensModel::LADDER.len() {
         say(
             "the largest model was chosen: a fisheye or very wide lens may need one that this program does not have"
                 .into(),
@@ -186,7 +187,7 @@ pub fn cautions(found: &Calibration) -> Vec<Caution> {
     cautions
 }
 
-/// Corners of the picture, a fifth of each side, where no board corner was seen.
+/// Corners of the image, a fifth of each side, where no board corner was seen.
 fn missing_corners(coverage: &[u32]) -> Vec<&'static str> {
     let names = [
         ("top left", 0, 0),

@@ -6,8 +6,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix6, Point3, SMatrix, SVector, Vector2, Vector6};
 
-use super::model::{self, ALL, Model};
-use super::view::View;
+use super::model::{self, ALL, LensModel};
+use super::view::BoardView;
 use crate::camera::projection::{by_step, project_unchecked};
 use crate::geometry::{Rigid, rigid::stepped};
 use crate::least_squares::{LeastSquares, Limits, minimise};
@@ -24,8 +24,8 @@ const FOLLOWED: usize = 2;
 
 /// A camera and poses that explain the views best, in least squares.
 #[derive(Debug, Clone)]
-pub struct Fit {
-    pub model: Model,
+pub struct CameraFit {
+    pub model: LensModel,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6.
     pub camera: [f64; ALL],
     /// `T_camera_board`, one per view.
@@ -35,8 +35,8 @@ pub struct Fit {
 }
 
 /// Fits a model from a start. `None` when the start has no finite residuals.
-pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<Fit> {
-    let start = Fit {
+pub fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
+    let start = CameraFit {
         model,
         camera,
         poses,
@@ -46,13 +46,13 @@ pub fn fit(model: Model, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) 
 }
 
 /// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
-pub fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
+pub fn pose(view: &BoardView, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
     let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
     Some((found.pose, found.block.cost))
 }
 
 /// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
-pub fn first(size: (u32, u32), views: &[View]) -> Option<Fit> {
+pub fn first(size: (u32, u32), views: &[BoardView]) -> Option<CameraFit> {
     const BY_LONGER_SIDE: [f64; 7] = [0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
     let longer = f64::from(size.0.max(size.1));
     let start = |share: &f64| {
@@ -65,28 +65,28 @@ pub fn first(size: (u32, u32), views: &[View]) -> Option<Fit> {
     starts
         .into_iter()
         .take(FOLLOWED)
-        .filter_map(|(_, camera, poses)| fit(Model::F, views, camera, poses))
+        .filter_map(|(_, camera, poses)| fit(LensModel::F, views, camera, poses))
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// The better branch of a planar view, refined.
-fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
+fn best_start(view: &BoardView, camera: &[f64; ALL]) -> Option<Rigid> {
     let starts = view.starting_poses(camera).into_iter();
     let refined = starts.filter_map(|start| pose(view, camera, start));
     refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
 }
 
-impl Fit {
+impl CameraFit {
     /// Seen minus projected, px, of each corner of each view.
-    pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
+    pub fn residuals(&self, views: &[BoardView]) -> Vec<Vec<[f64; 2]>> {
         let of = |(view, pose)| residuals(view, &self.camera, pose).collect();
         views.iter().zip(&self.poses).map(of).collect()
     }
 
     /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
-    pub fn covariance(&self, model: Model, views: &[View]) -> Option<DMatrix<f64>> {
-        let seen_as = Fit { model, ..self.clone() };
+    pub fn covariance(&self, model: LensModel, views: &[BoardView]) -> Option<DMatrix<f64>> {
+        let seen_as = CameraFit { model, ..self.clone() };
         let (reduced, _) = CameraEquations::at(seen_as, views)?.reduced(0.0)?;
         let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
         let free = numbers
@@ -119,7 +119,7 @@ struct Block {
 
 impl Block {
     /// `None` when the residuals are not finite.
-    fn at(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
+    fn at(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
         let mut block = Block {
             camera: SMatrix::zeros(),
             by_camera: SVector::zeros(),
@@ -154,12 +154,12 @@ impl Block {
 struct PoseEquations<'a> {
     pose: Rigid,
     block: Block,
-    view: &'a View,
+    view: &'a BoardView,
     camera: &'a [f64; ALL],
 }
 
 impl<'a> PoseEquations<'a> {
-    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
+    fn at(pose: Rigid, view: &'a BoardView, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
         Some(PoseEquations {
             pose,
             block: Block::at(view, camera, &pose)?,
@@ -182,17 +182,17 @@ impl LeastSquares for PoseEquations<'_> {
 
 /// Camera and poses: the camera's part summed over the views, by the parameters of the model.
 struct CameraEquations<'a> {
-    fit: Fit,
+    fit: CameraFit,
     camera: DMatrix<f64>,
     by_camera: DVector<f64>,
     blocks: Vec<Block>,
     /// From the parameters of the model to the numbers they set.
     parameters: DMatrix<f64>,
-    views: &'a [View],
+    views: &'a [BoardView],
 }
 
 impl<'a> CameraEquations<'a> {
-    fn at(fit: Fit, views: &'a [View]) -> Option<CameraEquations<'a>> {
+    fn at(fit: CameraFit, views: &'a [BoardView]) -> Option<CameraEquations<'a>> {
         let parameters = fit.model.parameters_to_numbers();
         let of = |(view, pose)| Block::at(view, &fit.camera, pose);
         let blocks: Vec<Block> = views.iter().zip(&fit.poses).map(of).collect::<Option<_>>()?;
@@ -201,7 +201,7 @@ impl<'a> CameraEquations<'a> {
         Some(CameraEquations {
             camera: parameters.transpose() * camera * &parameters,
             by_camera: parameters.transpose() * by_camera,
-            fit: Fit {
+            fit: CameraFit {
                 cost: blocks.iter().map(|b| b.cost).sum(),
                 ..fit
             },
@@ -246,7 +246,7 @@ impl LeastSquares for CameraEquations<'_> {
             Some(stepped(pose, &step))
         };
         let poses = self.fit.poses.iter().zip(&self.blocks).map(moved);
-        let fit = Fit {
+        let fit = CameraFit {
             camera,
             poses: poses.collect::<Option<_>>()?,
             ..self.fit.clone()
@@ -256,7 +256,7 @@ impl LeastSquares for CameraEquations<'_> {
 }
 
 /// Seen minus projected, px, of each corner.
-fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
+fn residuals(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
     let of = move |(point, seen): (Point3<f64>, &[f64; 2])| {
         let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
         [seen[0] - x, seen[1] - y]
@@ -265,11 +265,11 @@ fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<It
 }
 
 /// Sum of squared distances of one view, px².
-pub fn squared(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
+pub fn squared(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
     let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
     sum.is_finite().then_some(sum)
 }
 
-fn cost(views: &[View], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
+fn cost(views: &[BoardView], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
     views.iter().zip(poses).map(|(v, p)| squared(v, camera, p)).sum()
 }

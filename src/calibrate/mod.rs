@@ -24,14 +24,14 @@ use crate::workers;
 
 pub use choice_text::{choice_lines, numbers};
 pub use detect::{NoBoard, check};
-pub use doubt::{CalibrationError, Caution};
-pub use ladder::{Moves, Rung};
-pub use model::Model;
+pub use doubt::{CalibrationCaution, CalibrationError};
+pub use ladder::{CandidateModel, ModelDifference};
+pub use model::LensModel;
 pub use page::page;
 pub use summary::json;
-pub use uncertainty::{Cell, Map};
+pub use uncertainty::{MapCell, UncertaintyMap};
 
-use view::View;
+use view::BoardView;
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,8 +61,8 @@ pub struct BoardPhoto {
 }
 
 impl BoardPhoto {
-    fn view(&self, places: &[[f64; 2]]) -> View {
-        View {
+    fn view(&self, places: &[[f64; 2]]) -> BoardView {
+        BoardView {
             board_mm: self.corners.iter().map(|c| places[c.id]).collect(),
             seen_px: self.corners.iter().map(|c| c.px).collect(),
         }
@@ -71,7 +71,7 @@ impl BoardPhoto {
 
 /// A photo that had no part in the camera, and the sentence why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct LeftOut {
+pub struct UnusedPhoto {
     pub file: String,
     pub reason: String,
 }
@@ -98,32 +98,32 @@ pub struct Calibration {
     pub board: Definition,
     pub camera: Camera,
     /// Every model that could be fitted, from the smallest up.
-    pub rungs: Vec<Rung>,
-    /// Which of `rungs` the camera is.
+    pub models: Vec<CandidateModel>,
+    /// Which of `models` the camera is.
     pub chosen: usize,
     /// Standard deviations of fx, fy, cx, cy (px), k1, k2, p1, p2, k3, k4, k5, k6; 0 for what the model does not fit.
     pub sigmas: [f64; model::ALL],
     /// Over all corners, px.
     pub rms_px: f64,
     pub photos: Vec<PhotoResult>,
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<UnusedPhoto>,
     /// Corners left out of photos that stay.
     pub lost_corners: usize,
-    /// Corners seen in each cell of a 10 × 10 grid over the picture, row by row.
+    /// Corners seen in each cell of a 10 × 10 grid over the image, row by row.
     pub coverage: Vec<u32>,
-    pub map: Map,
-    pub cautions: Vec<Caution>,
+    pub map: UncertaintyMap,
+    pub cautions: Vec<CalibrationCaution>,
 }
 
 impl Calibration {
     /// The chosen model.
-    pub fn rung(&self) -> &Rung {
-        &self.rungs[self.chosen]
+    pub fn chosen_model(&self) -> &CandidateModel {
+        &self.models[self.chosen]
     }
 
     /// The held-out error of the best model, px.
     pub fn best_held_out_px(&self) -> f64 {
-        self.rungs.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min)
+        self.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -131,30 +131,30 @@ impl Calibration {
 pub const COVERAGE: usize = 10;
 
 /// Finds the board in every photo; those without are named with the reason. Both lists keep the photos' order.
-pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<BoardPhoto>, Vec<LeftOut>) {
+pub fn look(photos: &[PathBuf], board: &Definition, on_done: impl Fn() + Sync) -> (Vec<BoardPhoto>, Vec<UnusedPhoto>) {
     let found = workers::map(
         photos,
         || Ok::<(), std::convert::Infallible>(()),
         |(), path| Ok(look_at(path, board)),
         on_done,
     );
-    let (mut shots, mut left_out) = (Vec::new(), Vec::new());
+    let (mut board_photos, mut left_out) = (Vec::new(), Vec::new());
     for result in found.unwrap_or_else(|never| match never {}) {
         match result {
-            Ok(shot) => shots.push(shot),
+            Ok(board_photo) => board_photos.push(board_photo),
             Err(out) => left_out.push(out),
         }
     }
-    (shots, left_out)
+    (board_photos, left_out)
 }
 
-fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, LeftOut> {
+fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, UnusedPhoto> {
     let file = path
         .file_name()
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned();
-    let out = |reason: String| LeftOut {
+    let out = |reason: String| UnusedPhoto {
         file: file.clone(),
         reason,
     };
@@ -170,37 +170,37 @@ fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, LeftOut> {
     })
 }
 
-/// Makes a camera of the corners seen: bad photos are left out, every model of the ladder is fitted, the smallest that foretells
-/// unseen corners as well as the best is taken.
+/// Makes a camera of the corners seen: bad photos are left out, every model of the ladder is fitted, the smallest
+/// whose held-out error is as good as the best is taken.
 ///
 /// # Errors
 /// Photos that do not determine a camera; the sentence says what to photograph.
 pub fn calibrate(
-    shots: Vec<BoardPhoto>,
-    left_out: Vec<LeftOut>,
+    board_photos: Vec<BoardPhoto>,
+    left_out: Vec<UnusedPhoto>,
     board: &Definition,
 ) -> Result<Calibration, CalibrationError> {
     let places = board.corners_mm();
-    let (shots, mut left_out) = doubt::alike(shots, left_out);
-    doubt::enough(&shots, &left_out)?;
-    let size = shots[0].size;
-    let cleaned = outliers::clean(shots, size, &places).ok_or(CalibrationError::NoFit)?;
-    left_out.extend(cleaned.dropped.into_iter().map(|(shot, reason)| LeftOut {
-        file: shot.file,
+    let (board_photos, mut left_out) = doubt::alike(board_photos, left_out);
+    doubt::enough(&board_photos, &left_out)?;
+    let size = board_photos[0].size;
+    let cleaned = outliers::clean(board_photos, size, &places).ok_or(CalibrationError::NoFit)?;
+    left_out.extend(cleaned.dropped.into_iter().map(|(board_photo, reason)| UnusedPhoto {
+        file: board_photo.file,
         reason,
     }));
-    let views: Vec<View> = cleaned.shots.iter().map(|s| s.view(&places)).collect();
+    let views: Vec<BoardView> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
     doubt::seen_from_several_sides(&cleaned.first)?;
-    let mut rungs = ladder::climb(cleaned.first, &views);
-    let chosen = ladder::choose(&rungs).ok_or(CalibrationError::NoFit)?;
-    let fit = rungs[chosen].fit.clone();
-    doubt::determined(&rungs, chosen, &views)?;
+    let mut models = ladder::fit_ladder(cleaned.first, &views);
+    let chosen = ladder::choose(&models).ok_or(CalibrationError::NoFit)?;
+    let fit = models[chosen].fit.clone();
+    doubt::determined(&models, chosen, &views)?;
     doubt::fits(&fit, &views, size)?;
     let covariance = fit.covariance(fit.model, &views).ok_or(CalibrationError::NoFit)?;
     let (w, h) = board.size_mm();
     let middle_mm = [w / 2.0, h / 2.0];
-    ladder::compare(&mut rungs, chosen, middle_mm);
-    let photos = photo_results(&cleaned.shots, &fit, &views, middle_mm);
+    ladder::compare(&mut models, chosen, middle_mm);
+    let photos = photo_results(&cleaned.board_photos, &fit, &views, middle_mm);
     let coverage = coverage(&photos, size);
     let map = uncertainty::map(&fit, &covariance, size);
     let sigmas = sigmas(&fit, &covariance);
@@ -211,7 +211,7 @@ pub fn calibrate(
         camera,
         sigmas,
         rms_px: rms_px(&fit, &views),
-        rungs,
+        models,
         chosen,
         photos,
         left_out,
@@ -224,38 +224,39 @@ pub fn calibrate(
     Ok(result)
 }
 
-fn rms_px(fit: &fit::Fit, views: &[View]) -> f64 {
+fn rms_px(fit: &fit::CameraFit, views: &[BoardView]) -> f64 {
     let corners: usize = views.iter().map(|v| v.seen_px.len()).sum();
     (fit.cost / corners as f64).sqrt()
 }
 
-fn sigmas(fit: &fit::Fit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
-    let mut sigmas = [0.0; model::ALL];
-    for (i, slots) in fit.model.slots().iter().enumerate() {
-        slots
-            .iter()
-            .for_each(|slot| sigmas[*slot] = covariance[(i, i)].max(0.0).sqrt());
-    }
-    sigmas
+fn sigmas(fit: &fit::CameraFit, covariance: &DMatrix<f64>) -> [f64; model::ALL] {
+    let numbers = fit.model.parameters_to_numbers();
+    let variances = (&numbers * covariance * numbers.transpose()).diagonal();
+    std::array::from_fn(|i| variances[i].max(0.0).sqrt())
 }
 
-fn photo_results(shots: &[BoardPhoto], fit: &fit::Fit, views: &[View], middle_mm: [f64; 2]) -> Vec<PhotoResult> {
+fn photo_results(
+    board_photos: &[BoardPhoto],
+    fit: &fit::CameraFit,
+    views: &[BoardView],
+    middle_mm: [f64; 2],
+) -> Vec<PhotoResult> {
     let residuals = fit.residuals(views);
-    let of = |((shot, pose), residuals_px): ((&BoardPhoto, &crate::geometry::Rigid), Vec<[f64; 2]>)| {
+    let of = |((board_photo, pose), residuals_px): ((&BoardPhoto, &crate::geometry::Rigid), Vec<[f64; 2]>)| {
         let squared: f64 = residuals_px.iter().map(|[x, y]| x * x + y * y).sum();
         let [x, y] = middle_mm;
         PhotoResult {
-            file: shot.file.clone(),
-            turned_deg: shot.turned_deg,
-            corners_px: shot.corners.iter().map(|c| c.px).collect(),
+            file: board_photo.file.clone(),
+            turned_deg: board_photo.turned_deg,
+            corners_px: board_photo.corners.iter().map(|c| c.px).collect(),
             rms_px: (squared / residuals_px.len().max(1) as f64).sqrt(),
             residuals_px,
             tilt_deg: (-ladder::normal(pose).z).clamp(-1.0, 1.0).acos().to_degrees(),
             distance_mm: (pose * nalgebra::Point3::new(x, y, 0.0)).coords.norm(),
-            edge_width_px: shot.edge_width_px,
+            edge_width_px: board_photo.edge_width_px,
         }
     };
-    shots.iter().zip(&fit.poses).zip(residuals).map(of).collect()
+    board_photos.iter().zip(&fit.poses).zip(residuals).map(of).collect()
 }
 
 fn coverage(photos: &[PhotoResult], (width, height): (u32, u32)) -> Vec<u32> {

@@ -8,10 +8,10 @@ use crate::camera::projection::PARAMETERS;
 /// Every number of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
 pub const ALL: usize = PARAMETERS;
 
-/// What of a camera is fitted; what is not is 0, and the principal point the picture's centre.
+/// What of a camera is fitted; what is not is 0, and the principal point the image's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Model {
+pub enum LensModel {
     /// One focal length.
     F,
     /// And the principal point.
@@ -24,65 +24,56 @@ pub enum Model {
     Rational,
 }
 
-impl Model {
+impl LensModel {
     /// From the smallest up; each contains those before it.
-    pub const LADDER: [Model; 6] = [
-        Model::F,
-        Model::FC,
-        Model::K1,
-        Model::K1K2,
-        Model::PlumbBob,
-        Model::Rational,
+    pub const LADDER: [LensModel; 6] = [
+        LensModel::F,
+        LensModel::FC,
+        LensModel::K1,
+        LensModel::K1K2,
+        LensModel::PlumbBob,
+        LensModel::Rational,
     ];
 
     /// What people call it.
     pub fn name(self) -> &'static str {
         match self {
-            Model::F => "f",
-            Model::FC => "f, c",
-            Model::K1 => "f, c, k1",
-            Model::K1K2 => "f, c, k1, k2",
-            Model::PlumbBob => "plumb_bob",
-            Model::Rational => "rational",
+            LensModel::F => "f",
+            LensModel::FC => "f, c",
+            LensModel::K1 => "f, c, k1",
+            LensModel::K1K2 => "f, c, k1, k2",
+            LensModel::PlumbBob => "plumb_bob",
+            LensModel::Rational => "rational",
         }
     }
 
-    /// For each parameter of the fit, the numbers of [`ALL`] that it sets.
-    pub(super) fn slots(self) -> &'static [&'static [usize]] {
-        const ONE_FOCAL: [&[usize]; 5] = [&[0, 1], &[2], &[3], &[4], &[5]];
-        const TWO_FOCALS: [&[usize]; ALL] = [&[0], &[1], &[2], &[3], &[4], &[5], &[6], &[7], &[8], &[9], &[10], &[11]];
-        static ONE: [&[usize]; 5] = ONE_FOCAL;
-        static TWO: [&[usize]; ALL] = TWO_FOCALS;
-        match self {
-            Model::F => &ONE[..1],
-            Model::FC => &ONE[..3],
-            Model::K1 => &ONE[..4],
-            Model::K1K2 => &ONE[..5],
-            Model::PlumbBob => &TWO[..9],
-            Model::Rational => &TWO[..],
-        }
-    }
-
-    /// The matrix that takes the fit's parameters to the numbers of [`ALL`].
+    /// The matrix that takes the fit's parameters to the numbers of [`ALL`]; one focal length is two of them.
     pub(super) fn parameters_to_numbers(self) -> DMatrix<f64> {
-        let slots = self.slots();
-        DMatrix::from_fn(ALL, slots.len(), |slot, p| {
-            f64::from(u8::from(slots[p].contains(&slot)))
+        let shared = usize::from(self < LensModel::PlumbBob);
+        DMatrix::from_fn(ALL, self.parameters(), |number, p| {
+            f64::from(u8::from(number.saturating_sub(shared) == p))
         })
     }
 
     /// How many numbers are fitted.
     pub fn parameters(self) -> usize {
-        self.slots().len()
+        match self {
+            LensModel::F => 1,
+            LensModel::FC => 3,
+            LensModel::K1 => 4,
+            LensModel::K1K2 => 5,
+            LensModel::PlumbBob => 9,
+            LensModel::Rational => ALL,
+        }
     }
 }
 
-/// The numbers of [`ALL`] as a camera for pictures of a size.
+/// The numbers of [`ALL`] as a camera for images of a size.
 pub(super) fn camera((width, height): (u32, u32), all: &[f64; ALL]) -> Camera {
     Camera::pinhole(width, height, all[0], all[1], all[2], all[3]).with_distortion(&all[4..])
 }
 
-/// Where the smallest model starts: a focal length, and the picture's centre (pixel (0, 0) is a pixel's centre).
+/// Where the smallest model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
 pub(super) fn start((width, height): (u32, u32), focal_px: f64) -> [f64; ALL] {
     let mut all = [0.0; ALL];
     all[..4].copy_from_slice(&[

@@ -1,13 +1,13 @@
 //! Photos and corners that disagree with all the others.
 
 use super::BoardPhoto;
-use super::fit::{self, Fit};
-use super::model::Model;
-use super::view::View;
+use super::fit::{self, CameraFit};
+use super::model::LensModel;
+use super::view::BoardView;
 use crate::statistics::upper_median;
 
 /// Judged by a model rich enough that a lens is no outlier.
-const JUDGE: [Model; 3] = [Model::FC, Model::K1K2, Model::PlumbBob];
+const JUDGE: [LensModel; 3] = [LensModel::FC, LensModel::K1K2, LensModel::PlumbBob];
 /// A photo this many times worse than the median photo, and worse than this in px, is left out.
 const PHOTO_TIMES: f64 = 4.0;
 const PHOTO_PX: f64 = 1.0;
@@ -19,23 +19,23 @@ const LOST_SHARE: f64 = 0.2;
 
 /// What was left out, and the fit of the smallest model over the rest.
 pub struct Cleaned {
-    pub shots: Vec<BoardPhoto>,
+    pub board_photos: Vec<BoardPhoto>,
     /// The photo, and the sentence why.
     pub dropped: Vec<(BoardPhoto, String)>,
     /// Corners left out of photos that stay.
     pub lost_corners: usize,
-    pub first: Fit,
+    pub first: CameraFit,
 }
 
 /// Leaves out, one at a time, the photo that disagrees most, then single corners. `None` when nothing can be fitted.
-pub fn clean(mut shots: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
+pub fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
     let (mut dropped, mut lost_corners) = (Vec::new(), 0);
     loop {
-        let views: Vec<View> = shots.iter().map(|s| s.view(places)).collect();
+        let views: Vec<BoardView> = board_photos.iter().map(|s| s.view(places)).collect();
         let first = fit::first(size, &views)?;
         let Some(judge) = judge(&first, &views) else {
             return Some(Cleaned {
-                shots,
+                board_photos,
                 dropped,
                 lost_corners,
                 first,
@@ -46,14 +46,14 @@ pub fn clean(mut shots: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) 
             .iter()
             .map(|view| view.iter().map(|[x, y]| x.hypot(*y)).collect())
             .collect();
-        if let Some((worst, sentence)) = worst_photo(&lengths).filter(|_| shots.len() > super::LEAST_PHOTOS) {
-            dropped.push((shots.remove(worst), sentence));
+        if let Some((worst, sentence)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
+            dropped.push((board_photos.remove(worst), sentence));
             continue;
         }
-        let lost = drop_corners(&mut shots, &lengths);
+        let lost = drop_corners(&mut board_photos, &lengths);
         if lost == 0 {
             return Some(Cleaned {
-                shots,
+                board_photos,
                 dropped,
                 lost_corners,
                 first,
@@ -63,7 +63,7 @@ pub fn clean(mut shots: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) 
     }
 }
 
-fn judge(first: &Fit, views: &[View]) -> Option<Fit> {
+fn judge(first: &CameraFit, views: &[BoardView]) -> Option<CameraFit> {
     JUDGE.into_iter().try_fold(first.clone(), |start, model| {
         fit::fit(model, views, start.camera, start.poses)
     })
@@ -86,14 +86,16 @@ fn worst_photo(lengths: &[Vec<f64>]) -> Option<(usize, String)> {
     })
 }
 
-fn drop_corners(shots: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize {
+fn drop_corners(board_photos: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize {
     let limit = corner_limit(lengths);
     let mut lost = 0;
-    for (shot, lengths) in shots.iter_mut().zip(lengths) {
+    for (board_photo, lengths) in board_photos.iter_mut().zip(lengths) {
         let mut lengths = lengths.iter();
-        let before = shot.corners.len();
-        shot.corners.retain(|_| lengths.next().is_none_or(|d| *d <= limit));
-        lost += before - shot.corners.len();
+        let before = board_photo.corners.len();
+        board_photo
+            .corners
+            .retain(|_| lengths.next().is_none_or(|d| *d <= limit));
+        lost += before - board_photo.corners.len();
     }
     lost
 }

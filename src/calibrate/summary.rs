@@ -22,7 +22,7 @@ pub fn json(found: &Calibration) -> Value {
         })
         .collect();
     let ladder: Vec<Value> = found
-        .rungs
+        .models
         .iter()
         .enumerate()
         .map(|(i, r)| {
@@ -40,13 +40,13 @@ pub fn json(found: &Calibration) -> Value {
         "board": found.board,
         "image_width_px": c.width,
         "image_height_px": c.height,
-        "model": found.rung().model,
+        "model": found.chosen_model().model,
         "fx_px": c.fx, "fy_px": c.fy, "cx_px": c.cx, "cy_px": c.cy,
         "fx_sigma_px": s[0], "fy_sigma_px": s[1], "cx_sigma_px": s[2], "cy_sigma_px": s[3],
         "distortion": c.distortion(),
         "distortion_sigma": s[4..],
         "rms_px": found.rms_px,
-        "held_out_px": found.rung().held_out_px,
+        "held_out_px": found.chosen_model().held_out_px,
         "ladder": ladder,
         "photos": photos,
         "left_out": found.left_out,

@@ -1,18 +1,18 @@
-//! How far a projection may be off, cell by cell of the picture.
+//! How far a projection may be off, cell by cell of the image.
 
 use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix2xX, Point3};
 
-use super::fit::Fit;
+use super::fit::CameraFit;
 use super::model;
 use crate::camera::Camera;
 use crate::camera::projection::{by_step, project_unchecked};
 
-/// Cells of the map across the longer side of the picture.
+/// Cells of the map across the longer side of the image.
 const CELLS: u32 = 16;
 
 /// One cell of the map.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
-pub struct Cell {
+pub struct MapCell {
     /// Its middle, px.
     pub px: [f64; 2],
     /// Standard deviation of the projection in its worst direction, px; `None` where the lens model folds back on itself.
@@ -21,19 +21,19 @@ pub struct Cell {
 
 /// The map and its columns and rows.
 #[derive(Debug, Clone)]
-pub struct Map {
+pub struct UncertaintyMap {
     pub columns: u32,
     pub rows: u32,
     /// Row by row.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<MapCell>,
 }
 
 /// Standard deviation of where a far point is projected, given the covariance of the camera's parameters.
 ///
 /// A camera that is a little wrong and turned a little projects almost as before, and whoever finds a pose finds that turn as well.
-/// So the turn that best undoes a change over the whole picture is taken out first, as in mrcal's "projection uncertainty"
+/// So the turn that best undoes a change over the whole image is taken out first, as in mrcal's "projection uncertainty"
 /// (implied rotation): with J the derivatives by camera, R those by a turn, M = J − R (ΣRᵀR)⁻¹ ΣRᵀJ, and Var = M Σ Mᵀ.
-pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> Map {
+pub fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) -> UncertaintyMap {
     let (w, h) = (f64::from(width), f64::from(height));
     let side = w.max(h) / f64::from(CELLS);
     let count = |length: f64| ((length / side).round() as u32).max(1);
@@ -48,14 +48,14 @@ pub fn map(fit: &Fit, covariance: &DMatrix<f64>, (width, height): (u32, u32)) ->
     let camera = model::camera((width, height), &fit.camera);
     let derivatives: Vec<_> = middles.iter().map(|px| Derivatives::at(fit, &camera, *px)).collect();
     let turn = implied_turn(derivatives.iter().flatten(), covariance.nrows());
-    let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| Cell {
+    let cells = middles.into_iter().zip(&derivatives).map(|(px, d)| MapCell {
         px,
         sigma_px: d
             .as_ref()
             .zip(turn.as_ref())
             .map(|(d, turn)| d.sigma_px(turn, covariance)),
     });
-    Map {
+    UncertaintyMap {
         columns,
         rows,
         cells: cells.collect(),
@@ -69,7 +69,7 @@ struct Derivatives {
 }
 
 impl Derivatives {
-    fn at(fit: &Fit, camera: &Camera, px: [f64; 2]) -> Option<Derivatives> {
+    fn at(fit: &CameraFit, camera: &Camera, px: [f64; 2]) -> Option<Derivatives> {
         let [x, y] = camera.point_at(px)?;
         let direction = Point3::new(x, y, 1.0);
         let at = project_unchecked(&fit.camera, &direction);

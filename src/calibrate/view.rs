@@ -8,16 +8,16 @@ use crate::locate::planar_branches;
 
 /// What a fit sees of one photo: corners on the board (mm), and in the photo (px).
 #[derive(Debug, Clone)]
-pub struct View {
+pub struct BoardView {
     pub board_mm: Vec<[f64; 2]>,
     pub seen_px: Vec<[f64; 2]>,
 }
 
-impl View {
+impl BoardView {
     /// Every other corner, from `first` on.
-    pub fn half(&self, first: usize) -> View {
+    pub fn half(&self, first: usize) -> BoardView {
         let half = |list: &[[f64; 2]]| list.iter().skip(first).step_by(2).copied().collect();
-        View {
+        BoardView {
             board_mm: half(&self.board_mm),
             seen_px: half(&self.seen_px),
         }

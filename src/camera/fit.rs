@@ -14,6 +14,7 @@ pub struct FittedCamera {
 
 /// Why a camera file does not fit a photo.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SizeError {
     #[error(
         "the photo is {photo} but the camera file is for {camera}, another aspect ratio, so the photo was cropped by an unknown amount: use the original photo, or calibrate at this size"

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::guidance::Step;
+use super::guidance::NextMove;
 use crate::locate::Abstention;
 
 /// Why a frame is not taken, as something to do.
@@ -22,7 +22,7 @@ pub enum Advice {
     Blurred {
         blur_px: Option<f64>,
     },
-    /// The tags are too small in the picture to tell whether it is sharp.
+    /// The tags are too small in the image to tell whether it is sharp.
     TooSmall,
     Moving,
     /// All gates hold: it is taken when they still do in a moment.
@@ -37,10 +37,10 @@ pub enum Advice {
     },
     /// No pose for another reason.
     NotLocated(Abstention),
-    Walk(Step),
+    Walk(NextMove),
     /// This view is there; the step to the next.
     Filled {
-        then: Option<Step>,
+        then: Option<NextMove>,
     },
 }
 
@@ -61,9 +61,9 @@ impl Advice {
             Advice::NoTags => "no_tags",
             Advice::OneTag { .. } => "one_tag",
             Advice::NotLocated(abstention) => abstention.code(),
-            Advice::Walk(Step::Azimuth(_)) => "azimuth",
-            Advice::Walk(Step::Distance(_)) => "distance",
-            Advice::Walk(Step::Height(_)) => "height",
+            Advice::Walk(NextMove::Azimuth(_)) => "azimuth",
+            Advice::Walk(NextMove::Distance(_)) => "distance",
+            Advice::Walk(NextMove::Height(_)) => "height",
             Advice::Filled { .. } => "filled",
         }
     }
@@ -107,16 +107,16 @@ impl fmt::Display for Advice {
 }
 
 /// From the standpoint of somebody who faces the model. Never "0°": the step is not done yet.
-impl fmt::Display for Step {
+impl fmt::Display for NextMove {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let cm = |mm: f64| (mm.abs() / 10.0).round().max(1.0);
         match *self {
-            Step::Azimuth(deg) => {
+            NextMove::Azimuth(deg) => {
                 let side = if deg > 0.0 { "right" } else { "left" };
                 write!(f, "{:.0}° to the {side}", deg.abs().round().max(1.0))
             }
-            Step::Distance(mm) => write!(f, "{:.0} cm {}", cm(mm), if mm > 0.0 { "back" } else { "closer" }),
-            Step::Height(mm) => write!(f, "{:.0} cm {}", cm(mm), if mm > 0.0 { "higher" } else { "lower" }),
+            NextMove::Distance(mm) => write!(f, "{:.0} cm {}", cm(mm), if mm > 0.0 { "back" } else { "closer" }),
+            NextMove::Height(mm) => write!(f, "{:.0} cm {}", cm(mm), if mm > 0.0 { "higher" } else { "lower" }),
         }
     }
 }
@@ -128,12 +128,12 @@ mod tests {
     #[test]
     fn steps_are_said_as_to_a_person() {
         let said = [
-            Step::Azimuth(-12.3),
-            Step::Azimuth(0.2),
-            Step::Distance(-204.0),
-            Step::Distance(58.0),
-            Step::Height(70.0),
-            Step::Height(-1.0),
+            NextMove::Azimuth(-12.3),
+            NextMove::Azimuth(0.2),
+            NextMove::Distance(-204.0),
+            NextMove::Distance(58.0),
+            NextMove::Height(70.0),
+            NextMove::Height(-1.0),
         ]
         .map(|step| step.to_string());
         assert_eq!(

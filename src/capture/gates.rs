@@ -11,7 +11,7 @@ use crate::locate::{Abstention, Located, LocatedPhoto, locate_luma};
 use crate::scene::{Scene, Tag};
 use crate::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
-/// Standard deviation of blur, px in a picture 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
+/// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
 /// detectors see it reduced. Table in `docs/lessons.md`.
 pub const MAX_BLUR_PX: f64 = 1.5;
 
@@ -19,21 +19,21 @@ pub const MAX_BLUR_PX: f64 = 1.5;
 pub const MIN_WHITE: f64 = 80.0;
 pub const MAX_WHITE: f64 = 250.0;
 
-/// Share of the picture's part with the model that may have lost its tone to white.
+/// Share of the image's part with the model that may have lost its tone to white.
 pub const MAX_CLIPPED: f64 = 0.1;
 const CLIPPED: u8 = 254;
 
-/// How far tags may move from frame to frame, px in a picture 1280 px long.
+/// How far tags may move from frame to frame, px in an image 1280 px long.
 pub const MAX_MOVED_PX: f64 = 2.0;
 
 /// The long side that the limits in px are for.
 const LONG_SIDE_PX: f64 = 1280.0;
 
-/// Without any tag, a picture of this mean grey level or less is dark, of that or more bright.
+/// Without any tag, an image of this mean grey level or less is dark, of that or more bright.
 const DARK_MEAN: f64 = 25.0;
 const BRIGHT_MEAN: f64 = 230.0;
 
-/// Without any whole tag, a picture whose steepest edges are as wide as this blur (σ, px of 1280) is blurred.
+/// Without any whole tag, an image whose steepest edges are as wide as this blur (σ, px of 1280) is blurred.
 const HOPELESS_BLUR_PX: f64 = 3.5;
 
 /// What was measured of a frame, for its sidecar.
@@ -52,7 +52,7 @@ pub struct Measures {
 
 /// What a frame shows, and what follows from it.
 #[derive(Debug, Clone)]
-pub struct Judgement {
+pub struct FrameJudgement {
     pub seen: Vec<SeenTag>,
     pub located: Option<Located>,
     pub measures: Measures,
@@ -64,11 +64,11 @@ pub struct Judgement {
     pub verdict: Result<usize, Advice>,
 }
 
-impl Judgement {
+impl FrameJudgement {
     /// Of a frame that the camera file does not fit.
-    fn of_misfit(seen: Vec<SeenTag>, e: SizeError) -> Judgement {
+    fn of_misfit(seen: Vec<SeenTag>, e: SizeError) -> FrameJudgement {
         let advice = Advice::NotLocated(Abstention::from(e));
-        Judgement {
+        FrameJudgement {
             seen,
             located: None,
             measures: Measures::default(),
@@ -82,7 +82,7 @@ impl Judgement {
 /// Judges frames. Holds a tag detector, so each thread needs its own.
 pub struct Judge {
     tags: Box<dyn TagDetector>,
-    /// A faster search for the frames of a stream. What it finds is told; what is taken was found by `tags`.
+    /// A faster search for the frames of a stream. Its result becomes advice; what is taken was found by `tags`.
     live: Option<Box<dyn TagDetector>>,
     scene: Scene,
     is_stream: bool,
@@ -118,9 +118,9 @@ impl Judge {
 
     /// Judges upright luma, which EXIF turned by `turned_deg`; `camera` is the camera file's.
     ///
-    /// A photo that somebody took on purpose is told first what would spoil it anywhere. Somebody who walks with a running camera is
-    /// told the way first, as walking blurs.
-    pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> Judgement {
+    /// A photo that somebody took on purpose gets first the advice about what would spoil it anywhere. Somebody who walks with a running
+    /// camera gets the way first, as walking blurs.
+    pub fn judge(&mut self, luma: &GrayImage, turned_deg: u32, camera: &Camera, guidance: &Guidance) -> FrameJudgement {
         self.before = std::mem::take(&mut self.last);
         let scene = &self.scene;
         let live = self.live.as_mut();
@@ -136,12 +136,12 @@ impl Judge {
     /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
     pub fn confirm(
         &mut self,
-        first: Judgement,
+        first: FrameJudgement,
         luma: &GrayImage,
         turned_deg: u32,
         camera: &Camera,
         guidance: &Guidance,
-    ) -> Judgement {
+    ) -> FrameJudgement {
         if self.live.is_none() {
             return first;
         }
@@ -150,7 +150,7 @@ impl Judge {
     }
 
     /// What follows from what a frame shows.
-    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> Judgement {
+    fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> FrameJudgement {
         let LocatedPhoto {
             seen,
             fitted,
@@ -158,7 +158,7 @@ impl Judge {
         } = photo;
         let fitted = match fitted {
             Ok(fitted) => fitted,
-            Err(e) => return Judgement::of_misfit(seen, e),
+            Err(e) => return FrameJudgement::of_misfit(seen, e),
         };
         let appearance = Appearance::of(grey, &seen);
         let pose = located.as_ref().ok().map(|l| &l.pose);
@@ -186,7 +186,7 @@ impl Judge {
                 (place, order.into_iter().flatten().next())
             }
         };
-        Judgement {
+        FrameJudgement {
             seen,
             located: located.ok(),
             measures,
@@ -226,7 +226,7 @@ fn enlarged(grey: &GrayImage) -> f64 {
     enlargement([grey.width(), grey.height()])
 }
 
-/// How many times longer a picture is than the one the limits in px are for; small ones have the same limits.
+/// How many times longer an image is than the one the limits in px are for; small ones have the same limits.
 pub fn enlargement(size_px: [u32; 2]) -> f64 {
     (f64::from(size_px[0].max(size_px[1])) / LONG_SIDE_PX).max(1.0)
 }
@@ -277,8 +277,8 @@ fn focus(appearance: &Appearance, seen: &[SeenTag], grey: &GrayImage) -> Option<
     }
 }
 
-/// The blur (σ, px) that would make the steepest edges of a picture from its own contrast: C / (g √2π) for the gradient g of a thousandth of
-/// the pixels. Coarse; for pictures without a whole tag. `None` for a picture of one tone.
+/// The blur (σ, px) that would make the steepest edges of an image from its own contrast: C / (g √2π) for the gradient g of a thousandth of
+/// the pixels. Coarse; for images without a whole tag. `None` for an image of one tone.
 fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
     let mut steep = [0u32; 256];
     let mut tones = [0u32; 256];
@@ -308,7 +308,7 @@ fn sharpest_edge_px(grey: &GrayImage) -> Option<f64> {
     (contrast > 0.0 && gradient > 0.0).then(|| contrast / (gradient * std::f64::consts::TAU.sqrt()))
 }
 
-/// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the picture.
+/// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the image.
 fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera) -> Option<f64> {
     let corners = scene
         .model

@@ -25,7 +25,7 @@ pub struct Target {
 
 /// What brings a camera to its target, the largest part of it first. Amounts are signed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Step {
+pub enum NextMove {
     /// To a larger azimuth, degrees: counter-clockwise seen from above, which is to the right for somebody who faces the model.
     Azimuth(f64),
     /// Away from the model, mm.
@@ -99,7 +99,7 @@ impl Guidance {
     }
 
     /// The step that is missing most, by its tolerance; `None` when the target is reached.
-    pub fn step(&self, index: usize, from: &Viewpoint) -> Option<Step> {
+    pub fn step(&self, index: usize, from: &Viewpoint) -> Option<NextMove> {
         let target = &self.targets[index];
         let parts = self.parts(index, from);
         let is_reached = parts.iter().all(|part| part.abs() <= 1.0) && self.bins.bin_of(from) == target.bin;
@@ -109,10 +109,10 @@ impl Guidance {
         let (to, sin) = (&target.viewpoint, |v: &Viewpoint| v.pitch_deg.to_radians().sin());
         let most = (0..3).max_by(|a, b| parts[*a].abs().total_cmp(&parts[*b].abs()))?;
         Some(match most {
-            0 => Step::Azimuth(turn(from.azimuth_deg, to.azimuth_deg)),
-            1 => Step::Distance(to.distance_mm - from.distance_mm),
+            0 => NextMove::Azimuth(turn(from.azimuth_deg, to.azimuth_deg)),
+            1 => NextMove::Distance(to.distance_mm - from.distance_mm),
             // The way along the line of sight is another step.
-            _ => Step::Height(from.distance_mm * (sin(to) - sin(from))),
+            _ => NextMove::Height(from.distance_mm * (sin(to) - sin(from))),
         })
     }
 
@@ -241,10 +241,10 @@ mod tests {
     fn the_step_is_the_part_that_is_missing_most() {
         let g = guidance();
         let step = |v: Viewpoint| g.step(g.nearest_open(&v).unwrap(), &v);
-        assert_eq!(step(view(350.0, 15.0, 1000.0)), Some(Step::Azimuth(10.0)));
-        assert_eq!(step(view(102.0, 15.0, 1000.0)), Some(Step::Azimuth(-12.0)));
-        assert_eq!(step(view(90.0, 15.0, 1200.0)), Some(Step::Distance(-200.0)));
-        let Some(Step::Height(up)) = step(view(90.0, 5.0, 1000.0)) else {
+        assert_eq!(step(view(350.0, 15.0, 1000.0)), Some(NextMove::Azimuth(10.0)));
+        assert_eq!(step(view(102.0, 15.0, 1000.0)), Some(NextMove::Azimuth(-12.0)));
+        assert_eq!(step(view(90.0, 15.0, 1200.0)), Some(NextMove::Distance(-200.0)));
+        let Some(NextMove::Height(up)) = step(view(90.0, 5.0, 1000.0)) else {
             panic!("the camera is 10° too low");
         };
         assert!((up - 171.7).abs() < 0.1, "1000 mm · (sin 15° − sin 5°), not {up}");
@@ -255,7 +255,10 @@ mod tests {
     fn a_photo_of_the_next_bin_fills_nothing_however_wide_the_tolerance() {
         let mut g = guidance();
         g.tolerance.azimuth_deg = 40.0;
-        assert!(matches!(g.step(0, &view(24.0, 15.0, 1000.0)), Some(Step::Azimuth(_))));
+        assert!(matches!(
+            g.step(0, &view(24.0, 15.0, 1000.0)),
+            Some(NextMove::Azimuth(_))
+        ));
     }
 
     #[test]

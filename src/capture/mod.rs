@@ -31,18 +31,18 @@ use crate::tags::SeenTag;
 
 pub use advice::Advice;
 pub use gates::{
-    Judge, Judgement, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
+    FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
 };
-pub use guidance::{Guidance, Step, Target, Tolerance, usual, viewpoints_of};
+pub use guidance::{Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
 pub use live::{CameraSettings, LiveCamera};
 pub use replay::Replay;
-pub use source::{Frame, FrameSource, Original, SourceError, SourceName};
+pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
 pub use store::{Sidecar, Store, StoreError};
 pub use watch::Watch;
 
 /// What became of a frame.
 #[derive(Debug, Clone)]
-pub struct Answer {
+pub struct FrameAnswer {
     /// Width and height of the upright frame; zeros when it could not be read.
     pub size_px: [u32; 2],
     pub viewpoint: Option<Viewpoint>,
@@ -55,9 +55,9 @@ pub struct Answer {
     pub tags: Vec<SeenTag>,
 }
 
-impl Answer {
-    fn refused(advice: Advice) -> Answer {
-        Answer {
+impl FrameAnswer {
+    fn refused(advice: Advice) -> FrameAnswer {
+        FrameAnswer {
             size_px: [0, 0],
             viewpoint: None,
             measures: Measures::default(),
@@ -68,7 +68,7 @@ impl Answer {
     }
 }
 
-/// What is said of a damaged picture of a running camera.
+/// What is said of a damaged image of a running camera.
 const DAMAGED: &str = "the camera sent a damaged picture: check its cable";
 
 /// In a stream, so many frames in a row must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
@@ -150,7 +150,7 @@ impl Capture {
     ///
     /// # Errors
     /// The photo cannot be written. Frames are never errors.
-    pub fn see(&mut self, frame: &Frame) -> Result<Answer, StoreError> {
+    pub fn see(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
         self.look(frame, false)
     }
 
@@ -159,11 +159,11 @@ impl Capture {
     ///
     /// # Errors
     /// As [`Capture::see`].
-    pub fn shoot(&mut self, frame: &Frame) -> Result<Answer, StoreError> {
+    pub fn shoot(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
         self.look(frame, true)
     }
 
-    fn look(&mut self, frame: &Frame, is_by_hand: bool) -> Result<Answer, StoreError> {
+    fn look(&mut self, frame: &SourceFrame, is_by_hand: bool) -> Result<FrameAnswer, StoreError> {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => return Ok(self.refused(advice)),
@@ -185,7 +185,7 @@ impl Capture {
             (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
             (Err(advice), _) => Err(advice),
         };
-        Ok(Answer {
+        Ok(FrameAnswer {
             size_px: luma.dimensions().into(),
             viewpoint: judgement.located.map(|located| located.viewpoint),
             measures: judgement.measures,
@@ -195,13 +195,13 @@ impl Capture {
         })
     }
 
-    fn refused(&mut self, advice: Advice) -> Answer {
+    fn refused(&mut self, advice: Advice) -> FrameAnswer {
         self.held = None;
-        Answer::refused(advice)
+        FrameAnswer::refused(advice)
     }
 
     /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
-    fn luma(&self, frame: &Frame) -> Result<(GrayImage, u32), Advice> {
+    fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
             Original::Pixels(rgb) => Ok((image::imageops::grayscale(rgb), 0)),
@@ -248,7 +248,7 @@ impl Capture {
 
     fn accept(
         &mut self,
-        frame: &Frame,
+        frame: &SourceFrame,
         target: usize,
         located: &Located,
         gates: Measures,

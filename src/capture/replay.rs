@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 
-use super::source::{Frame, FrameSource, Original, SourceError};
+use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use crate::files;
 use crate::session::{PhotoEntry, Session};
 
@@ -53,7 +53,7 @@ impl Replay {
 }
 
 impl FrameSource for Replay {
-    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+    fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
         let Some(photo) = self.left.pop() else {
             return Ok(None);
         };
@@ -65,7 +65,7 @@ impl FrameSource for Replay {
             Ok(bytes) => Original::Encoded(bytes),
             Err(e) => Original::Unreadable(e.to_string()),
         };
-        Ok(Some(Frame {
+        Ok(Some(SourceFrame {
             name: photo.file,
             taken: photo.taken,
             original,

@@ -5,13 +5,13 @@ use std::str::FromStr;
 
 use image::RgbImage;
 
-use super::live::CameraSettings;
+use super::live::{CameraSettings, LiveCameraError};
 use crate::files::FileError;
 use crate::session::SessionError;
 
-/// One picture of a source.
+/// One image of a source.
 #[derive(Debug, Clone)]
-pub struct Frame {
+pub struct SourceFrame {
     /// What the source calls it: for people, never a path that is written to.
     pub name: String,
     /// When it was taken, RFC 3339, where the source knows.
@@ -36,7 +36,7 @@ pub trait FrameSource {
     ///
     /// # Errors
     /// The source itself is gone; a single bad frame is an [`Original::Unreadable`].
-    fn next(&mut self) -> Result<Option<Frame>, SourceError>;
+    fn next(&mut self) -> Result<Option<SourceFrame>, SourceError>;
 
     /// Whether a frame follows the last one so closely that their difference tells whether the camera moves. Otherwise each is a photo
     /// that somebody took on purpose.
@@ -50,16 +50,17 @@ pub trait FrameSource {
 
 /// Why a source gives no (more) frames.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to --page"
+        "the source '{text}' is not known: use camera or camera:N, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
     Unknown { text: String },
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("the session in {folder} has no photo of the variant {variant}, only of {others}: replay another, or name one of these with --variant", folder = folder.display())]
+    #[error("the session in {folder} has no photo of the variant {variant}, only of {others}: replay another, or name one of these", folder = folder.display())]
     NoSuchVariant {
         folder: PathBuf,
         variant: String,
@@ -70,11 +71,11 @@ pub enum SourceError {
     )]
     Gone { folder: PathBuf, reason: String },
     #[error("the camera {number} cannot be used ({reason}): see `scaleproof capture list-cameras`")]
-    NoCamera { number: u32, reason: String },
+    NoCamera { number: u32, reason: LiveCameraError },
     #[error(
         "the camera {number} gives no more pictures ({reason}): plug it in again and run this again; what was accepted is kept"
     )]
-    CameraGone { number: u32, reason: String },
+    CameraGone { number: u32, reason: LiveCameraError },
 }
 
 /// A source as it is named on the command line.

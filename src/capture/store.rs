@@ -20,6 +20,7 @@ use crate::session::{self, PhotoEntry, SessionError};
 
 /// Why a session cannot be filled.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StoreError {
     #[error(transparent)]
     File(#[from] FileError),

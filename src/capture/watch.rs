@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use super::source::{Frame, FrameSource, Original, SourceError};
+use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use crate::files;
 use crate::photo::{Budget, Photo, PhotoError};
 
@@ -20,14 +20,14 @@ const PATIENCE: Duration = Duration::from_secs(4);
 /// New photos in a folder, by name where several are ready at once.
 pub struct Watch {
     folder: PathBuf,
-    files: BTreeMap<PathBuf, Seen>,
-    ready: VecDeque<Frame>,
+    files: BTreeMap<PathBuf, WatchedFile>,
+    ready: VecDeque<SourceFrame>,
     /// Ends when every file that is there was given, instead of waiting for more.
     ends: bool,
 }
 
 /// A file as it was when it last changed.
-struct Seen {
+struct WatchedFile {
     /// Size and time of change; only compared for being the same, so that a clock set back does no harm.
     state: (u64, Option<SystemTime>),
     since: Instant,
@@ -71,13 +71,13 @@ impl Watch {
             .retain(|path, _| there.iter().any(|(known, _)| known == path));
         for (path, state) in there {
             let now = Instant::now();
-            let seen = self.files.entry(path.clone()).or_insert(Seen {
+            let seen = self.files.entry(path.clone()).or_insert(WatchedFile {
                 state,
                 since: now,
                 is_done: false,
             });
             if seen.state != state {
-                *seen = Seen {
+                *seen = WatchedFile {
                     state,
                     since: now,
                     is_done: false,
@@ -89,7 +89,7 @@ impl Watch {
             }
             if let Some(original) = original(&path, state.0, age) {
                 seen.is_done = true;
-                self.ready.push_back(Frame {
+                self.ready.push_back(SourceFrame {
                     name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                     taken: None,
                     original,
@@ -122,7 +122,7 @@ fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
 }
 
 impl FrameSource for Watch {
-    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+    fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
         loop {
             if let Some(frame) = self.ready.pop_front() {
                 return Ok(Some(frame));

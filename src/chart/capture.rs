@@ -8,7 +8,7 @@ use super::timing::fastest;
 use crate::camera::Camera;
 use crate::capture::{Guidance, Judge, Tolerance, viewpoints_of};
 use crate::photo::{Budget, Photo};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::scene::{Bins, Scene};
 use crate::tags::{CornersBy, TagDetectorChoice};
 
@@ -17,7 +17,7 @@ pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
 
 /// One tag detector, judging frames one way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct CaptureRow {
     pub tag_detector: &'static str,
     /// As frames of a running camera, of which a faster search is told first, rather than as photos.
     pub is_stream: bool,
@@ -40,7 +40,7 @@ pub fn measure(
     scene: &Scene,
     camera: &Camera,
     on_done: impl Fn(),
-) -> Result<Vec<Row>, MeasureError> {
+) -> Result<Vec<CaptureRow>, MeasureError> {
     // Times are of one core, whatever OpenCV would like.
     let _ = opencv::core::set_num_threads(1);
     for (name, bytes) in frames {
@@ -63,7 +63,7 @@ pub fn measure(
             let index = (share * ms.len() as f64).ceil() as usize;
             ms.get(index.saturating_sub(1)).copied().unwrap_or(f64::NAN)
         };
-        rows.push(Row {
+        rows.push(CaptureRow {
             tag_detector: choice.name(),
             is_stream,
             frames: frames.len(),
@@ -111,14 +111,14 @@ fn unreachable(bins: &Bins) -> Guidance {
 }
 
 /// The chart: the median against the slowest twentieth; lower left is better.
-pub fn draw(rows: &[Row]) -> String {
+pub fn draw(rows: &[CaptureRow]) -> String {
     let names: Vec<String> = rows.iter().fold(Vec::new(), |mut names, row| {
         if !names.iter().any(|known| known == row.tag_detector) {
             names.push(row.tag_detector.to_owned());
         }
         names
     });
-    let dot = |row: &Row| Dot {
+    let dot = |row: &CaptureRow| Dot {
         x: row.median_ms,
         y: row.p95_ms,
         share: row.located,
@@ -134,12 +134,12 @@ pub fn draw(rows: &[Row]) -> String {
         note: format!(
             "{frames} frames; limits {median:.0} ms (median) and {p95:.0} ms (95 %); filled share of a mark: share located"
         ),
-        x: Axis::around(
+        x: PlotAxis::around(
             "median milliseconds, one core",
             Scale::Log,
             rows.iter().map(|row| row.median_ms),
         ),
-        y: Axis::around("95 % take no longer, ms", Scale::Log, rows.iter().map(|row| row.p95_ms)),
+        y: PlotAxis::around("95 % take no longer, ms", Scale::Log, rows.iter().map(|row| row.p95_ms)),
         colours: names.clone(),
         shapes: vec!["running camera".to_owned(), "photos".to_owned()],
         ringed: "the default".to_owned(),
@@ -149,7 +149,7 @@ pub fn draw(rows: &[Row]) -> String {
 }
 
 /// The same as lines of text.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[CaptureRow]) -> String {
     let mut text = format!(
         "{:<16} {:<15} {:>9} {:>9} {:>8}\n",
         "tags", "frames", "median ms", "95 % ms", "located"

@@ -6,12 +6,12 @@ use super::timing::fastest;
 use crate::camera::Camera;
 use crate::envelope::EnvelopeShape;
 use crate::geometry::{BoxPx, Rigid};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::statistics::median;
 
 /// A photo with its pose, and the truth about it.
 #[derive(Debug, Clone)]
-pub struct Sample {
+pub struct LocatedSample {
     pub file: String,
     /// `T_camera_model`, as the tags give it.
     pub pose: Rigid,
@@ -23,7 +23,7 @@ pub struct Sample {
 
 /// One envelope and what it measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct EnvelopeRow {
     /// `box`, `hull` or `mesh`.
     pub envelope: &'static str,
     pub is_default: bool,
@@ -36,12 +36,12 @@ pub struct Row {
     pub iou_min: Option<f64>,
     /// Mean time a photo takes, one core.
     pub ms: f64,
-    pub boxes: Vec<Fit>,
+    pub boxes: Vec<BoxFit>,
 }
 
 /// The truth box of one photo.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Fit {
+pub struct BoxFit {
     pub file: String,
     /// Absent with a reason.
     pub box_xyxy_px: Option<BoxPx>,
@@ -50,30 +50,34 @@ pub struct Fit {
 }
 
 /// Measures envelopes, named; the one of the session's scene is the default.
-pub fn measure(samples: &[Sample], outlines: &[(&'static str, EnvelopeShape)], default: &str) -> Vec<Row> {
+pub fn measure(
+    samples: &[LocatedSample],
+    outlines: &[(&'static str, EnvelopeShape)],
+    default: &str,
+) -> Vec<EnvelopeRow> {
     outlines
         .iter()
         .map(|(name, outline)| row(samples, name, outline, *name == default))
         .collect()
 }
 
-fn row(samples: &[Sample], envelope: &'static str, outline: &EnvelopeShape, is_default: bool) -> Row {
+fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShape, is_default: bool) -> EnvelopeRow {
     let mut ms = 0.0;
-    let fit = |sample: &Sample| {
+    let fit = |sample: &LocatedSample| {
         let (found, took) = fastest(|| outline.box_in_photo(&sample.pose, &sample.camera));
         ms += took;
-        Fit {
+        BoxFit {
             file: sample.file.clone(),
             iou: found.as_ref().ok().map(|b| b.iou(&sample.truth)),
             reason: found.as_ref().err().map(ToString::to_string),
             box_xyxy_px: found.ok(),
         }
     };
-    let boxes: Vec<Fit> = samples.iter().map(fit).collect();
+    let boxes: Vec<BoxFit> = samples.iter().map(fit).collect();
     let ious: Vec<f64> = boxes.iter().filter_map(|fit| fit.iou).collect();
     let photos = samples.len();
     let mean = |sum: f64| sum / photos.max(1) as f64;
-    Row {
+    EnvelopeRow {
         envelope,
         is_default,
         photos,
@@ -86,7 +90,7 @@ fn row(samples: &[Sample], envelope: &'static str, outline: &EnvelopeShape, is_d
 }
 
 /// The chart: a colour an envelope, one mark for the median and one for the worst photo.
-pub fn draw(rows: &[Row]) -> String {
+pub fn draw(rows: &[EnvelopeRow]) -> String {
     let dots = rows.iter().enumerate().flat_map(|(series, row)| {
         [row.iou_median, row.iou_min]
             .into_iter()
@@ -108,12 +112,12 @@ pub fn draw(rows: &[Row]) -> String {
     let cloud = Cloud {
         title: "Truth box: error against time".to_owned(),
         note: format!("{photos} photos; filled share of a mark: share that got a truth box; lower left is better"),
-        x: Axis::around(
+        x: PlotAxis::around(
             "milliseconds a photo, one core",
             Scale::Log,
             dots.iter().map(|dot| dot.x),
         ),
-        y: Axis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
+        y: PlotAxis::around("1 − IoU with the exact box", Scale::Log, dots.iter().map(|dot| dot.y)),
         colours: rows.iter().map(|row| row.envelope.to_owned()).collect(),
         shapes: vec!["median photo".to_owned(), "worst photo".to_owned()],
         ringed: "the default".to_owned(),
@@ -123,7 +127,7 @@ pub fn draw(rows: &[Row]) -> String {
 }
 
 /// The same as lines of text.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[EnvelopeRow]) -> String {
     let mut text = format!(
         "{:<9} {:>7} {:>9} {:>11} {:>9} {:>11}\n",
         "envelope", "photos", "answered", "IoU median", "IoU min", "ms a photo"

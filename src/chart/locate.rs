@@ -8,20 +8,20 @@ use super::timing::fastest;
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::scene::{Scene, Viewpoint};
 use crate::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
 
 /// How much of the camera file's lens model is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum CameraModel {
+pub enum LensTerms {
     Pinhole,
     K1,
     Full,
 }
 
-impl CameraModel {
+impl LensTerms {
     pub const ALL: [Self; 3] = [Self::Full, Self::K1, Self::Pinhole];
 
     fn title(self) -> &'static str {
@@ -46,7 +46,7 @@ impl CameraModel {
 
 /// A photo to measure on, and the truth about it.
 #[derive(Debug, Clone)]
-pub struct Sample {
+pub struct PhotoSample {
     /// Upright.
     pub luma: GrayImage,
     /// How far EXIF turned it.
@@ -55,7 +55,7 @@ pub struct Sample {
     pub truth: Viewpoint,
 }
 
-impl Sample {
+impl PhotoSample {
     fn fitted(&self, camera: &Camera) -> Result<FittedCamera, SizeError> {
         camera.for_photo(self.luma.width(), self.luma.height(), self.turned_deg)
     }
@@ -63,10 +63,10 @@ impl Sample {
 
 /// One combination and what it measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct LocateRow {
     pub tag_detector: &'static str,
     pub solver: &'static str,
-    pub camera_model: CameraModel,
+    pub camera_model: LensTerms,
     /// Photos measured on.
     pub photos: usize,
     /// Share of the photos that got a pose.
@@ -87,7 +87,7 @@ pub struct Row {
     pub is_default: bool,
 }
 
-impl Row {
+impl LocateRow {
     /// Milliseconds a photo takes.
     pub fn ms(&self) -> f64 {
         self.find_ms + self.solve_ms
@@ -112,11 +112,11 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 /// A detector that reads the scene's families but does not start; those that do not read them are left out. A photo that the camera does not
 /// fit.
 pub fn measure(
-    samples: &[Sample],
+    samples: &[PhotoSample],
     scene: &Scene,
     camera: &Camera,
     on_done: impl Fn(),
-) -> Result<Vec<Row>, MeasureError> {
+) -> Result<Vec<LocateRow>, MeasureError> {
     let fitted = samples
         .iter()
         .map(|sample| Ok(sample.fitted(camera)?.camera))
@@ -132,7 +132,7 @@ pub fn measure(
             found.push(fastest(|| detector.find(&sample.luma)));
             on_done();
         }
-        for model in CameraModel::ALL {
+        for model in LensTerms::ALL {
             let cameras: Vec<Camera> = fitted.iter().map(|camera| model.of(camera)).collect();
             for solver in Solver::all() {
                 rows.push(row((choice, solver, model), samples, &found, scene, &cameras));
@@ -144,12 +144,12 @@ pub fn measure(
 }
 
 fn row(
-    (choice, solver, camera_model): (TagDetectorChoice, Solver, CameraModel),
-    samples: &[Sample],
+    (choice, solver, camera_model): (TagDetectorChoice, Solver, LensTerms),
+    samples: &[PhotoSample],
     found: &[(Vec<SeenTag>, f64)],
     scene: &Scene,
     cameras: &[Camera],
-) -> Row {
+) -> LocateRow {
     let (mut azimuth, mut pitch, mut distance) = (Vec::new(), Vec::new(), Vec::new());
     let (mut solve_ms, mut wrong) = (0.0, 0);
     for ((sample, (seen, _)), camera) in samples.iter().zip(found).zip(cameras) {
@@ -165,7 +165,7 @@ fn row(
     let photos = samples.len();
     let mean = |sum: f64| sum / photos.max(1) as f64;
     let [azimuth, pitch, distance] = [azimuth, pitch, distance].map(Spread::of);
-    Row {
+    LocateRow {
         tag_detector: choice.name(),
         solver: solver.name(),
         camera_model,
@@ -183,7 +183,7 @@ fn row(
         is_on_front: false,
         is_default: choice == TagDetectorChoice::default()
             && solver == Solver::default()
-            && camera_model == CameraModel::Full,
+            && camera_model == LensTerms::Full,
     }
 }
 
@@ -212,8 +212,8 @@ impl Spread {
 }
 
 /// Marks, within each camera model, the combinations that no other beats in time, error and share answered at once.
-fn mark_fronts(rows: &mut [Row]) {
-    let figures = |row: &Row| {
+fn mark_fronts(rows: &mut [LocateRow]) {
+    let figures = |row: &LocateRow| {
         (
             row.ms(),
             row.azimuth_error_median_deg.unwrap_or(f64::INFINITY),
@@ -229,8 +229,8 @@ fn mark_fronts(rows: &mut [Row]) {
 }
 
 /// The chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
-pub fn draw(rows: &[Row]) -> String {
-    let names = |name: fn(&Row) -> &'static str| {
+pub fn draw(rows: &[LocateRow]) -> String {
+    let names = |name: fn(&LocateRow) -> &'static str| {
         let mut names: Vec<String> = Vec::new();
         for row in rows {
             if !names.iter().any(|known| known == name(row)) {
@@ -241,7 +241,7 @@ pub fn draw(rows: &[Row]) -> String {
     };
     let (colours, shapes) = (names(|row| row.tag_detector), names(|row| row.solver));
     let index = |names: &[String], name: &str| names.iter().position(|known| known == name).unwrap_or(0);
-    let dot = |row: &Row| {
+    let dot = |row: &LocateRow| {
         Some(Dot {
             x: row.ms(),
             y: row.azimuth_error_median_deg?,
@@ -252,7 +252,7 @@ pub fn draw(rows: &[Row]) -> String {
             is_ringed: row.is_default,
         })
     };
-    let group = |model: CameraModel| {
+    let group = |model: LensTerms| {
         let of_model = rows.iter().filter(|row| row.camera_model == model);
         (model.title().to_owned(), of_model.filter_map(dot).collect())
     };
@@ -262,8 +262,12 @@ pub fn draw(rows: &[Row]) -> String {
         note: format!(
             "{photos} photos; filled share of a mark: share of the photos that got a pose; lower left is better"
         ),
-        x: Axis::around("milliseconds a photo, one core", Scale::Log, rows.iter().map(Row::ms)),
-        y: Axis::around(
+        x: PlotAxis::around(
+            "milliseconds a photo, one core",
+            Scale::Log,
+            rows.iter().map(LocateRow::ms),
+        ),
+        y: PlotAxis::around(
             "median azimuth error, °",
             Scale::Log,
             rows.iter().filter_map(|row| row.azimuth_error_median_deg),
@@ -271,14 +275,14 @@ pub fn draw(rows: &[Row]) -> String {
         colours: colours.clone(),
         shapes: shapes.clone(),
         ringed: "the default".to_owned(),
-        groups: CameraModel::ALL.into_iter().map(group).collect(),
+        groups: LensTerms::ALL.into_iter().map(group).collect(),
     };
     scatter(&cloud)
 }
 
 /// The same as lines of text, the fastest first.
-pub fn table(rows: &[Row]) -> String {
-    let mut sorted: Vec<&Row> = rows.iter().collect();
+pub fn table(rows: &[LocateRow]) -> String {
+    let mut sorted: Vec<&LocateRow> = rows.iter().collect();
     sorted.sort_by(|a, b| {
         (a.camera_model as u8)
             .cmp(&(b.camera_model as u8))
@@ -303,9 +307,9 @@ pub fn table(rows: &[Row]) -> String {
             _ => "–".to_owned(),
         };
         let camera = match row.camera_model {
-            CameraModel::Pinhole => "pinhole",
-            CameraModel::K1 => "k1",
-            CameraModel::Full => "full",
+            LensTerms::Pinhole => "pinhole",
+            LensTerms::K1 => "k1",
+            LensTerms::Full => "full",
         };
         let mark = match (row.is_default, row.is_on_front) {
             (true, _) => " ← default",

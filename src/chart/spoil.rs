@@ -8,8 +8,8 @@ use rand::{Rng, RngExt};
 
 use crate::simulate::normal;
 
-/// Four corners of a tag in the picture, px.
-pub type Quad = [[f64; 2]; 4];
+/// Four corners of a tag in the image, px.
+pub type TagCorners = [[f64; 2]; 4];
 
 /// What is wrong with a photo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl Spoil {
     }
 
     /// The photo as it would look. `tags` are where the tags of the scene are in it.
-    pub fn apply(self, photo: &GrayImage, amount: f64, tags: &[Quad], rng: &mut impl Rng) -> GrayImage {
+    pub fn apply(self, photo: &GrayImage, amount: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
         match self {
             Self::Blur if amount > 0.0 => imageops::blur(photo, amount as f32),
             Self::Motion if amount > 0.0 => moved(photo, amount, rng.random_range(0.0..180.0)),
@@ -132,7 +132,7 @@ fn exposed(photo: &GrayImage, stops: f64) -> GrayImage {
     out
 }
 
-fn covered(photo: &GrayImage, share: f64, tags: &[Quad], rng: &mut impl Rng) -> GrayImage {
+fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
     let mut out = photo.clone();
     if share <= 0.0 {
         return out;
@@ -171,7 +171,7 @@ fn covered(photo: &GrayImage, share: f64, tags: &[Quad], rng: &mut impl Rng) -> 
 }
 
 /// Paints a convex outline.
-fn fill(picture: &mut GrayImage, outline: &Quad, grey: u8) {
+fn fill(picture: &mut GrayImage, outline: &TagCorners, grey: u8) {
     let span = |k: usize, size: u32| {
         let values = outline.iter().map(|p| p[k]);
         let (low, high) = (
@@ -202,7 +202,7 @@ fn cropped(photo: &GrayImage, share: f64, rng: &mut impl Rng) -> GrayImage {
     imageops::crop_imm(photo, x, y, width, height).to_image()
 }
 
-/// Encoded and decoded again. A picture that cannot be is given back as it is.
+/// Encoded and decoded again. An image that cannot be is given back as it is.
 fn jpeg(photo: &GrayImage, quality: u8) -> GrayImage {
     let mut file = Cursor::new(Vec::new());
     let encoder = JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100));

@@ -4,14 +4,14 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-use super::locate::{Sample, is_silently_wrong};
-use super::spoil::{Quad, Spoil};
+use super::locate::{PhotoSample, is_silently_wrong};
+use super::spoil::{Spoil, TagCorners};
 use crate::camera::Camera;
 use crate::geometry::angle;
 use crate::locate::{self, Located, Solver, locate_luma};
-use crate::plot::{Axis, Line, Panel, Scale, panels};
+use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
-use crate::simulate::{Fault, Noise, Simulator, View};
+use crate::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
 use crate::statistics::upper_median;
 use crate::tags::{CornersBy, StartError, TagDetectorChoice};
 use crate::workers;
@@ -30,11 +30,11 @@ pub struct Sweep {
     /// What the amounts are.
     pub unit: &'static str,
     amounts: &'static [f64],
-    kind: Kind,
+    kind: SweepKind,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Kind {
+enum SweepKind {
     /// Corner noise of the detector, px.
     CornerNoise,
     /// The side of a tag of 50 mm seen from straight before it, px: the camera moves away.
@@ -43,7 +43,7 @@ enum Kind {
     Tilt,
     /// The lens has this many times the stated camera's distortion, and the camera file none.
     IgnoredDistortion,
-    Fault(fn(f64) -> Option<Fault>),
+    SimulatedFault(fn(f64) -> Option<SimulatedFault>),
 }
 
 /// All sweeps over simulated views.
@@ -52,91 +52,91 @@ pub const SWEEPS: [Sweep; 14] = [
         name: "corner_noise",
         unit: "corner noise, σ in px",
         amounts: &[0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0],
-        kind: Kind::CornerNoise,
+        kind: SweepKind::CornerNoise,
     },
     Sweep {
         name: "tag_size",
         unit: "side of a tag, px",
         amounts: &[90.0, 60.0, 40.0, 25.0, 15.0, 10.0, 6.0],
-        kind: Kind::TagSize,
+        kind: SweepKind::TagSize,
     },
     Sweep {
         name: "tilt_of_a_single_tag",
         unit: "one tag alone: tilt, °",
         amounts: &[70.0, 50.0, 35.0, 20.0, 10.0, 5.0, 0.0],
-        kind: Kind::Tilt,
+        kind: SweepKind::Tilt,
     },
     Sweep {
         name: "hidden_tags",
         unit: "share of the tags hidden",
         amounts: &[0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95],
-        kind: Kind::Fault(|share| Some(Fault::Hidden { share })),
+        kind: SweepKind::SimulatedFault(|share| Some(SimulatedFault::Hidden { share })),
     },
     Sweep {
         name: "cropped_view",
         unit: "share of the picture left",
         amounts: &[1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2],
-        kind: Kind::Fault(|share| Some(Fault::Cropped { share })),
+        kind: SweepKind::SimulatedFault(|share| Some(SimulatedFault::Cropped { share })),
     },
     Sweep {
         name: "wrong_focal",
         unit: "focal length, stated over true",
         amounts: &[1.0, 1.01, 1.03, 1.06, 1.12, 1.25, 1.5],
-        kind: Kind::Fault(|factor| Some(Fault::WrongFocal { factor })),
+        kind: SweepKind::SimulatedFault(|factor| Some(SimulatedFault::WrongFocal { factor })),
     },
     Sweep {
         name: "wrong_principal_point",
         unit: "principal point off, px",
         amounts: &[0.0, 5.0, 15.0, 30.0, 60.0, 120.0, 240.0],
-        kind: Kind::Fault(|px| Some(Fault::WrongPrincipalPoint { px })),
+        kind: SweepKind::SimulatedFault(|px| Some(SimulatedFault::WrongPrincipalPoint { px })),
     },
     Sweep {
         name: "wrong_tag_size",
         unit: "tag size, stated over true",
         amounts: &[1.0, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5],
-        kind: Kind::Fault(|factor| Some(Fault::WrongTagSize { factor })),
+        kind: SweepKind::SimulatedFault(|factor| Some(SimulatedFault::WrongTagSize { factor })),
     },
     Sweep {
         name: "moved_tag",
         unit: "one card moved, mm",
         amounts: &[0.0, 1.0, 3.0, 6.0, 12.0, 30.0, 100.0],
-        kind: Kind::Fault(|mm| Some(Fault::MovedTag { mm })),
+        kind: SweepKind::SimulatedFault(|mm| Some(SimulatedFault::MovedTag { mm })),
     },
     Sweep {
         name: "twisted_tag",
         unit: "one card turned, °",
         amounts: &[0.0, 1.0, 3.0, 6.0, 15.0, 45.0, 90.0],
-        kind: Kind::Fault(|deg| Some(Fault::TwistedTag { deg })),
+        kind: SweepKind::SimulatedFault(|deg| Some(SimulatedFault::TwistedTag { deg })),
     },
     Sweep {
         name: "wrong_corner",
         unit: "one corner off, px",
         amounts: &[0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 40.0],
-        kind: Kind::Fault(|px| Some(Fault::WrongCorner { px })),
+        kind: SweepKind::SimulatedFault(|px| Some(SimulatedFault::WrongCorner { px })),
     },
     Sweep {
         name: "duplicated_id",
         unit: "0: as it is, 1: an id seen twice",
         amounts: &[0.0, 1.0],
-        kind: Kind::Fault(|there| (there > 0.0).then_some(Fault::DuplicatedId)),
+        kind: SweepKind::SimulatedFault(|there| (there > 0.0).then_some(SimulatedFault::DuplicatedId)),
     },
     Sweep {
         name: "wrong_id",
         unit: "0: as it is, 1: a tag read as another",
         amounts: &[0.0, 1.0],
-        kind: Kind::Fault(|there| (there > 0.0).then_some(Fault::WrongId)),
+        kind: SweepKind::SimulatedFault(|there| (there > 0.0).then_some(SimulatedFault::WrongId)),
     },
     Sweep {
         name: "ignored_distortion",
         unit: "ignored distortion, × this lens's",
         amounts: &[0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0],
-        kind: Kind::IgnoredDistortion,
+        kind: SweepKind::IgnoredDistortion,
     },
 ];
 
 /// What one method did at one amount of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Step {
+pub struct SweepStep {
     pub sweep: &'static str,
     pub unit: &'static str,
     pub amount: f64,
@@ -174,9 +174,9 @@ impl Tally {
         self.wrong += usize::from(is_silently_wrong(view, truth, scene));
     }
 
-    fn step(self, (sweep, unit, amount): (&'static str, &'static str, f64), method: &'static str) -> Step {
+    fn step(self, (sweep, unit, amount): (&'static str, &'static str, f64), method: &'static str) -> SweepStep {
         let share = |n: usize| n as f64 / self.views.max(1) as f64;
-        Step {
+        SweepStep {
             sweep,
             unit,
             amount,
@@ -192,7 +192,7 @@ impl Tally {
 
 /// Every sweep over simulated views of a scene, `views` at each amount, every solver on the same ones. The same seed gives the
 /// same steps. `on_done` is called after each amount.
-pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done: impl Fn() + Sync) -> Vec<Step> {
+pub fn on_views(scene: &Scene, camera: &Camera, views: usize, seed: u64, on_done: impl Fn() + Sync) -> Vec<SweepStep> {
     let jobs: Vec<(usize, Sweep, f64)> = SWEEPS
         .iter()
         .flat_map(|sweep| sweep.amounts.iter().map(|amount| (*sweep, *amount)))
@@ -216,7 +216,7 @@ pub fn view_steps() -> usize {
     SWEEPS.iter().map(|sweep| sweep.amounts.len()).sum()
 }
 
-fn sweep_step(sweep: &Sweep, amount: f64, scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<Step> {
+fn sweep_step(sweep: &Sweep, amount: f64, scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<SweepStep> {
     let mut tallies: Vec<Tally> = Solver::all().iter().map(|_| Tally::default()).collect();
     let mut maker = Maker::new(sweep.kind, amount, scene, camera, seed);
     for _ in 0..views {
@@ -236,7 +236,7 @@ fn sweep_step(sweep: &Sweep, amount: f64, scene: &Scene, camera: &Camera, views:
 
 /// Makes the views of one step.
 struct Maker<'a> {
-    kind: Kind,
+    kind: SweepKind,
     amount: f64,
     scene: &'a Scene,
     /// As it truly is.
@@ -247,9 +247,9 @@ struct Maker<'a> {
 }
 
 impl<'a> Maker<'a> {
-    fn new(kind: Kind, amount: f64, scene: &'a Scene, stated: &'a Camera, seed: u64) -> Self {
+    fn new(kind: SweepKind, amount: f64, scene: &'a Scene, stated: &'a Camera, seed: u64) -> Self {
         let camera = match kind {
-            Kind::IgnoredDistortion => {
+            SweepKind::IgnoredDistortion => {
                 let stronger = stated.distortion().map(|k| amount * k);
                 stated.clone().with_distortion(&stronger)
             }
@@ -267,25 +267,25 @@ impl<'a> Maker<'a> {
     }
 
     /// The next view, if any tag is seen on it.
-    fn view(&mut self) -> Option<View> {
+    fn view(&mut self) -> Option<SimulatedView> {
         self.made += 1;
         let seed = self.seed + self.made;
         let sigma_px = match self.kind {
-            Kind::CornerNoise => self.amount,
+            SweepKind::CornerNoise => self.amount,
             _ => NOISE.sigma_px,
         };
         let noise = Noise { sigma_px, ..NOISE };
         let view = match self.kind {
-            Kind::Tilt => self.lone_tag(noise, seed)?,
+            SweepKind::Tilt => self.lone_tag(noise, seed)?,
             _ => self.ring(noise, seed),
         };
         (!view.seen.is_empty()).then_some(view)
     }
 
-    fn ring(&self, noise: Noise, seed: u64) -> View {
+    fn ring(&self, noise: Noise, seed: u64) -> SimulatedView {
         let mut simulator = Simulator::new(self.scene, &self.camera, noise, seed);
         let distance_mm = match self.kind {
-            Kind::TagSize => {
+            SweepKind::TagSize => {
                 let away = self.stated.fx * 50.0 / self.amount;
                 away..1.001 * away
             }
@@ -293,16 +293,16 @@ impl<'a> Maker<'a> {
         };
         let viewpoint = simulator.viewpoint(5.0..40.0, distance_mm);
         let fault = match self.kind {
-            Kind::Fault(fault) => fault(self.amount),
-            Kind::IgnoredDistortion => Some(Fault::IgnoredDistortion),
-            Kind::CornerNoise | Kind::TagSize | Kind::Tilt => None,
+            SweepKind::SimulatedFault(fault) => fault(self.amount),
+            SweepKind::IgnoredDistortion => Some(SimulatedFault::IgnoredDistortion),
+            SweepKind::CornerNoise | SweepKind::TagSize | SweepKind::Tilt => None,
         };
         simulator.view(&viewpoint, fault)
     }
 
     /// A view of one of the scene's tags alone, from a direction that makes the wanted angle with the tag's normal; the model is in
-    /// the picture too.
-    fn lone_tag(&self, noise: Noise, seed: u64) -> Option<View> {
+    /// the image too.
+    fn lone_tag(&self, noise: Noise, seed: u64) -> Option<SimulatedView> {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let tag = &self.scene.tags[rng.random_range(0..self.scene.tags.len())];
         let alone = Scene {
@@ -320,7 +320,7 @@ impl<'a> Maker<'a> {
         });
         let (pose, viewpoint) = attempts.find(|(pose, _)| shows(&self.camera, &(pose * target)))?;
         let seen = Simulator::new(&alone, &self.camera, noise, seed).seen(&pose);
-        (!seen.is_empty()).then(|| View {
+        (!seen.is_empty()).then(|| SimulatedView {
             viewpoint,
             pose,
             seen,
@@ -334,7 +334,7 @@ impl<'a> Maker<'a> {
 /// From so many places a view is tried that shows a tag and the model.
 const LONE_TAG_ATTEMPTS: usize = 50;
 
-/// Whether a point of the camera frame is in the picture.
+/// Whether a point of the camera frame is in the image.
 fn shows(camera: &Camera, point: &nalgebra::Point3<f64>) -> bool {
     let within = |v: f64, size: u32| (0.0..f64::from(size)).contains(&v);
     camera
@@ -355,13 +355,13 @@ fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
 /// # Errors
 /// A detector that does not start.
 pub fn on_photos(
-    samples: &[Sample],
+    samples: &[PhotoSample],
     scene: &Scene,
     camera: &Camera,
     detectors: &[TagDetectorChoice],
     seed: u64,
     on_done: impl Fn() + Sync,
-) -> Result<Vec<Step>, StartError> {
+) -> Result<Vec<SweepStep>, StartError> {
     let families = scene.families();
     let places = tags_of(samples, scene)?;
     let jobs: Vec<(Spoil, f64)> = Spoil::ALL
@@ -406,7 +406,7 @@ pub fn photo_steps(photos: usize) -> usize {
 }
 
 /// Where the tags are in the photos as they were taken.
-fn tags_of(samples: &[Sample], scene: &Scene) -> Result<Vec<Vec<Quad>>, StartError> {
+fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>>, StartError> {
     workers::map(
         samples,
         || TagDetectorChoice::default().open(&scene.families()),
@@ -422,7 +422,7 @@ fn tags_of(samples: &[Sample], scene: &Scene) -> Result<Vec<Vec<Quad>>, StartErr
 }
 
 /// Over some steps: views, share answered, and the share of the answered that was silently wrong.
-pub fn total<'a>(steps: impl IntoIterator<Item = &'a Step>) -> (usize, f64, f64) {
+pub fn total<'a>(steps: impl IntoIterator<Item = &'a SweepStep>) -> (usize, f64, f64) {
     let (mut views, mut answered, mut wrong) = (0, 0.0, 0.0);
     for step in steps {
         views += step.views;
@@ -434,7 +434,7 @@ pub fn total<'a>(steps: impl IntoIterator<Item = &'a Step>) -> (usize, f64, f64)
 
 /// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
 /// error of the answered.
-pub fn draw(title: &str, steps: &[Step]) -> String {
+pub fn draw(title: &str, steps: &[SweepStep]) -> String {
     let mut methods: Vec<&str> = Vec::new();
     let mut sweeps: Vec<&str> = Vec::new();
     for step in steps {
@@ -454,10 +454,10 @@ pub fn draw(title: &str, steps: &[Step]) -> String {
         "Silently wrong: another azimuth bin than the true one, the truth being more than 1° inside its bin."
             .to_owned(),
     ];
-    let all: Vec<Panel> = sweeps
+    let all: Vec<PlotPanel> = sweeps
         .iter()
         .flat_map(|sweep| {
-            let of_sweep: Vec<&Step> = steps.iter().filter(|step| step.sweep == *sweep).collect();
+            let of_sweep: Vec<&SweepStep> = steps.iter().filter(|step| step.sweep == *sweep).collect();
             [shares(&of_sweep, &methods), errors(&of_sweep, &methods)]
         })
         .collect();
@@ -465,8 +465,8 @@ pub fn draw(title: &str, steps: &[Step]) -> String {
     panels(title, &notes, &names, 4, &all)
 }
 
-fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
-    let line = |series: usize, is_dashed: bool, value: fn(&Step) -> f64| Line {
+fn shares(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
+    let line = |series: usize, is_dashed: bool, value: fn(&SweepStep) -> f64| PlotLine {
         series,
         values: of_method(steps, methods[series])
             .map(|step| Some(value(step)))
@@ -476,10 +476,10 @@ fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
     let numbers = 0..methods.len();
     let answered = numbers.clone().map(|i| line(i, false, |step| step.answered));
     let wrong = numbers.map(|i| line(i, true, |step| step.silently_wrong));
-    Panel {
+    PlotPanel {
         title: steps.first().map_or("", |step| step.unit).to_owned(),
         steps: amounts(steps, methods),
-        y: Axis {
+        y: PlotAxis {
             title: "share of views".to_owned(),
             scale: Scale::Linear,
             low: 0.0,
@@ -489,29 +489,29 @@ fn shares(steps: &[&Step], methods: &[&str]) -> Panel {
     }
 }
 
-fn errors(steps: &[&Step], methods: &[&str]) -> Panel {
-    let line = |series: usize| Line {
+fn errors(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
+    let line = |series: usize| PlotLine {
         series,
         values: of_method(steps, methods[series])
             .map(|step| step.azimuth_error_median_deg)
             .collect(),
         is_dashed: false,
     };
-    let lines: Vec<Line> = (0..methods.len()).map(line).collect();
+    let lines: Vec<PlotLine> = (0..methods.len()).map(line).collect();
     let values = lines.iter().flat_map(|line| line.values.iter().flatten().copied());
-    Panel {
+    PlotPanel {
         title: String::new(),
         steps: amounts(steps, methods),
-        y: Axis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
+        y: PlotAxis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
         lines,
     }
 }
 
-fn of_method<'a>(steps: &'a [&Step], method: &'a str) -> impl Iterator<Item = &'a Step> {
+fn of_method<'a>(steps: &'a [&SweepStep], method: &'a str) -> impl Iterator<Item = &'a SweepStep> {
     steps.iter().copied().filter(move |step| step.method == method)
 }
 
-fn amounts(steps: &[&Step], methods: &[&str]) -> Vec<String> {
+fn amounts(steps: &[&SweepStep], methods: &[&str]) -> Vec<String> {
     let first = methods.first().copied().unwrap_or_default();
     of_method(steps, first).map(|step| format!("{}", step.amount)).collect()
 }
@@ -529,7 +529,7 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
 }
 
 /// A line a sweep and method: up to which amount nearly all is answered, and how often it was silently wrong at worst.
-pub fn summary(steps: &[Step]) -> String {
+pub fn summary(steps: &[SweepStep]) -> String {
     let mut text = format!(
         "{:<22} {:<16} {:>7} {:>22} {:>26}\n",
         "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"
@@ -540,7 +540,7 @@ pub fn summary(steps: &[Step]) -> String {
             continue;
         }
         seen.push((step.sweep, step.method));
-        let of: Vec<&Step> = steps
+        let of: Vec<&SweepStep> = steps
             .iter()
             .filter(|s| (s.sweep, s.method) == (step.sweep, step.method))
             .collect();

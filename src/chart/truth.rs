@@ -11,6 +11,7 @@ use crate::scene::Viewpoint;
 
 /// Why there is no truth to measure against.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TruthError {
     #[error(transparent)]
     File(#[from] files::FileError),

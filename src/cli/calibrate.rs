@@ -37,10 +37,10 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let board = Definition::open(&args.board)?;
     calibrate::check(&board)?;
     let bar = progress::photos("looking", args.photos.len());
-    let (shots, left_out) = calibrate::look(&args.photos, &board, || bar.inc(1));
+    let (board_photos, left_out) = calibrate::look(&args.photos, &board, || bar.inc(1));
     bar.finish_and_clear();
     let busy = progress::busy("fitting the camera");
-    let found = calibrate::calibrate(shots, left_out, &board)?;
+    let found = calibrate::calibrate(board_photos, left_out, &board)?;
     busy.finish_and_clear();
     let mut files = Vec::new();
     if let Some(path) = &args.output {

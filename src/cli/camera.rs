@@ -12,7 +12,7 @@ use crate::photo::Photo;
 
 /// Convert, show and guess camera files
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -21,7 +21,7 @@ pub struct Args {
 enum What {
     /// Write a camera file in another format; the projection stays the same
     Convert(ConvertArgs),
-    /// Say in words what a camera file says: picture size, fields of view, focal length, lens model
+    /// Say in words what a camera file says: image size, fields of view, focal length, lens model
     Show(ShowArgs),
     /// Guess a camera from the EXIF data of a photo, with how far it may be off
     Guess(GuessArgs),
@@ -77,7 +77,7 @@ impl FormatName {
 }
 
 /// Runs `scaleproof camera …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Convert(args) => convert(&args, out)?,
         What::Show(args) if args.json => writeln!(out, "{}", json(&Camera::open(&args.file)?))?,
@@ -134,7 +134,7 @@ fn json(camera: &Camera) -> serde_json::Value {
 }
 
 fn show(camera: &Camera, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "picture          {} × {} px", camera.width, camera.height)?;
+    writeln!(out, "image            {} × {} px", camera.width, camera.height)?;
     writeln!(out, "focal length     fx {:.2}, fy {:.2} px", camera.fx, camera.fy)?;
     writeln!(out, "principal point  {:.2}, {:.2} px", camera.cx, camera.cy)?;
     if let Some([fx, fy, cx, cy]) = camera.sigma_px {

@@ -2,7 +2,7 @@
 
 mod interrupt;
 mod page;
-mod teller;
+mod terminal;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -11,14 +11,14 @@ use std::time::Duration;
 use serde::Serialize;
 
 use self::interrupt::Interruptible;
-use self::teller::Teller;
+use self::terminal::TerminalLog;
 use super::{CommandResult, Outcome};
 use crate::camera::Camera;
 use crate::capture::{
-    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store, Target, Tolerance, Watch,
-    live::list_cameras, pair, usual, viewpoints_of,
+    Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store, Target, Tolerance,
+    Watch, live::list_cameras, pair, usual, viewpoints_of,
 };
-use crate::page::{About, Page};
+use crate::page::{CaptureInfo, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
 use crate::tags::TagDetectorChoice;
 
@@ -32,10 +32,10 @@ pub struct Args {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    guided: Option<Guided>,
-    // Not inside `Guided`: clap takes a group with another in it for absent.
+    guided: Option<GuidedArgs>,
+    // Not inside `GuidedArgs`: clap takes a group with another in it for absent.
     #[command(flatten)]
-    wanted: Wanted,
+    wanted: ViewArgs,
     #[command(flatten)]
     browser: page::Args,
 }
@@ -54,7 +54,7 @@ struct ListArgs {
 }
 
 #[derive(clap::Args)]
-struct Guided {
+struct GuidedArgs {
     /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
     /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
     #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
@@ -76,7 +76,7 @@ struct Guided {
     output: PathBuf,
     /// First take back the photos of a bin, named by its azimuth, or by azimuth/pitch/distance as in 90/15/850
     #[arg(long, value_name = "BIN", value_parser = meant)]
-    redo: Option<Meant>,
+    redo: Option<RedoBin>,
     /// First take back the photo that was accepted last
     #[arg(long, conflicts_with = "redo")]
     undo: bool,
@@ -96,7 +96,7 @@ struct Guided {
 
 /// Which views are wanted: every azimuth bin at some pitches and distances, or another session's viewpoints.
 #[derive(clap::Args)]
-struct Wanted {
+struct ViewArgs {
     /// Pitches of the scene's bins [default: the one nearest to 15°]
     #[arg(long, value_name = "DEG,…", value_delimiter = ',', allow_hyphen_values = true)]
     pitch_deg: Vec<f64>,
@@ -119,14 +119,14 @@ struct Wanted {
 
 /// The bins that --redo names.
 #[derive(Debug, Clone)]
-struct Meant {
+struct RedoBin {
     azimuth_deg: f64,
     pitch_and_distance: Option<[f64; 2]>,
 }
 
 /// The last line of `--json`.
 #[derive(Serialize)]
-struct Summary {
+struct CaptureSummary {
     targets: usize,
     filled: usize,
     open: Vec<Viewpoint>,
@@ -166,7 +166,7 @@ fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Write) -> CommandResult {
+fn guide(args: &GuidedArgs, wanted: &ViewArgs, browser: &page::Args, out: &mut dyn Write) -> CommandResult {
     check_names(args)?;
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
@@ -183,7 +183,7 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
     let page = match browser.page {
         true => {
             let at_once = || std::process::exit(130);
-            Some(Page::open(browser.port, browser.lan, &args.output, at_once)?)
+            Some(Page::open(browser.port, browser.lan, &args.output, at_once).map_err(page::advised)?)
         }
         false => None,
     };
@@ -193,7 +193,7 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
     begin(args, &capture, out)?;
     match (page, source) {
         (Some(page), source) => {
-            let about = About {
+            let about = CaptureInfo {
                 variant: args.variant.clone(),
                 place: args.place.clone(),
                 source: args.source.as_ref().map_or("none", SourceName::kind),
@@ -207,17 +207,17 @@ fn guide(args: &Guided, wanted: &Wanted, browser: &page::Args, out: &mut dyn Wri
                 &scene,
                 source,
                 &about,
-                Teller::new(args.json, is_stream, out),
+                TerminalLog::new(args.json, is_stream, out),
             )?;
         }
-        (None, Some(source)) => follow(source, args, &mut capture, Teller::new(args.json, is_stream, out))?,
+        (None, Some(source)) => follow(source, args, &mut capture, TerminalLog::new(args.json, is_stream, out))?,
         (None, None) => {}
     }
     finish(&capture, args.json, out)
 }
 
 /// Finds out before anything is made that the session may have these names, and that nothing is written among the originals.
-fn check_names(args: &Guided) -> Result<(), String> {
+fn check_names(args: &GuidedArgs) -> Result<(), String> {
     for (what, name) in [("--variant", &args.variant), ("--place", &args.place)] {
         if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
             return Err(format!(
@@ -241,13 +241,17 @@ fn check_names(args: &Guided) -> Result<(), String> {
 /// `None` for photos that only browsers send.
 fn open_source(
     name: &SourceName,
-    args: &Guided,
+    args: &GuidedArgs,
     camera: &Camera,
 ) -> Result<Option<Box<dyn FrameSource + Send>>, Box<dyn std::error::Error>> {
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
-            Ok(Some(Box::new(Replay::open(folder, &args.variant, args.shuffle, pace)?)))
+            let replay = Replay::open(folder, &args.variant, args.shuffle, pace).map_err(|e| match e {
+                SourceError::NoSuchVariant { .. } => format!("{e} with --variant"),
+                e => e.to_string(),
+            })?;
+            Ok(Some(Box::new(replay)))
         }
         _ if args.shuffle.is_some() || args.fps.is_some() => {
             Err("--shuffle and --fps are for replay: sources: leave them out".into())
@@ -259,7 +263,7 @@ fn open_source(
 }
 
 fn take_back(
-    args: &Guided,
+    args: &GuidedArgs,
     scene: &Scene,
     capture: &mut Capture,
     out: &mut dyn Write,
@@ -272,13 +276,13 @@ fn take_back(
     if photos.is_empty() {
         say!("note: there is no photo of {} to take back", args.variant);
     }
-    let mut teller = Teller::new(args.json, false, out);
-    photos.iter().try_for_each(|photo| teller.taken_back(photo))?;
+    let mut terminal = TerminalLog::new(args.json, false, out);
+    photos.iter().try_for_each(|photo| terminal.taken_back(photo))?;
     Ok(())
 }
 
 /// Says what the capture waits for, before anything happens; programs read it in the summary.
-fn begin(args: &Guided, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
+fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::Result<()> {
     let guidance = capture.guidance();
     let (all, open) = (guidance.targets().len(), guidance.open().count());
     let (Some(first), Some(source)) = (guidance.open().next(), &args.source) else {
@@ -325,9 +329,9 @@ fn place(v: &Viewpoint) -> String {
 /// Shows the capture every frame until all views are there, the source ends, or somebody presses Ctrl-C.
 fn follow(
     source: Box<dyn FrameSource + Send>,
-    args: &Guided,
+    args: &GuidedArgs,
     capture: &mut Capture,
-    mut teller: Teller,
+    mut terminal: TerminalLog,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let mut source = Interruptible::new(source);
     let mut settings = None;
@@ -335,11 +339,11 @@ fn follow(
         let Some((frame, set)) = source.next()? else { break };
         if settings != set {
             settings = set;
-            settings.iter().for_each(|settings| teller.set(settings));
+            settings.iter().for_each(|settings| terminal.set(settings));
             capture.set_camera_settings(settings.clone());
         }
         let answer = capture.see(&frame)?;
-        teller.seen(&frame.name, &answer, capture.guidance())?;
+        terminal.seen(&frame.name, &answer, capture.guidance())?;
     }
     if source.was_interrupted() {
         say!("stopped; the same command with -o {} goes on", args.output.display());
@@ -352,7 +356,7 @@ fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
     let open: Vec<&Target> = guidance.open().collect();
     let (all, filled) = (guidance.targets().len(), guidance.targets().len() - open.len());
     if json {
-        let summary = Summary {
+        let summary = CaptureSummary {
             targets: all,
             filled,
             open: open.iter().map(|target| target.viewpoint).collect(),
@@ -376,7 +380,7 @@ fn name(target: &Target) -> String {
     format!("{:.0}°/{:.0}°/{:.0} mm", v.azimuth_deg, v.pitch_deg, v.distance_mm)
 }
 
-impl Wanted {
+impl ViewArgs {
     fn guidance(&self, bins: &Bins) -> Result<Guidance, Box<dyn std::error::Error>> {
         let (viewpoints, tolerance) = match &self.pair_with {
             Some(session) => {
@@ -436,15 +440,15 @@ fn pace(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(1.0 / fps).map_err(|_| "give a larger number".into())
 }
 
-fn meant(text: &str) -> Result<Meant, String> {
+fn meant(text: &str) -> Result<RedoBin, String> {
     let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
     let numbers: Option<Vec<f64>> = text.split('/').map(number).collect();
     match numbers.as_deref() {
-        Some([azimuth_deg]) => Ok(Meant {
+        Some([azimuth_deg]) => Ok(RedoBin {
             azimuth_deg: *azimuth_deg,
             pitch_and_distance: None,
         }),
-        Some([azimuth_deg, pitch, distance]) => Ok(Meant {
+        Some([azimuth_deg, pitch, distance]) => Ok(RedoBin {
             azimuth_deg: *azimuth_deg,
             pitch_and_distance: Some([*pitch, *distance]),
         }),
@@ -452,7 +456,7 @@ fn meant(text: &str) -> Result<Meant, String> {
     }
 }
 
-impl Meant {
+impl RedoBin {
     fn names(&self, bin: &Bin) -> bool {
         let [pitch_deg, distance_mm] = self.pitch_and_distance.unwrap_or([bin.pitch_deg, bin.distance_mm]);
         *bin == Bin {

@@ -8,7 +8,7 @@ use clap::Subcommand;
 use serde::Serialize;
 
 use super::{CommandResult, Outcome, print, progress};
-use crate::chart::locate::Sample;
+use crate::chart::locate::PhotoSample;
 use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
 use crate::envelope::{self, EnvelopeShape};
 use crate::files;
@@ -39,7 +39,7 @@ enum What {
 #[derive(clap::Args)]
 struct LocateArgs {
     #[command(flatten)]
-    on: On,
+    on: ChartInput,
     /// Enlarge the photos by this factor first, as if a camera of more pixels had taken them
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     enlarge: f64,
@@ -48,7 +48,7 @@ struct LocateArgs {
 #[derive(clap::Args)]
 struct EnvelopeArgs {
     #[command(flatten)]
-    on: On,
+    on: ChartInput,
     /// The model's mesh, .glb, .obj, .stl or .ply, where the scene names none; without any, only the box is charted
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
@@ -57,7 +57,7 @@ struct EnvelopeArgs {
 #[derive(clap::Args)]
 struct StabilityArgs {
     #[command(flatten)]
-    on: On,
+    on: ChartInput,
     /// Simulated views at each amount of each condition
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     views: u32,
@@ -80,7 +80,7 @@ struct CaptureArgs {
 
 /// The photos and the truth about them.
 #[derive(clap::Args)]
-struct On {
+struct ChartInput {
     /// A session folder
     #[arg(long, value_name = "DIR")]
     session: PathBuf,
@@ -107,7 +107,7 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 /// The numbers of a chart, with what they were measured with.
 #[derive(Serialize)]
-struct Numbers<'a, R> {
+struct ChartNumbers<'a, R> {
     scaleproof: &'static str,
     session: &'a str,
     /// File name and SHA-256.
@@ -125,7 +125,7 @@ fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("measuring", samples.len() * locate::detectors(&session.scene).len());
     let rows = locate::measure(&samples, &session.scene, session.known_camera()?, || bar.inc(1))?;
     bar.finish_and_clear();
-    let chart = Chart {
+    let chart = ChartOutput {
         name: "locate",
         table: locate::table(&rows),
         drawn: vec![("", locate::draw(&rows))],
@@ -152,7 +152,7 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
         say!("not measured: {sentence}");
     }
     let inputs = [Some(args.on.truth.as_path()), args.mesh.as_deref()];
-    let chart = Chart {
+    let chart = ChartOutput {
         name: "envelope",
         table: envelope_chart::table(&rows),
         drawn: vec![("", envelope_chart::draw(&rows))],
@@ -162,7 +162,10 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The photos of a session that the tags place, and a sentence about each of the others.
-fn placed(session: &Session, on: &On) -> Result<(Vec<envelope_chart::Sample>, Vec<String>), Box<dyn Error>> {
+fn placed(
+    session: &Session,
+    on: &ChartInput,
+) -> Result<(Vec<envelope_chart::LocatedSample>, Vec<String>), Box<dyn Error>> {
     let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
     let truths = true_boxes(&on.truth, &names)?;
     let camera = session.known_camera()?;
@@ -172,7 +175,7 @@ fn placed(session: &Session, on: &On) -> Result<(Vec<envelope_chart::Sample>, Ve
     for (entry, truth) in session.photos.iter().zip(truths) {
         let photo = Photo::open(&session.photo_path(entry))?;
         match locate_photo(&photo, &session.scene, camera, &mut tags)?.pose_and_camera() {
-            Ok((located, fitted)) => samples.push(envelope_chart::Sample {
+            Ok((located, fitted)) => samples.push(envelope_chart::LocatedSample {
                 file: entry.file.clone(),
                 pose: located.pose,
                 camera: fitted.camera,
@@ -205,7 +208,7 @@ fn chart_stability(args: &StabilityArgs, out: &mut dyn Write) -> CommandResult {
         ("-views", stability::draw("Simulated views", &views)),
     ];
     let steps: Vec<_> = photos.into_iter().chain(views).collect();
-    let chart = Chart {
+    let chart = ChartOutput {
         name: "stability",
         table: stability::summary(&steps).to_string(),
         drawn,
@@ -225,7 +228,7 @@ fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("measuring", frames.len() * capture::ways(&session.scene).len());
     let rows = capture::measure(&frames, &session.scene, session.known_camera()?, || bar.inc(1))?;
     bar.finish_and_clear();
-    let chart = Chart {
+    let chart = ChartOutput {
         name: "capture",
         table: capture::table(&rows),
         drawn: vec![("", capture::draw(&rows))],
@@ -235,7 +238,7 @@ fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The session and its photos, decoded, with the truth about each.
-fn load(on: &On) -> Result<(Session, Vec<Sample>), Box<dyn Error>> {
+fn load(on: &ChartInput) -> Result<(Session, Vec<PhotoSample>), Box<dyn Error>> {
     let session = Session::open(&on.session)?;
     let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
     let truths = true_views(&on.truth, &names)?;
@@ -243,7 +246,7 @@ fn load(on: &On) -> Result<(Session, Vec<Sample>), Box<dyn Error>> {
     let samples = session.photos.iter().zip(truths).map(|(entry, truth)| {
         let photo = Photo::open(&session.photo_path(entry))?;
         bar.inc(1);
-        Ok(Sample {
+        Ok(PhotoSample {
             luma: photo.luma()?,
             turned_deg: photo.turned_deg,
             truth,
@@ -254,14 +257,14 @@ fn load(on: &On) -> Result<(Session, Vec<Sample>), Box<dyn Error>> {
     Ok((session, samples))
 }
 
-fn enlarged(samples: Vec<Sample>, factor: f64) -> Vec<Sample> {
+fn enlarged(samples: Vec<PhotoSample>, factor: f64) -> Vec<PhotoSample> {
     if factor == 1.0 {
         return samples;
     }
     let side = |pixels: u32| (f64::from(pixels) * factor).round() as u32;
     samples
         .into_iter()
-        .map(|sample| Sample {
+        .map(|sample| PhotoSample {
             luma: image::imageops::resize(
                 &sample.luma,
                 side(sample.luma.width()),
@@ -280,7 +283,7 @@ fn numbers<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) 
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         inputs.push((name, files::sha256_hex(&files::read(path)?)));
     }
-    Ok(serde_json::to_string_pretty(&Numbers {
+    Ok(serde_json::to_string_pretty(&ChartNumbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
         session: &session.name,
         inputs: &inputs,
@@ -293,7 +296,7 @@ fn numbers<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) 
 }
 
 /// What was measured.
-struct Chart {
+struct ChartOutput {
     /// Of its files.
     name: &'static str,
     table: String,
@@ -303,7 +306,7 @@ struct Chart {
     numbers: String,
 }
 
-impl Chart {
+impl ChartOutput {
     /// Writes `NAME.json` and `NAME….svg` into a folder, and says what they show.
     fn write(self, folder: &Path, is_json: bool, out: &mut dyn Write) -> CommandResult {
         let mut new = vec![(

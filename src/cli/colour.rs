@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::print::write_files;
 use super::{CommandResult, Outcome, progress};
-use crate::colour_chart::read::{FAMILIES, Quality, Reading, average, read};
+use crate::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
 use crate::pattern::printed::PrintedColours;
 use crate::photo::Photo;
 use crate::print::printer::{Printer, PrinterFile};
@@ -16,7 +16,7 @@ use crate::tags::AprilTagC;
 
 /// Measure a printer's colours
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -62,7 +62,7 @@ struct Answer<'a> {
 }
 
 /// Runs `scaleproof colour …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Read(args) => run_read(&args, out),
     }
@@ -81,7 +81,7 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
         bar.inc(1);
         Ok(reading)
     });
-    let readings = readings.collect::<Result<Vec<Reading>, String>>()?;
+    let readings = readings.collect::<Result<Vec<ChartReading>, String>>()?;
     bar.finish_and_clear();
     let (colours, disagreements) = average(&readings, concat!("scaleproof ", env!("CARGO_PKG_VERSION")))?;
     if let Some(path) = &args.output {
@@ -94,7 +94,7 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
     }
     if args.json {
         let photos = args.photos.iter().zip(&readings).zip(&disagreements);
-        let line = |((path, reading), off): ((&PathBuf, &Reading), &f64)| PhotoLine {
+        let line = |((path, reading), off): ((&PathBuf, &ChartReading), &f64)| PhotoLine {
             file: path.display().to_string(),
             sha256: reading.sha256.clone(),
             quality: reading.quality,
@@ -123,7 +123,7 @@ fn run_read(args: &ReadArgs, out: &mut dyn Write) -> CommandResult {
 
 fn summarise(
     args: &ReadArgs,
-    readings: &[Reading],
+    readings: &[ChartReading],
     disagreements: &[f64],
     colours: &PrintedColours,
     out: &mut dyn Write,

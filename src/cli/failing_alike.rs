@@ -20,14 +20,14 @@ const LOOKED_AT: usize = 12;
 const SEARCHED_FOR_ALL: usize = 4;
 
 /// What photos were located with, and the files it comes from.
-pub struct Files {
+pub struct LocateFiles {
     pub scene: Scene,
     pub scene_file: PathBuf,
     pub camera: Camera,
     pub camera_file: PathBuf,
 }
 
-impl Files {
+impl LocateFiles {
     /// The one cause for photos that were examined, as a sentence, if there is one.
     pub fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
         let examined: Vec<&LocatedPhoto> = photos.iter().map(|(_, examined)| *examined).collect();
@@ -76,21 +76,21 @@ impl Files {
 }
 
 /// What a session's photos are located with, and some of them; kept while the session itself is scored.
-pub struct Set {
-    files: Files,
+pub struct SessionFiles {
+    files: LocateFiles,
     photos: Vec<PathBuf>,
 }
 
-impl Set {
+impl SessionFiles {
     /// `None` for a session whose photos carry their truth: they are not located.
-    pub fn of(session: &Session) -> Option<Set> {
+    pub fn of(session: &Session) -> Option<SessionFiles> {
         let needs_tags = session
             .photos
             .iter()
             .filter(|p| p.box_xyxy_px.is_none() || p.viewpoint.is_none());
         let photos: Vec<PathBuf> = needs_tags.map(|p| session.photo_path(p)).collect();
-        Some(Set {
-            files: Files {
+        Some(SessionFiles {
+            files: LocateFiles {
                 scene: session.scene.clone(),
                 scene_file: name_of(&session.scene_path),
                 camera: session.camera.clone()?,
@@ -112,7 +112,7 @@ fn name_of(path: &Path) -> PathBuf {
 
 /// What a run gives, with the cause that photos share which were left out: in its error when nothing was scored, else among the cautions, so that
 /// it stands beside the figures too.
-pub fn explained(scores: Result<Scores, ScoreError>, sets: &[Set]) -> Result<Scores, ScoreError> {
+pub fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
     match scores {
         Ok(mut scores) => {
             let causes: Vec<String> = scores.sessions.iter().filter_map(|s| cause_in(&scores, s)).collect();
@@ -120,7 +120,7 @@ pub fn explained(scores: Result<Scores, ScoreError>, sets: &[Set]) -> Result<Sco
             Ok(scores)
         }
         Err(ScoreError::NothingScored { photos, file, reason }) => {
-            let causes = sets.iter().filter_map(Set::cause);
+            let causes = sets.iter().filter_map(SessionFiles::cause);
             let reason = std::iter::once(reason).chain(causes).collect::<Vec<_>>().join("; ");
             Err(ScoreError::NothingScored { photos, file, reason })
         }
@@ -130,7 +130,9 @@ pub fn explained(scores: Result<Scores, ScoreError>, sets: &[Set]) -> Result<Sco
 
 /// Why most photos of a session were left out, if there is one cause; it begins with the session's name.
 fn cause_in(scores: &Scores, session: &Session) -> Option<String> {
-    let cause = is_alike(scores, session).then(|| Set::of(session)?.cause()).flatten()?;
+    let cause = is_alike(scores, session)
+        .then(|| SessionFiles::of(session)?.cause())
+        .flatten()?;
     Some(format!("{}: {cause}", session.name))
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::failing_alike::{Files, MOST_LISTED};
+use super::failing_alike::{LocateFiles, MOST_LISTED};
 use super::{CommandResult, Outcome, progress};
 use crate::camera::{Camera, FittedCamera};
 use crate::envelope::EnvelopeShape;
@@ -51,7 +51,7 @@ pub struct Args {
 /// One line of `--json`.
 #[derive(Serialize)]
 #[allow(non_snake_case)]
-struct Line {
+struct OutputLine {
     file: String,
     status: &'static str,
     /// Why there is no pose, as a sentence.
@@ -79,7 +79,7 @@ struct Line {
 }
 
 /// What was found in a photo, or why it cannot be read.
-type Answer = Result<LocatedPhoto, PhotoError>;
+type PhotoAnswer = Result<LocatedPhoto, PhotoError>;
 
 const UNREADABLE: &str = "unreadable";
 
@@ -96,7 +96,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let files = Files {
+    let files = LocateFiles {
         scene: Scene::open(&args.scene)?,
         camera: Camera::open(&args.camera)?,
         scene_file: args.scene,
@@ -153,7 +153,7 @@ fn locate_all(
     scene: &Scene,
     camera: &Camera,
     tag_detector: TagDetectorChoice,
-) -> Result<Vec<Answer>, StartError> {
+) -> Result<Vec<PhotoAnswer>, StartError> {
     let families = scene.families();
     let bar = progress::photos("locating", photos.len());
     let look = |tags: &mut Box<dyn TagDetector>, path: &PathBuf| {
@@ -166,17 +166,17 @@ fn locate_all(
 }
 
 /// The pose of a photo that has one.
-fn located(answer: &Answer) -> Option<&Located> {
+fn located(answer: &PhotoAnswer) -> Option<&Located> {
     answer.as_ref().ok()?.result.as_ref().ok()
 }
 
 /// Why a photo that could be read has no pose.
-fn abstention(answer: &Answer) -> Option<&Abstention> {
+fn abstention(answer: &PhotoAnswer) -> Option<&Abstention> {
     answer.as_ref().ok()?.result.as_ref().err()
 }
 
 /// The word for programs why there is no pose.
-fn code(answer: &Answer) -> Option<&'static str> {
+fn code(answer: &PhotoAnswer) -> Option<&'static str> {
     match answer {
         Ok(examined) => examined.result.as_ref().err().map(Abstention::code),
         Err(_) => Some(UNREADABLE),
@@ -184,7 +184,7 @@ fn code(answer: &Answer) -> Option<&'static str> {
 }
 
 /// The one cause for nearly all photos, as a sentence, if there is one.
-fn cause(photos: &[PathBuf], answers: &[Answer], files: &Files) -> Option<String> {
+fn cause(photos: &[PathBuf], answers: &[PhotoAnswer], files: &LocateFiles) -> Option<String> {
     let read = photos
         .iter()
         .zip(answers)
@@ -193,14 +193,14 @@ fn cause(photos: &[PathBuf], answers: &[Answer], files: &Files) -> Option<String
 }
 
 /// Whether the photos without a pose are told of together: they have one cause, or no photo has a pose and all lack it for one reason.
-fn is_alike(answers: &[Answer], has_cause: bool) -> bool {
+fn is_alike(answers: &[PhotoAnswer], has_cause: bool) -> bool {
     let codes: BTreeSet<Option<&str>> = answers.iter().map(code).collect();
     let without_pose = answers.iter().filter(|answer| abstention(answer).is_some()).count();
     without_pose > MOST_LISTED && (has_cause || codes.len() == 1)
 }
 
 /// `alike`: one row for all photos that were read and have no pose.
-fn write_table(photos: &[PathBuf], answers: &[Answer], alike: bool, out: &mut dyn Write) -> std::io::Result<()> {
+fn write_table(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "{}", heading())?;
     for (path, answer) in photos.iter().zip(answers) {
         if !alike || abstention(answer).is_none() {
@@ -216,7 +216,7 @@ fn write_table(photos: &[PathBuf], answers: &[Answer], alike: bool, out: &mut dy
 }
 
 /// `all 24 photos`, `23 of 24 photos`.
-fn without_pose(answers: &[Answer]) -> String {
+fn without_pose(answers: &[PhotoAnswer]) -> String {
     let count = answers.iter().filter(|answer| abstention(answer).is_some()).count();
     match count == answers.len() {
         true => format!("all {count} photos"),
@@ -226,10 +226,10 @@ fn without_pose(answers: &[Answer]) -> String {
 
 /// Says on standard error why photos got no pose, which tags the others outvoted, and once each what to know before believing
 /// the answers.
-fn explain(photos: &[PathBuf], answers: &[Answer], alike: bool) {
+fn explain(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool) {
     let each = || photos.iter().zip(answers);
     for (path, found) in each().filter_map(|(path, answer)| Some((path, located(answer)?))) {
-        for tag in found.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()) {
+        for tag in found.ignored_tags.iter().filter(|tag| tag.why.is_outlier()) {
             say!(
                 "note on {}: tag {} {}; it was left out",
                 path.display(),
@@ -264,7 +264,7 @@ fn explain(photos: &[PathBuf], answers: &[Answer], alike: bool) {
 }
 
 /// What is wrong with files names them already. Of many that are wrong in one way, the first is named.
-fn unreadable(answers: &[Answer]) {
+fn unreadable(answers: &[PhotoAnswer]) {
     let errors: Vec<&PhotoError> = answers.iter().filter_map(|answer| answer.as_ref().err()).collect();
     let kinds: Vec<_> = errors.iter().map(|e| std::mem::discriminant(*e)).collect();
     let is_one_kind = kinds.windows(2).all(|pair| pair[0] == pair[1]);
@@ -277,12 +277,12 @@ fn unreadable(answers: &[Answer]) {
     }
 }
 
-/// Writes the picture of every photo that could be read.
+/// Writes the image of every photo that could be read.
 fn draw(
     photos: &[PathBuf],
-    answers: &[Answer],
+    answers: &[PhotoAnswer],
     places: &[PathBuf],
-    files: &Files,
+    files: &LocateFiles,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let folder = files.scene_file.parent().unwrap_or(Path::new(""));
     let outline = EnvelopeShape::open(&files.scene.model, folder)?;
@@ -302,14 +302,14 @@ fn draw(
     Ok(())
 }
 
-fn line(path: &Path, answer: &Answer) -> Line {
+fn line(path: &Path, answer: &PhotoAnswer) -> OutputLine {
     let found = located(answer);
     let fitted = answer.as_ref().ok().and_then(|examined| examined.fitted.as_ref().ok());
     let reason = match answer {
         Ok(examined) => examined.result.as_ref().err().map(Abstention::to_string),
         Err(e) => Some(e.to_string()),
     };
-    Line {
+    OutputLine {
         file: path.display().to_string(),
         status: if found.is_some() { "located" } else { "abstained" },
         reason,
@@ -358,7 +358,7 @@ fn heading() -> String {
     )
 }
 
-fn row(path: &Path, answer: &Answer) -> String {
+fn row(path: &Path, answer: &PhotoAnswer) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     match located(answer) {
         Some(l) => {

@@ -1,8 +1,8 @@
 //! `-o -`: an output that goes to standard output.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use clap::{ArgMatches, Command};
+use clap::{Arg, ArgMatches, Command};
 
 use crate::files;
 
@@ -12,10 +12,13 @@ const OUTPUTS: [&str; 3] = ["output", "report", "definition"];
 /// What the help calls an output that is a folder.
 const FOLDERS: [&str; 2] = ["DIR", "SESSION"];
 
+/// What outputs of one format may end in, by what the help calls them. Commands that write several formats choose by the ending themselves.
+const ENDINGS: [(&str, &[&str]); 2] = [("PNG", &["png"]), ("HTML", &["html", "htm"])];
+
 /// Whether the command that was given, one of `whole`, writes to standard output.
 ///
 /// # Errors
-/// A folder, or more than one file, cannot go there; a sentence.
+/// A folder, or more than one file, cannot go there; an output is named as another format than it has; a sentence.
 pub(super) fn goes_to_standard_output(whole: &Command, matches: &ArgMatches) -> Result<bool, String> {
     let (mut command, mut matches) = (whole, matches);
     while let Some((name, inner)) = matches.subcommand() {
@@ -24,6 +27,9 @@ pub(super) fn goes_to_standard_output(whole: &Command, matches: &ArgMatches) -> 
         };
         (command, matches) = (found, inner);
     }
+    command
+        .get_arguments()
+        .try_for_each(|argument| check_ending(argument, matches))?;
     let named = command.get_arguments().filter(|argument| {
         OUTPUTS.contains(&argument.get_id().as_str()) && is_standard_output(matches, argument.get_id().as_str())
     });
@@ -40,6 +46,25 @@ pub(super) fn goes_to_standard_output(whole: &Command, matches: &ArgMatches) -> 
         1 => Ok(true),
         _ => Err("only one file can go to standard output: name the other".into()),
     }
+}
+
+/// Refuses a name that promises another format than the output has.
+fn check_ending(argument: &Arg, matches: &ArgMatches) -> Result<(), String> {
+    let id = argument.get_id().as_str();
+    let kind = argument.get_value_names().and_then(|names| names.first());
+    let of_kind = |(known, _): &&(&str, _)| OUTPUTS.contains(&id) && kind.is_some_and(|kind| kind == known);
+    let path = matches.try_get_one::<PathBuf>(id).ok().flatten();
+    if let (Some((kind, endings)), Some(path)) = (ENDINGS.iter().find(of_kind), path)
+        && let Some(ending) = path.extension()
+        && !endings.iter().any(|known| ending.eq_ignore_ascii_case(known))
+    {
+        return Err(format!(
+            "{} would hold {kind}: let its name end in .{}",
+            path.display(),
+            endings[0]
+        ));
+    }
+    Ok(())
 }
 
 fn is_standard_output(matches: &ArgMatches, id: &str) -> bool {

@@ -19,7 +19,7 @@ const LISTED: usize = 8;
 
 /// Make and check patterns
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -78,7 +78,7 @@ struct Answer {
 }
 
 /// Runs `scaleproof pattern …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Random(args) => run_random(&args, out),
         What::Check(args) => run_check(&args, out),

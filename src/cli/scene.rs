@@ -14,7 +14,7 @@ use crate::spelling;
 
 /// Make scene files
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -109,7 +109,7 @@ fn model_size(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// Runs `scaleproof scene …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::New(args) => run_new(args, out),
     }

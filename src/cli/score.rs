@@ -199,7 +199,7 @@ pub fn score_with_progress(
     options: &Options,
 ) -> Result<Scores, ScoreError> {
     let bar = progress::photos("scoring", sessions.iter().map(|s| s.photos.len()).sum());
-    let sets: Vec<_> = sessions.iter().filter_map(failing_alike::Set::of).collect();
+    let sets: Vec<_> = sessions.iter().filter_map(failing_alike::SessionFiles::of).collect();
     let scores = score::score(sessions, detectors, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);

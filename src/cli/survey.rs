@@ -9,7 +9,7 @@ use super::{CommandResult, Outcome, print, progress, scene};
 use crate::camera::Camera;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
-use crate::survey::{Given, Look, Sizes, Survey, TagReport, look, survey};
+use crate::survey::{LeftOutReason, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey};
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
 ///
@@ -50,15 +50,15 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let bar = progress::photos("finding tags", args.photos.len());
     let found = look(&args.photos, &scene, args.family, &camera, || bar.inc(1));
     bar.finish_and_clear();
-    let Look { photos, cautions } = found?;
-    let given = Given {
+    let SurveyPhotos { photos, cautions } = found?;
+    let given = SurveyInput {
         scene: &scene,
         fixed: &fixed,
         sizes: args.sizes.as_ref(),
         family: args.family,
     };
     let busy = progress::busy("adjusting");
-    let found = survey(&photos, &given, &camera)?;
+    let found = survey(&photos, &given, &camera).map_err(advised)?;
     busy.finish_and_clear();
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
@@ -86,6 +86,23 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
     Ok(scene)
 }
 
+/// The error with the option that helps.
+fn advised(e: SurveyError) -> String {
+    match e {
+        SurveyError::NothingToSurvey => format!("{e}: give their sizes with --sizes, and uncover them"),
+        SurveyError::TwoSizes { .. } => format!("{e} in --sizes: correct one of them"),
+        _ => e.to_string(),
+    }
+}
+
+/// Why a tag is left out, with the option that helps.
+fn reason(reason: &LeftOutReason) -> String {
+    match reason {
+        LeftOutReason::NoSize => format!("{reason}: name it in --sizes"),
+        _ => reason.to_string(),
+    }
+}
+
 /// The fixed tags by family and id.
 fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
     if args.fixed == "mat" {
@@ -105,7 +122,7 @@ fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
 }
 
 #[derive(Serialize)]
-struct Json {
+struct SurveyJson {
     noise_px: f64,
     edge_shift_px: f64,
     tags: Vec<TagJson>,
@@ -150,7 +167,7 @@ struct PhotoJson {
     rms_px: Option<f64>,
 }
 
-fn json(found: &Survey) -> Json {
+fn json(found: &Survey) -> SurveyJson {
     let tag = |(report, tag): (&TagReport, &crate::scene::Tag)| TagJson {
         id: tag.id,
         family: tag.family,
@@ -166,7 +183,7 @@ fn json(found: &Survey) -> Json {
         shift_deg: report.shift.map(|(_, deg)| deg),
         cautions: rests_on_one_photo(report).then_some(ONE_PHOTO).into_iter().collect(),
     };
-    Json {
+    SurveyJson {
         noise_px: found.noise_px,
         edge_shift_px: found.edge_shift_px,
         tags: found.tags.iter().zip(&found.scene.tags).map(tag).collect(),
@@ -177,7 +194,7 @@ fn json(found: &Survey) -> Json {
                 id: l.id,
                 family: l.family,
                 code: l.reason.code(),
-                reason: l.reason.to_string(),
+                reason: reason(&l.reason),
             })
             .collect(),
         photos: found
@@ -228,7 +245,7 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
         )?;
     }
     for left in &found.left_out {
-        writeln!(out, "left out: tag {} {}", left.id, left.reason)?;
+        writeln!(out, "left out: tag {} {}", left.id, reason(&left.reason))?;
     }
     for photo in found.photos.iter().filter(|p| p.tags.is_empty()) {
         writeln!(out, "not used: {}, which shows no tag that helps", photo.name)?;

@@ -10,14 +10,14 @@ const STAMP_MM: f64 = 10.0;
 const SMALLEST_BOARD_MM: f64 = 50.0;
 
 /// Says it as a note.
-pub fn note(doubt: Option<String>) {
+pub(crate) fn note(doubt: Option<String>) {
     if let Some(doubt) = doubt {
         say!("note: {doubt}");
     }
 }
 
 /// About the size of a template of a model 1:`scale`.
-pub fn template(size_mm: (f64, f64), tile_mm: f64, scale: f64) -> Option<String> {
+pub(crate) fn template(size_mm: (f64, f64), tile_mm: f64, scale: f64) -> Option<String> {
     let (width, height) = size_mm;
     let longest = width.max(height);
     let size = sides(&[width, height], " × ");
@@ -45,7 +45,7 @@ pub fn template(size_mm: (f64, f64), tile_mm: f64, scale: f64) -> Option<String>
 }
 
 /// About the size of a model, 1:`scale` (length, width, height), whichever of the labels it is.
-pub fn model(labels: &[String], size_mm: [f64; 3], scale: f64) -> Option<String> {
+pub(crate) fn model(labels: &[String], size_mm: [f64; 3], scale: f64) -> Option<String> {
     let doubts = labels.iter().map(|label| model_of(label, size_mm, scale));
     doubts.collect::<Option<Vec<String>>>()?.into_iter().next()
 }
@@ -99,12 +99,12 @@ fn usual_mm(class: &str) -> (f64, f64) {
 }
 
 /// About a mesh that was turned by `--mesh-front`, or was not.
-pub fn turned([length, width, _]: [f64; 3]) -> Option<String> {
+pub(crate) fn turned([length, width, _]: [f64; 3]) -> Option<String> {
     (width > length).then(|| format!("the model is {length:.0} mm long and {width:.0} mm wide: is --mesh-front right?"))
 }
 
 /// About the squares of a calibration board.
-pub fn board(squares: (u32, u32), square_mm: f64) -> Option<String> {
+pub(crate) fn board(squares: (u32, u32), square_mm: f64) -> Option<String> {
     let [width, height] = [squares.0, squares.1].map(|count| f64::from(count) * square_mm);
     (width.max(height) < SMALLEST_BOARD_MM).then(|| {
         let (size, meant) = (sides(&[width, height], " × "), number(square_mm * 10.0));

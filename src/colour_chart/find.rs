@@ -1,21 +1,21 @@
-//! Tags → which chart, and where each millimetre of it is in the picture.
+//! Tags → which chart, and where each millimetre of it is in the photo.
 
 use nalgebra::Matrix3;
 
-use super::ChartError;
+use super::ColourChartError;
 use super::layout::{CELL_MM, ChartKind, ChartLayout, FAMILY, PATCH_MM};
 use crate::geometry::homography::{self, mapped};
 use crate::tags::SeenTag;
 
-/// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's picture. A patch is sampled 2.5 mm
+/// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's image. A patch is sampled 2.5 mm
 /// from its edges, so that an error of this size, several times over in the middle of a bulge, still stays inside.
 const MOST_OFF_MM: f64 = 0.4;
-/// Fewer pixels than this a side of a patch, and the parts of one could not be told apart.
+/// Fewer pixels than this a side of a patch, and the parts of one could not be distinguished.
 const LEAST_PATCH_PX: f64 = 20.0;
 
-/// A chart found in a picture.
+/// A chart found in a photo.
 #[derive(Debug, Clone)]
-pub struct FoundChart {
+pub(crate) struct FoundChart {
     pub layout: ChartLayout,
     /// Homography from the chart frame (mm) to pixels.
     to_px: Matrix3<f64>,
@@ -29,21 +29,21 @@ pub struct FoundChart {
 
 impl FoundChart {
     /// The pixel of a point of the chart; (0, 0) is the centre of the top-left pixel.
-    pub fn px(&self, at_mm: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn px(&self, at_mm: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_px, at_mm)
     }
 
     /// The point of the chart at a pixel.
-    pub fn mm(&self, at_px: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn mm(&self, at_px: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_mm, at_px)
     }
 }
 
-/// Finds the chart that the tags belong to. Other tags may be in the picture.
+/// Finds the chart that the tags belong to. Other tags may be in the photo.
 ///
 /// # Errors
-/// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the picture.
-pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ChartError> {
+/// No chart, two, one with a tag missing, twice or covered, a sheet that is not flat, a chart too small in the photo.
+pub(crate) fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);
     let (mut chart_mm, mut picture_px) = (Vec::new(), Vec::new());
@@ -52,8 +52,8 @@ pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ChartError> {
         let mut of_this: Vec<_> = seen.iter().filter(|s| s.family == FAMILY && s.id == tag.id).collect();
         match (of_this.pop(), of_this.is_empty()) {
             (None, _) => missing.push(tag.id.to_string()),
-            (Some(_), false) => return Err(ChartError::TwoCharts),
-            (Some(one), true) if !one.is_whole => return Err(ChartError::TagCovered { id: tag.id }),
+            (Some(_), false) => return Err(ColourChartError::TwoCharts),
+            (Some(one), true) if !one.is_whole => return Err(ColourChartError::TagCovered { id: tag.id }),
             (Some(one), true) => {
                 chart_mm.extend(tag.corners_mm());
                 picture_px.extend(one.corners_px);
@@ -62,27 +62,27 @@ pub fn find(seen: &[SeenTag]) -> Result<FoundChart, ChartError> {
     }
     if !missing.is_empty() {
         let ids = missing.join(", ");
-        return Err(ChartError::TagsMissing { ids });
+        return Err(ColourChartError::TagsMissing { ids });
     }
     placed(layout, &chart_mm, &picture_px)
 }
 
-fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ChartError> {
+fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ColourChartError> {
     let is_seen = |kind: &ChartKind| {
         seen.iter()
             .any(|s| s.family == FAMILY && kind.tag_ids().contains(&s.id))
     };
     let mut kinds = ChartKind::ALL.into_iter().filter(is_seen);
     match (kinds.next(), kinds.next()) {
-        (None, _) => Err(ChartError::NoChart),
+        (None, _) => Err(ColourChartError::NoChart),
         (Some(kind), None) => Ok(kind),
-        _ => Err(ChartError::TwoCharts),
+        _ => Err(ColourChartError::TwoCharts),
     }
 }
 
-fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -> Result<FoundChart, ChartError> {
-    let to_px = homography::fitted(chart_mm, picture_px).ok_or(ChartError::OnALine)?;
-    let to_mm = to_px.try_inverse().ok_or(ChartError::OnALine)?;
+fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -> Result<FoundChart, ColourChartError> {
+    let to_px = homography::fitted(chart_mm, picture_px).ok_or(ColourChartError::OnALine)?;
+    let to_mm = to_px.try_inverse().ok_or(ColourChartError::OnALine)?;
     let mut found = FoundChart {
         layout,
         to_px,
@@ -99,10 +99,10 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -
     // False for what is not a number, too.
     let is_flat = found.off_mm <= MOST_OFF_MM;
     if !is_flat {
-        return Err(ChartError::NotFlat { off_mm: found.off_mm });
+        return Err(ColourChartError::NotFlat { off_mm: found.off_mm });
     }
     if found.patch_px < LEAST_PATCH_PX {
-        return Err(ChartError::TooSmall {
+        return Err(ColourChartError::TooSmall {
             pixels: found.patch_px,
             least: LEAST_PATCH_PX,
         });

@@ -73,12 +73,12 @@ impl ChartKind {
 
 /// One cell of the grid, counted from 0 at the upper left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Cell {
+pub struct ChartCell {
     pub row: usize,
     pub column: usize,
 }
 
-impl Cell {
+impl ChartCell {
     /// Its middle (chart frame).
     pub fn centre_mm(self) -> [f64; 2] {
         [self.column, self.row].map(|i| (i as f64 + 0.5) * CELL_MM)
@@ -87,8 +87,8 @@ impl Cell {
 
 /// A square of one colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Patch {
-    pub cell: Cell,
+pub struct ColourPatch {
+    pub cell: ChartCell,
     /// 8-bit sRGB sent to the printer.
     pub asked_rgb: [u8; 3],
 }
@@ -116,9 +116,9 @@ pub struct ChartLayout {
     pub size_mm: (f64, f64),
     pub tags: Vec<ChartTag>,
     /// Cells of bare paper, spread evenly.
-    pub whites: Vec<Cell>,
+    pub whites: Vec<ChartCell>,
     /// The cube of colours, a few blacks, and greys between its levels; neighbours are unrelated colours.
-    pub patches: Vec<Patch>,
+    pub patches: Vec<ColourPatch>,
 }
 
 impl ChartLayout {
@@ -134,13 +134,13 @@ impl ChartLayout {
             (right / 2, bottom / 2),
         ];
         let in_block = |at: usize, first: usize| (first..first + TAG_CELLS).contains(&at);
-        let is_tag = |cell: &Cell| {
+        let is_tag = |cell: &ChartCell| {
             let mut blocks = blocks.iter();
             blocks.any(|(column, row)| in_block(cell.column, *column) && in_block(cell.row, *row))
         };
-        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| Cell { row, column }));
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| ChartCell { row, column }));
         // Shifted by three from row to row: no row, column or diagonal goes without.
-        let is_white = |cell: &Cell| (cell.column + 3 * cell.row).is_multiple_of(WHITE_EVERY);
+        let is_white = |cell: &ChartCell| (cell.column + 3 * cell.row).is_multiple_of(WHITE_EVERY);
         let (whites, inked): (Vec<_>, Vec<_>) = cells.filter(|cell| !is_tag(cell)).partition(is_white);
         let tag = |(id, (column, row)): (u32, (usize, usize))| ChartTag {
             id,
@@ -153,7 +153,9 @@ impl ChartLayout {
             size_mm: (columns as f64 * CELL_MM, rows as f64 * CELL_MM),
             tags: kind.tag_ids().into_iter().zip(blocks).map(tag).collect(),
             whites,
-            patches: patches.map(|(cell, asked_rgb)| Patch { cell, asked_rgb }).collect(),
+            patches: patches
+                .map(|(cell, asked_rgb)| ColourPatch { cell, asked_rgb })
+                .collect(),
         }
     }
 }
@@ -214,7 +216,7 @@ mod tests {
             // From every patch a white is near.
             for patch in &chart.patches {
                 let [x, y] = patch.cell.centre_mm();
-                let far = |c: &Cell| (c.centre_mm()[0] - x).hypot(c.centre_mm()[1] - y);
+                let far = |c: &ChartCell| (c.centre_mm()[0] - x).hypot(c.centre_mm()[1] - y);
                 let nearest = chart.whites.iter().map(far).fold(f64::INFINITY, f64::min);
                 assert!(nearest < 3.2 * CELL_MM, "{kind:?} {patch:?}: {nearest}");
             }

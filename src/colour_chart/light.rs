@@ -19,7 +19,7 @@ pub enum Surface {
 
 /// The white of the paper over the chart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Light {
+pub(crate) struct ChartLight {
     pub surface: Surface,
     /// Root mean square of what the left-out whites differ from the surface, as a share of the light.
     pub error: f64,
@@ -31,9 +31,9 @@ pub struct Light {
     coefficients: [Vec<f64>; 3],
 }
 
-impl Light {
+impl ChartLight {
     /// Fits the light to whites: place (mm, chart frame) and light, all positive. `None` with fewer than 8 of them.
-    pub fn fit(whites: &[([f64; 2], [f64; 3])], (width_mm, height_mm): (f64, f64)) -> Option<Self> {
+    pub(crate) fn fit(whites: &[([f64; 2], [f64; 3])], (width_mm, height_mm): (f64, f64)) -> Option<Self> {
         if whites.len() < 8 || whites.iter().any(|(_, light)| light.iter().any(|v| *v <= 0.0)) {
             return None;
         }
@@ -48,7 +48,7 @@ impl Light {
     }
 
     /// The light of bare paper at a place (mm, chart frame).
-    pub fn at(&self, place: [f64; 2]) -> [f64; 3] {
+    pub(crate) fn at(&self, place: [f64; 2]) -> [f64; 3] {
         let terms = terms(self.surface, place, self.middle);
         [0, 1, 2].map(|channel| {
             let sum: f64 = self.coefficients[channel].iter().zip(&terms).map(|(c, t)| c * t).sum();
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn light_that_falls_off_evenly_is_a_plane() {
         let light = |x: f64, y: f64| (0.002 * x - 0.001 * y).exp();
-        let fit = Light::fit(&whites(light), (176.0, 198.0)).unwrap();
+        let fit = ChartLight::fit(&whites(light), (176.0, 198.0)).unwrap();
         assert_eq!(fit.surface, Surface::Plane);
         let [r, _, b] = fit.at([33.0, 77.0]);
         assert!((r / (0.6 * light(33.0, 77.0)) - 1.0).abs() < 0.003, "{r}");
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn vignetting_is_worth_the_larger_surface() {
         let light = |x: f64, y: f64| 1.0 - 1e-5 * ((x - 80.0).powi(2) + (y - 90.0).powi(2));
-        let fit = Light::fit(&whites(light), (176.0, 198.0)).unwrap();
+        let fit = ChartLight::fit(&whites(light), (176.0, 198.0)).unwrap();
         assert_eq!(fit.surface, Surface::Quadratic);
         assert!((fit.at([20.0, 20.0])[1] / (0.5 * light(20.0, 20.0)) - 1.0).abs() < 0.01);
     }
@@ -129,10 +129,10 @@ mod tests {
     fn a_white_in_a_shadow_stands_out() {
         let mut shaded = whites(|_, _| 1.0);
         shaded[17].1 = shaded[17].1.map(|v| 0.8 * v);
-        let fit = Light::fit(&shaded, (176.0, 198.0)).unwrap();
+        let fit = ChartLight::fit(&shaded, (176.0, 198.0)).unwrap();
         let worst = (0..35).max_by(|a, b| fit.off[*a].total_cmp(&fit.off[*b]));
         assert_eq!(worst, Some(17));
         assert!(fit.off[17] > 0.2);
-        assert!(Light::fit(&shaded[..7], (176.0, 198.0)).is_none());
+        assert!(ChartLight::fit(&shaded[..7], (176.0, 198.0)).is_none());
     }
 }

@@ -5,20 +5,21 @@
 //! camera's own tone curve and colours stay in them: they could only be fitted to the colours asked for, and that would hide
 //! exactly what is measured, the printer.
 
-pub mod find;
+pub(crate) mod find;
 pub mod layout;
-pub mod light;
+pub(crate) mod light;
 pub mod read;
-pub mod sample;
+pub(crate) mod sample;
 
-use layout::Cell;
+use layout::ChartCell;
 
 /// Why a photo of a chart was not read. Each variant says what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ChartError {
-    #[error("no colour chart is in the picture; photograph the whole sheet of `scaleproof print chart`, sharply")]
+#[non_exhaustive]
+pub enum ColourChartError {
+    #[error("no colour chart is in the photo; photograph the whole sheet of `scaleproof print chart`, sharply")]
     NoChart,
-    #[error("two colour charts are in the picture, or a copy of one; photograph one at a time")]
+    #[error("two colour charts are in the photo, or a copy of one; photograph one at a time")]
     TwoCharts,
     #[error(
         "of the chart's five tags {ids} cannot be read: covered, cut off, blurred or in a reflection; take the photo again with the \
@@ -68,6 +69,6 @@ pub enum ChartError {
 }
 
 /// A cell as people count: `row 3, column 12`, from the upper left.
-fn place(cell: Cell) -> String {
+fn place(cell: ChartCell) -> String {
     format!("row {}, column {}", cell.row + 1, cell.column + 1)
 }

@@ -4,12 +4,12 @@ use image::RgbImage;
 use palette::{LinSrgb, Srgb};
 
 use super::find::{FoundChart, find};
-use super::layout::{Cell, ChartKind, FAMILY};
-use super::light::{Light, Surface};
-use super::sample::{Sample, sample};
-use super::{ChartError, place};
+use super::layout::{ChartCell, ChartKind, FAMILY};
+use super::light::{ChartLight, Surface};
+use super::sample::{PatchSample, sample};
+use super::{ColourChartError, place};
 use crate::pattern::colour::Lab;
-use crate::pattern::printed::{PrintedColours, Source};
+use crate::pattern::printed::{ChartSource, PrintedColours};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
 use crate::tags::TagDetector;
@@ -36,7 +36,7 @@ const LEAST_GAMUT: f64 = 0.01;
 
 /// What one photo says.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct ChartReading {
     pub kind: ChartKind,
     /// SHA-256 of the photo's file.
     pub sha256: String,
@@ -67,16 +67,16 @@ pub struct Quality {
 /// Reads the chart in a photo.
 ///
 /// # Errors
-/// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ChartError`].
-pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<Reading, ChartError>, PhotoError> {
+/// The outer one: a photo that cannot be decoded. The inner one: whatever would make the colours wrong, see [`ColourChartError`].
+pub fn read(photo: &Photo, tags: &mut impl TagDetector) -> Result<Result<ChartReading, ColourChartError>, PhotoError> {
     let (luma, rgb) = (photo.luma()?, photo.rgb(1)?);
     Ok(find(&tags.find(&luma)).and_then(|chart| read_colours(&rgb, &chart, &photo.sha256)))
 }
 
-fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Reading, ChartError> {
-    let take = |cell: Cell| match sample(rgb, chart, cell) {
+fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<ChartReading, ColourChartError> {
+    let take = |cell: ChartCell| match sample(rgb, chart, cell) {
         Some(sample) => Ok((cell, sample)),
-        None => Err(ChartError::NoChart),
+        None => Err(ColourChartError::NoChart),
     };
     let whites = chart
         .layout
@@ -97,11 +97,11 @@ fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Read
     refuse_reflections(&inked, &light)?;
     refuse_clipped(&inked)?;
     let (patchiness_median, patchiness_worst) = evenness(&inked, &light)?;
-    let relative = |(cell, sample): &(Cell, Sample)| over(sample.light, light.at(cell.centre_mm()));
+    let relative = |(cell, sample): &(ChartCell, PatchSample)| over(sample.light, light.at(cell.centre_mm()));
     let asked = chart.layout.patches.iter().map(|patch| patch.asked_rgb);
     let patches: Vec<_> = asked.zip(inked.iter().map(relative)).collect();
     refuse_uneven_black(&patches)?;
-    Ok(Reading {
+    Ok(ChartReading {
         kind: chart.layout.kind,
         sha256: sha256.to_owned(),
         patches,
@@ -121,12 +121,12 @@ fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Read
 ///
 /// # Errors
 /// Photos of different charts, that disagree, or without colours.
-pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, Vec<f64>), ChartError> {
+pub fn average(readings: &[ChartReading], program: &str) -> Result<(PrintedColours, Vec<f64>), ColourChartError> {
     let Some(first) = readings.first() else {
-        return Err(ChartError::NoChart);
+        return Err(ColourChartError::NoChart);
     };
     if let Some(other) = readings.iter().find(|r| r.kind != first.kind) {
-        return Err(ChartError::MixedCharts {
+        return Err(ColourChartError::MixedCharts {
             first: first.kind.name(),
             other: other.kind.name(),
         });
@@ -136,7 +136,7 @@ pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, V
         sum.map(|v| v / readings.len() as f64)
     };
     let means: Vec<[f64; 3]> = (0..first.patches.len()).map(mean).collect();
-    let disagreement = |reading: &Reading| {
+    let disagreement = |reading: &ChartReading| {
         let pairs = reading.patches.iter().zip(&means);
         let sum: f64 = pairs
             .map(|((_, own), mean)| Lab::of_linear(*own).delta_e(Lab::of_linear(*mean)))
@@ -146,10 +146,10 @@ pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, V
     let disagreements: Vec<f64> = readings.iter().map(disagreement).collect();
     let worst = disagreements.iter().copied().fold(0.0, f64::max);
     if worst > MOST_DISAGREEMENT {
-        return Err(ChartError::PhotosDisagree { delta_e: worst });
+        return Err(ColourChartError::PhotosDisagree { delta_e: worst });
     }
     let asked = first.patches.iter().map(|(asked, _)| *asked);
-    let source = Source {
+    let source = ChartSource {
         chart: first.kind.name().to_owned(),
         program: program.to_owned(),
         photos_sha256: readings.iter().map(|r| r.sha256.clone()).collect(),
@@ -157,14 +157,14 @@ pub fn average(readings: &[Reading], program: &str) -> Result<(PrintedColours, V
     };
     let colours = PrintedColours::of_light(source, asked.zip(means));
     if colours.gamut_share_of_srgb < LEAST_GAMUT {
-        return Err(ChartError::Colourless);
+        return Err(ColourChartError::Colourless);
     }
     Ok((colours, disagreements))
 }
 
-fn refuse_clipped(cells: &[(Cell, Sample)]) -> Result<(), ChartError> {
+fn refuse_clipped(cells: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartError> {
     match cells.iter().find(|(_, sample)| sample.clipped > MOST_CLIPPED) {
-        Some((cell, sample)) => Err(ChartError::Overexposed {
+        Some((cell, sample)) => Err(ColourChartError::Overexposed {
             place: place(*cell),
             share_percent: 100.0 * sample.clipped,
         }),
@@ -172,29 +172,29 @@ fn refuse_clipped(cells: &[(Cell, Sample)]) -> Result<(), ChartError> {
     }
 }
 
-fn refuse_dark(whites: &[(Cell, Sample)]) -> Result<(), ChartError> {
+fn refuse_dark(whites: &[(ChartCell, PatchSample)]) -> Result<(), ColourChartError> {
     let weakest = whites
         .iter()
         .flat_map(|(_, sample)| sample.light)
         .fold(f64::INFINITY, f64::min);
     let level = 255.0 * Srgb::<f64>::from_linear(LinSrgb::new(weakest, weakest, weakest)).red;
     if level < LEAST_WHITE {
-        return Err(ChartError::TooDark { level });
+        return Err(ColourChartError::TooDark { level });
     }
     Ok(())
 }
 
-fn light_on(whites: &[(Cell, Sample)], chart: &FoundChart) -> Result<Light, ChartError> {
+fn light_on(whites: &[(ChartCell, PatchSample)], chart: &FoundChart) -> Result<ChartLight, ColourChartError> {
     let places: Vec<_> = whites
         .iter()
         .map(|(cell, sample)| (cell.centre_mm(), sample.light))
         .collect();
-    let Some(light) = Light::fit(&places, chart.layout.size_mm) else {
-        return Err(ChartError::TooDark { level: 0.0 });
+    let Some(light) = ChartLight::fit(&places, chart.layout.size_mm) else {
+        return Err(ColourChartError::TooDark { level: 0.0 });
     };
     let worst = whites.iter().zip(&light.off).max_by(|(_, a), (_, b)| a.total_cmp(b));
     match worst {
-        Some(((cell, _), off)) if *off > MOST_OFF_LIGHT => Err(ChartError::UnevenLight {
+        Some(((cell, _), off)) if *off > MOST_OFF_LIGHT => Err(ColourChartError::UnevenLight {
             off_percent: 100.0 * off,
             place: place(*cell),
         }),
@@ -202,11 +202,11 @@ fn light_on(whites: &[(Cell, Sample)], chart: &FoundChart) -> Result<Light, Char
     }
 }
 
-fn refuse_reflections(inked: &[(Cell, Sample)], light: &Light) -> Result<(), ChartError> {
+fn refuse_reflections(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(), ColourChartError> {
     for (cell, sample) in inked {
         let brightness = luminance(over(sample.light, light.at(cell.centre_mm())));
         if brightness > MOST_BRIGHT {
-            return Err(ChartError::Reflection {
+            return Err(ColourChartError::Reflection {
                 place: place(*cell),
                 percent: 100.0 * brightness,
             });
@@ -216,8 +216,8 @@ fn refuse_reflections(inked: &[(Cell, Sample)], light: &Light) -> Result<(), Cha
 }
 
 /// Median and worst patchiness.
-fn evenness(inked: &[(Cell, Sample)], light: &Light) -> Result<(f64, f64), ChartError> {
-    let patchiness = |(cell, sample): &(Cell, Sample)| {
+fn evenness(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
+    let patchiness = |(cell, sample): &(ChartCell, PatchSample)| {
         let white = light.at(cell.centre_mm());
         let whole = Lab::of_linear(over(sample.light, white));
         let parts = sample
@@ -226,11 +226,11 @@ fn evenness(inked: &[(Cell, Sample)], light: &Light) -> Result<(f64, f64), Chart
             .map(|part| Lab::of_linear(over(*part, white)).delta_e(whole));
         parts.fold(0.0, f64::max)
     };
-    let mut all: Vec<(f64, Cell)> = inked.iter().map(|patch| (patchiness(patch), patch.0)).collect();
+    let mut all: Vec<(f64, ChartCell)> = inked.iter().map(|patch| (patchiness(patch), patch.0)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let patchy = all.iter().filter(|(own, _)| *own > MOST_PATCHY).count();
     match all.first() {
-        Some((_, cell)) if patchy > 0 => Err(ChartError::Patchy {
+        Some((_, cell)) if patchy > 0 => Err(ColourChartError::Patchy {
             patches: patchy,
             place: place(*cell),
         }),
@@ -239,7 +239,7 @@ fn evenness(inked: &[(Cell, Sample)], light: &Light) -> Result<(f64, f64), Chart
     }
 }
 
-fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ChartError> {
+fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ColourChartError> {
     let blacks = patches
         .iter()
         .filter(|(asked, _)| *asked == [0; 3])
@@ -248,7 +248,7 @@ fn refuse_uneven_black(patches: &[([u8; 3], [f64; 3])]) -> Result<(), ChartError
         (low.min(l), high.max(l))
     });
     if high - low > MOST_BLACK_SPREAD {
-        return Err(ChartError::UnevenBlack { low, high });
+        return Err(ColourChartError::UnevenBlack { low, high });
     }
     Ok(())
 }

@@ -4,19 +4,19 @@ use image::RgbImage;
 use palette::Srgb;
 
 use super::find::FoundChart;
-use super::layout::Cell;
+use super::layout::ChartCell;
 
 /// Side of the square in the middle of a cell whose pixels count: 2.5 mm of the patch around it are left to blur, to lens
 /// distortion and to paper that is not quite flat.
-pub const SAMPLED_MM: f64 = 5.0;
+pub(crate) const SAMPLED_MM: f64 = 5.0;
 /// The square is also looked at in so many parts a side.
-pub const PARTS: usize = 3;
+pub(crate) const PARTS: usize = 3;
 /// Levels from here up are at the end of the scale.
 const CLIPPED: u8 = 254;
 
 /// What the camera saw of a cell. Light is linear in the primaries of sRGB, 1 is the end of the camera's scale.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub(crate) struct PatchSample {
     /// The mean of the middle half of the pixels, channel by channel: a speck or a hair does not count.
     pub light: [f64; 3],
     /// The same of each of the [`PARTS`]² parts, row by row.
@@ -27,14 +27,14 @@ pub struct Sample {
     pub at_zero: f64,
 }
 
-/// Samples a cell. `None` where a part of it lies outside the picture or has no pixel.
-pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: Cell) -> Option<Sample> {
+/// Samples a cell. `None` where a part of it lies outside the photo or has no pixel.
+pub(crate) fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
     let [cx, cy] = cell.centre_mm();
     let h = SAMPLED_MM / 2.0;
     let corners = [[cx - h, cy - h], [cx + h, cy - h], [cx + h, cy + h], [cx - h, cy + h]].map(|mm| chart.px(mm));
     let (columns, rows) = (
-        span(corners.map(|c| c[0]), picture.width())?,
-        span(corners.map(|c| c[1]), picture.height())?,
+        span(corners.map(|c| c[0]), photo.width())?,
+        span(corners.map(|c| c[1]), photo.height())?,
     );
     let mut parts: Vec<Vec<[u8; 3]>> = vec![Vec::new(); PARTS * PARTS];
     for y in rows {
@@ -44,7 +44,7 @@ pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: Cell) -> Option<Samp
             let (column, row) = (part(mm_x - cx + h), part(mm_y - cy + h));
             let within = |part: f64| part >= 0.0 && part < PARTS as f64;
             if within(column) && within(row) {
-                parts[row as usize * PARTS + column as usize].push(picture.get_pixel(x, y).0);
+                parts[row as usize * PARTS + column as usize].push(photo.get_pixel(x, y).0);
             }
         }
     }
@@ -56,7 +56,7 @@ pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: Cell) -> Option<Samp
         let count = all.iter().filter(|pixel| pixel.iter().any(|level| is(*level))).count();
         count as f64 / all.len() as f64
     };
-    Some(Sample {
+    Some(PatchSample {
         light: middle_mean(&all),
         parts: parts.iter().map(|part| middle_mean(part)).collect(),
         clipped: share(&|level| level >= CLIPPED),
@@ -64,7 +64,7 @@ pub fn sample(picture: &RgbImage, chart: &FoundChart, cell: Cell) -> Option<Samp
     })
 }
 
-/// The pixels between the least and the greatest of some places; `None` when they leave the picture.
+/// The pixels between the least and the greatest of some places; `None` when they leave the photo.
 fn span(places: [f64; 4], side: u32) -> Option<std::ops::RangeInclusive<u32>> {
     let low = places.iter().copied().fold(f64::INFINITY, f64::min).floor();
     let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();

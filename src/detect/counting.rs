@@ -56,22 +56,21 @@ impl Manifest {
         }
     }
 
-    /// Whether `[class_map]` fits the labels.
-    pub(super) fn check_class_map(&self) -> Result<(), String> {
-        for (own, counted) in &self.class_map {
-            if self.labels.find(own).is_none() {
-                let nearest = self.labels.nearest_to(own);
-                return Err(format!(
-                    "class_map has `{own}`, which is no label of this detector; {nearest}"
-                ));
-            }
-            if !(1..=LONGEST).contains(&counted.chars().count()) || counted.contains(char::is_control) {
-                return Err(format!(
+    /// What is wrong with `[class_map]`, as a sentence.
+    pub(super) fn class_map_fault(&self) -> Option<String> {
+        self.class_map.iter().find_map(|(own, counted)| {
+            let is_label = (1..=LONGEST).contains(&counted.chars().count()) && !counted.contains(char::is_control);
+            match self.labels.find(own) {
+                None => Some(format!(
+                    "class_map has `{own}`, which is no label of this detector; {}",
+                    self.labels.nearest_to(own)
+                )),
+                Some(_) if !is_label => Some(format!(
                     "class_map counts `{own}` as {counted:?}: give a label of 1 to {LONGEST} characters, as in {own:?} = \"car\""
-                ));
+                )),
+                Some(_) => None,
             }
-        }
-        Ok(())
+        })
     }
 }
 

@@ -78,10 +78,7 @@ fn fetch_with(
         return already_there(manifest, target);
     }
     let part = folder.join(format!("{}.part", manifest.weights.file));
-    let failed = |e: std::io::Error| files::FileError::Write {
-        path: part.clone(),
-        reason: files::plain(&e),
-    };
+    let failed = |e: std::io::Error| files::FileError::write(&part, &e);
     let have = part_bytes(&part)?;
     if let Some(response) = request(manifest, folder, have, patience)? {
         std::fs::create_dir_all(folder).map_err(failed)?;
@@ -216,10 +213,7 @@ fn is_late(e: &std::io::Error) -> bool {
 }
 
 fn keep(manifest: &Manifest, part: &Path, target: &Path) -> Result<PathBuf, FetchError> {
-    let failed = |e: std::io::Error| files::FileError::Write {
-        path: target.to_owned(),
-        reason: files::plain(&e),
-    };
+    let failed = |e: std::io::Error| files::FileError::write(target, &e);
     match check_hash(manifest, part) {
         Ok(()) => {}
         Err(WeightsError::File(e)) => return Err(e.into()),

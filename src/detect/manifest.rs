@@ -261,7 +261,9 @@ impl Manifest {
             ));
         }
         self.weights.check()?;
-        self.check_class_map()?;
+        if let Some(fault) = self.class_map_fault() {
+            return Err(fault);
+        }
         let Input {
             size_px,
             mean,

@@ -67,10 +67,7 @@ impl Stream {
         match written {
             // The reader has enough, as `head` does.
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-            Err(e) => Err(FileError::Write {
-                path,
-                reason: plain(&e),
-            }),
+            Err(e) => Err(FileError::write(&path, &e)),
             Ok(()) => Ok(()),
         }
     }

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::{FileError, plain};
+use super::FileError;
 
 /// Removed unless it takes its place. Its lock says that its program still runs.
 pub(super) struct Staged {
@@ -20,7 +20,7 @@ impl Staged {
             path: path.to_owned(),
             reason,
         };
-        let failed = |e: std::io::Error| refused(plain(&e));
+        let failed = |e| FileError::write(path, &e);
         if path.is_dir() {
             return Err(refused("a folder is in its place".into()));
         }
@@ -42,10 +42,7 @@ impl Staged {
 
     /// Gives the file its name; returns its lock, for who needs it longer.
     pub(super) fn take_place(mut self) -> Result<Option<File>, FileError> {
-        std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::Write {
-            path: self.path.clone(),
-            reason: plain(&e),
-        })?;
+        std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
         Ok(self.lock.take())
     }
 

@@ -10,10 +10,7 @@ use super::{FileError, folder_of, plain, staged};
 /// # Errors
 /// Those of `fill`; a place that cannot be written.
 pub fn make_folder(path: &Path, fill: impl FnOnce(&Path) -> Result<(), FileError>) -> Result<(), FileError> {
-    let failed = |e: &std::io::Error| FileError::Write {
-        path: path.to_owned(),
-        reason: plain(e),
-    };
+    let failed = |e: &std::io::Error| FileError::write(path, e);
     let Some(name) = path.file_name() else {
         let reason = "it is not a folder's name".into();
         let path = path.to_owned();

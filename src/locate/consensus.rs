@@ -9,7 +9,7 @@ use super::abstention::Abstention;
 use super::doubt;
 use super::matches::{Corners, Ignored, IgnoredTag, Match};
 use super::refine::{self, NO_HUBER};
-use super::solver::{Candidate, Solver, largest_first};
+use super::solver::{PoseCandidate, Solver, largest_first};
 use super::uncertainty::pooled;
 use crate::camera::Camera;
 use crate::geometry::Rigid;
@@ -31,7 +31,7 @@ const MIN_AGREEING: usize = 3;
 /// The tags that agree, the poses that might be theirs, and the tags left out.
 pub(super) struct Consensus<'a> {
     pub matches: Vec<Match<'a>>,
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<PoseCandidate>,
     pub left_out: Vec<IgnoredTag>,
 }
 
@@ -40,7 +40,7 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
     let candidates = Solver::EveryBranch.candidates(&matches, camera);
     let best = candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
     let all_agree =
-        |b: &Candidate| disagreement(&b.pose, &matches, camera).is_some_and(|d| d.iter().all(|d| *d <= 1.0));
+        |b: &PoseCandidate| disagreement(&b.pose, &matches, camera).is_some_and(|d| d.iter().all(|d| *d <= 1.0));
     if matches.len() < MIN_AGREEING || best.is_some_and(all_agree) {
         return Ok(Consensus {
             matches,
@@ -50,13 +50,13 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
     }
     let tags = matches.len();
     let (pose, kept) = majority(best, &matches, camera).ok_or(Abstention::NoMajority { tags })?;
-    let (matches, outvoted): (Vec<_>, Vec<_>) = matches.into_iter().zip(&kept).partition(|(_, is_kept)| **is_kept);
+    let (matches, outliers): (Vec<_>, Vec<_>) = matches.into_iter().zip(&kept).partition(|(_, is_kept)| **is_kept);
     let matches: Vec<Match> = matches.into_iter().map(|(m, _)| m).collect();
-    let why = |m: &Match| blame(m, &pose, scene, camera);
+    let why = |m: &Match| diagnose_outlier(m, &pose, scene, camera);
     Ok(Consensus {
         candidates: Solver::EveryBranch.candidates(&matches, camera),
         matches,
-        left_out: outvoted
+        left_out: outliers
             .iter()
             .map(|(m, _)| IgnoredTag {
                 id: m.tag.id,
@@ -69,7 +69,7 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
 /// The pose that a majority of tags agrees on, and which do. `None` without a majority, and with two of them.
 ///
 /// One or two moved tags show up when all are fitted; where more do not, some pair of whole ones does not know of them.
-fn majority(start: Option<&Candidate>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
+fn majority(start: Option<&PoseCandidate>, matches: &[Match], camera: &Camera) -> Option<(Rigid, Vec<bool>)> {
     if let Some(found) = start.and_then(|s| settle(s.pose, vec![true; matches.len()], matches, camera)) {
         return Some(found);
     }
@@ -93,7 +93,7 @@ fn majority(start: Option<&Candidate>, matches: &[Match], camera: &Camera) -> Op
 
 /// The majorities that agree with the poses of a pair.
 fn majority_by(pair: &[Match], matches: &[Match], camera: &Camera) -> Vec<(Rigid, Vec<bool>)> {
-    let by = |candidate: &Candidate| {
+    let by = |candidate: &PoseCandidate| {
         let kept = expected_by(&candidate.pose, pair, matches, camera)?;
         settle(candidate.pose, kept, matches, camera)
     };
@@ -140,11 +140,11 @@ fn chosen<'a>(matches: &[Match<'a>], kept: &[bool]) -> Vec<Match<'a>> {
 /// How far each tag is from where the others expect it, in units of what is allowed, by the residuals of the fit to all: deleted
 /// residuals (Cook & Weisberg 1982, "Residuals and Influence in Regression", section 3.2) of a tag's eight coordinates.
 fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<f64>> {
-    let seen = Linear::of_all(pose, matches, camera)?;
+    let seen = LinearisedTag::of_all(pose, matches, camera)?;
     let covariance = total(&seen)?;
     let squares: f64 = seen.iter().map(|l| l.residual.norm_squared()).sum();
     let freedom = 8.0 * (seen.len() as f64 - 1.0) - 6.0;
-    let of = |l: &Linear| {
+    let of = |l: &LinearisedTag| {
         let kept = SMatrix::<f64, 8, 8>::identity() - l.jacobian * covariance * l.jacobian.transpose();
         // A tag that the others say nothing about cannot be tested: it does not agree.
         kept.cholesky().map_or(f64::INFINITY, |c| {
@@ -157,13 +157,13 @@ fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<
 
 /// Which tags lie where a pose, fitted to some of them, expects them.
 fn expected_by(pose: &Rigid, fitted: &[Match], matches: &[Match], camera: &Camera) -> Option<Vec<bool>> {
-    let members = Linear::of_all(pose, fitted, camera)?;
+    let members = LinearisedTag::of_all(pose, fitted, camera)?;
     let covariance = total(&members)?;
     let squares: f64 = members.iter().map(|l| l.residual.norm_squared()).sum();
     let allowed_px2 = allowed_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
     let agrees = |m: &Match| {
         let is_member = fitted.iter().any(|f| is_same(f, m));
-        let Some(l) = Linear::of(pose, m, camera) else {
+        let Some(l) = LinearisedTag::of(pose, m, camera) else {
             return false;
         };
         let expected = SMatrix::<f64, 8, 8>::identity() + l.jacobian * covariance * l.jacobian.transpose();
@@ -181,13 +181,13 @@ fn allowed_px2(squares: f64, freedom: f64, camera: &Camera) -> f64 {
 }
 
 /// The eight coordinates of a tag near a pose: residuals, and their derivatives by a step of the pose.
-struct Linear {
+struct LinearisedTag {
     residual: SVector<f64, 8>,
     jacobian: SMatrix<f64, 8, 6>,
 }
 
-impl Linear {
-    fn of(pose: &Rigid, m: &Match, camera: &Camera) -> Option<Linear> {
+impl LinearisedTag {
+    fn of(pose: &Rigid, m: &Match, camera: &Camera) -> Option<LinearisedTag> {
         let (mut residual, mut jacobian) = (SVector::<f64, 8>::zeros(), SMatrix::<f64, 8, 6>::zeros());
         for (i, (point, [u, v])) in m.tag.corners_mm().iter().zip(m.corners_px).enumerate() {
             let ([x, y], by_pose) = camera.project_by_pose(pose, point)?;
@@ -197,22 +197,22 @@ impl Linear {
         residual
             .iter()
             .all(|r: &f64| r.is_finite())
-            .then_some(Linear { residual, jacobian })
+            .then_some(LinearisedTag { residual, jacobian })
     }
 
-    fn of_all(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<Linear>> {
-        matches.iter().map(|m| Linear::of(pose, m, camera)).collect()
+    fn of_all(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<LinearisedTag>> {
+        matches.iter().map(|m| LinearisedTag::of(pose, m, camera)).collect()
     }
 }
 
 /// (JᵀJ)⁻¹ over some tags.
-fn total(seen: &[Linear]) -> Option<Matrix6<f64>> {
+fn total(seen: &[LinearisedTag]) -> Option<Matrix6<f64>> {
     let information: Matrix6<f64> = seen.iter().map(|l| l.jacobian.transpose() * l.jacobian).sum();
     Some(information.cholesky()?.inverse())
 }
 
-/// What is wrong with an outvoted tag, by the pose of the others.
-fn blame(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> Ignored {
+/// What is wrong with an outlier tag, by the pose of the others.
+fn diagnose_outlier(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> Ignored {
     let limit_px = doubt::limit_px(camera);
     let expected =
         |tag: &Tag| -> Option<Vec<[f64; 2]>> { tag.corners_mm().iter().map(|p| camera.project(&(pose * p))).collect() };

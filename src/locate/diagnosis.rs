@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::factor::{self, Factor, Of};
+use super::factor::{self, Factor, FactorKind};
 use super::{Abstention, LocatedPhoto, Warning};
 use crate::camera::{Camera, SizeError};
 use crate::scene::{Scene, TagFamily};
@@ -154,8 +154,8 @@ fn other_ids(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Diagnosis> {
 
 /// A wrong size of all tags, or a wrong focal length.
 fn wrong_number(bad: &[&LocatedPhoto], photos: usize, scene: &Scene) -> Option<Diagnosis> {
-    let size = factor::fit(Of::TagSize, bad, scene)?;
-    let focal = factor::fit(Of::Focal, bad, scene)?;
+    let size = factor::fit(FactorKind::TagSize, bad, scene)?;
+    let focal = factor::fit(FactorKind::Focal, bad, scene)?;
     let best = size.cost.min(focal.cost);
     let could_be = |fit: &Factor| best > BETTER_THAN_RIVAL * fit.cost;
     let is_good = |fit: &Factor| is_good(fit, photos);

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::abstention::Abstention;
 use super::matches::Match;
-use super::solver::Candidate;
+use super::solver::PoseCandidate;
 use super::uncertainty::Sigma;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, angle};
@@ -18,7 +18,7 @@ const MAX_RMS_DEG: f64 = 0.15;
 /// none.
 const FEW_TAGS: f64 = 0.3;
 
-/// The rival's residual must be this many times the best pose's. Measured in `notes/pose.md` of the design: with the ratio of
+/// The rival's residual must be this many times the best pose's. Measured on synthetic views: with the ratio of
 /// best to rival below 0.2, single-tag frames are more than 10° wrong in 0.23 % instead of 2.1 %.
 const MIN_RIVAL_RATIO: f64 = 5.0;
 
@@ -47,11 +47,11 @@ pub(super) fn limit_px(camera: &Camera) -> f64 {
 }
 
 /// The best pose and the best different one, if the best fits and the other does not fit almost as well.
-pub(super) fn undoubted(
-    mut found: Vec<Candidate>,
+pub(super) fn without_rival(
+    mut found: Vec<PoseCandidate>,
     matches: &[Match],
     camera: &Camera,
-) -> Result<(Candidate, Option<Candidate>), Abstention> {
+) -> Result<(PoseCandidate, Option<PoseCandidate>), Abstention> {
     found.sort_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
     let Some(best) = found.first() else {
         return Err(Abstention::BehindCamera);
@@ -106,15 +106,15 @@ pub(super) fn undoubted(
     Ok((best.clone(), rival.cloned()))
 }
 
-/// The standard deviation of an azimuth whose tags fit badly although some were outvoted: one bad card leaves the others in agreement, so
+/// The standard deviation of an azimuth whose tags fit badly although outliers were rejected: one bad card leaves the others in agreement, so
 /// the camera file or the scene is wrong, and the rest was chosen to fit it. Focal lengths 12 % to 50 % off gave azimuths up to 8° off.
-const BENT_SIGMA_DEG: f64 = 3.0;
+const MISFIT_SIGMA_DEG: f64 = 3.0;
 
-/// What the viewpoint's σ becomes where the tags that were not outvoted fit badly.
-pub(super) fn bent(sigma: Sigma) -> Sigma {
+/// What the viewpoint's σ becomes where the inlier tags fit badly.
+pub(super) fn misfit_sigma(sigma: Sigma) -> Sigma {
     Sigma {
-        azimuth_deg: sigma.azimuth_deg.max(BENT_SIGMA_DEG),
-        pitch_deg: sigma.pitch_deg.max(BENT_SIGMA_DEG),
+        azimuth_deg: sigma.azimuth_deg.max(MISFIT_SIGMA_DEG),
+        pitch_deg: sigma.pitch_deg.max(MISFIT_SIGMA_DEG),
         ..sigma
     }
 }
@@ -132,7 +132,7 @@ pub(super) fn settled(sigma: &Sigma, edge_deg: f64) -> Result<(), Abstention> {
 }
 
 /// The angle between a tag's normal and the line of sight to its centre.
-fn tilt_deg(m: &Match, found: &Candidate) -> f64 {
+fn tilt_deg(m: &Match, found: &PoseCandidate) -> f64 {
     let to_camera = found.pose.inverse() * Point3::origin() - m.tag.centre_mm;
     m.tag.right.cross(&m.tag.up).angle(&to_camera).to_degrees()
 }

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 
 /// What a factor belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Of {
+pub(super) enum FactorKind {
     /// Every tag's `size_mm`, about its centre.
     TagSize,
     /// fx and fy.
@@ -48,7 +48,7 @@ const FITTED: usize = 12;
 const WORST_DEG: f64 = 0.5;
 
 /// Fits a factor to the photos with two tags or more. `None` when there are none.
-pub(super) fn fit(of: Of, photos: &[&LocatedPhoto], scene: &Scene) -> Option<Factor> {
+pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Option<Factor> {
     let all: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_telling(p, scene)).collect();
     let photos = spread(&all, FITTED);
     let cost = |factor: f64, photos: &[&LocatedPhoto]| {
@@ -94,18 +94,18 @@ fn is_telling(photo: &LocatedPhoto, scene: &Scene) -> bool {
 }
 
 /// The scene with its tags' sizes multiplied, when that is what the factor belongs to.
-fn scaled(of: Of, scene: &Scene, factor: f64) -> Scene {
+fn scaled(of: FactorKind, scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
-    if of == Of::TagSize {
+    if of == FactorKind::TagSize {
         scene.tags.iter_mut().for_each(|tag| tag.size_mm *= factor);
     }
     scene
 }
 
 /// The photo's camera with its focal length multiplied, when that is what the factor belongs to.
-fn camera(of: Of, factor: f64, photo: &LocatedPhoto) -> Option<Camera> {
+fn camera(of: FactorKind, factor: f64, photo: &LocatedPhoto) -> Option<Camera> {
     let mut camera = photo.fitted.as_ref().ok()?.camera.clone();
-    if of == Of::Focal {
+    if of == FactorKind::Focal {
         camera.fx *= factor;
         camera.fy *= factor;
     }
@@ -113,7 +113,7 @@ fn camera(of: Of, factor: f64, photo: &LocatedPhoto) -> Option<Camera> {
 }
 
 /// How badly all tags of a photo fit at best, (degrees)²; `scene` has the factor already.
-fn cost(of: Of, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> f64 {
+fn cost(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> f64 {
     let worst = WORST_DEG * WORST_DEG;
     let rms_deg = || {
         let camera = camera(of, factor, photo)?;
@@ -129,10 +129,10 @@ fn best_rms_px(matches: &[Match], camera: &Camera) -> Option<f64> {
 }
 
 /// Located by at least two tags that agree, as in a good photo by a right camera, hardly one left out.
-fn is_healed(of: Of, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> bool {
+fn is_healed(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> bool {
     let agrees = |l: Located| {
-        let outvoted = l.ignored_tags.iter().filter(|tag| tag.why.is_outvoted()).count();
-        l.tags.len() >= 2 && 4 * outvoted <= l.tags.len() && !l.warnings.contains(&Warning::PoorFit)
+        let outliers = l.ignored_tags.iter().filter(|tag| tag.why.is_outlier()).count();
+        l.tags.len() >= 2 && 4 * outliers <= l.tags.len() && !l.warnings.contains(&Warning::PoorFit)
     };
     let located = camera(of, factor, photo).and_then(|camera| locate(&photo.seen, scene, &camera).ok());
     located.is_some_and(agrees)

@@ -22,9 +22,9 @@ pub struct IgnoredTag {
 pub enum Ignored {
     /// The scene has no tag of this family and id.
     NotInScene,
-    /// The id is in the picture twice: one is a copy or a ghost, and nothing tells which.
+    /// The id is in the image twice: one is a copy or a ghost, and nothing tells which.
     SeenTwice,
-    /// Part of its border is covered or out of the picture, and enough whole tags remain.
+    /// Part of its border is covered or out of the image, and enough whole tags remain.
     PartlyCovered,
     /// It stands where the scene has another tag.
     WrongId,
@@ -40,7 +40,7 @@ pub enum Ignored {
 
 impl Ignored {
     /// True for what only the other tags' pose can tell.
-    pub fn is_outvoted(self) -> bool {
+    pub fn is_outlier(self) -> bool {
         self >= Ignored::WrongId
     }
 }
@@ -70,7 +70,7 @@ pub(super) struct Match<'a> {
 }
 
 impl Match<'_> {
-    /// Area in the picture, px².
+    /// Area in the image, px².
     pub fn area_px(&self) -> f64 {
         area_px(&self.corners_px)
     }
@@ -84,7 +84,7 @@ pub(super) fn area_px(c: &[[f64; 2]; 4]) -> f64 {
     twice.abs() / 2.0
 }
 
-/// Corresponding corners: model frame in mm, picture in px; four of each tag, tag after tag.
+/// Corresponding corners: model frame in mm, image in px; four of each tag, tag after tag.
 pub(super) struct Corners {
     pub model_mm: Vec<Point3<f64>>,
     pub image_px: Vec<[f64; 2]>,

@@ -25,7 +25,7 @@ use crate::tags::SeenTag;
 use consensus::Consensus;
 use matches::{Corners, Match};
 use refine::NO_HUBER;
-use solver::Candidate;
+use solver::PoseCandidate;
 
 pub use abstention::Abstention;
 pub use diagnosis::Diagnosis;
@@ -88,24 +88,24 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
         candidates,
         left_out,
     } = found(solver, matches, scene, camera)?;
-    let (best, rival) = doubt::undoubted(candidates, &matches, camera)?;
+    let (best, rival) = doubt::without_rival(candidates, &matches, camera)?;
     if let [only] = &matches[..] {
-        plain_view::uncontradicted(only, &best.pose, seen, scene, camera)?;
+        plain_view::check_plain_view(only, &best.pose, seen, scene, camera)?;
     }
-    let is_outvoted = !left_out.is_empty();
+    let has_outliers = !left_out.is_empty();
     ignored_tags.extend(left_out);
     ignored_tags.sort_unstable();
     let corners = Corners::of(&matches);
     let finished = finished(solver, &best, &corners, camera).and_then(|(pose, uncertainty)| {
         let rms_px = refine::rms_px(&pose, &corners, camera)?;
-        Some((Candidate { pose, rms_px }, uncertainty))
+        Some((PoseCandidate { pose, rms_px }, uncertainty))
     });
     let (best, uncertainty) = finished.ok_or(Abstention::OPEN)?;
     let viewpoint = viewpoint(&best.pose, scene);
     let is_poor_fit = best.rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG;
     let mut sigma = uncertainty.of_viewpoint(&best.pose, scene.model.target_mm());
-    if is_outvoted && is_poor_fit {
-        sigma = doubt::bent(sigma);
+    if has_outliers && is_poor_fit {
+        sigma = doubt::misfit_sigma(sigma);
     }
     doubt::settled(&sigma, scene.bins.azimuth_to_edge_deg(viewpoint.azimuth_deg))?;
     let bin = scene.bins.bin_of(&viewpoint);
@@ -161,7 +161,7 @@ fn found<'a>(
 }
 
 /// The pose a solver ends with and how far it may be off. `None` when the corners leave it open.
-fn finished(solver: Solver, best: &Candidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
+fn finished(solver: Solver, best: &PoseCandidate, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
     match solver {
         Solver::EveryBranch => uncertainty::robust(&best.pose, corners, camera),
         _ => Some((best.pose, uncertainty::at(&best.pose, corners, camera, NO_HUBER)?)),

@@ -1,6 +1,6 @@
 //! What a pose says the photo should show besides the tag it rests on.
 //!
-//! A lone tag whose card was turned, or that was read as another one, fits perfectly in a wrong place. The rest of the picture
+//! A lone tag whose card was turned, or that was read as another one, fits perfectly in a wrong place. The rest of the image
 //! can contradict it: the model is not where the camera looks, or tags that should be in plain view are not there.
 
 use super::abstention::Abstention;
@@ -14,7 +14,7 @@ use nalgebra::Point3;
 /// Tags further turned away than this may be missed by a detector: cosine of 60°.
 const FACING: f64 = 0.5;
 
-/// Share of the picture's sides within which a tag may be cut or blurred.
+/// Share of the image's sides within which a tag may be cut or blurred.
 const BORDER: f64 = 0.05;
 
 /// The model is not exactly its box, mm.
@@ -24,7 +24,7 @@ const MODEL_MARGIN_MM: f64 = 20.0;
 const MISSING: usize = 2;
 
 /// Refuses the pose of a lone tag that the rest of the photo contradicts. `seen`: everything that was found in it.
-pub(super) fn uncontradicted(
+pub(super) fn check_plain_view(
     only: &Match,
     pose: &Rigid,
     seen: &[SeenTag],
@@ -48,7 +48,7 @@ pub(super) fn uncontradicted(
     Ok(())
 }
 
-/// Whether a tag faces the camera, well inside the picture, clear of the model, and looks at least as large as the one that was seen.
+/// Whether a tag faces the camera, well inside the image, clear of the model, and looks at least as large as the one that was seen.
 fn is_in_plain_view(tag: &Tag, least_px2: f64, pose: &Rigid, scene: &Scene, camera: &Camera) -> bool {
     let centre = pose.inverse() * Point3::origin();
     let is_facing = tag.right.cross(&tag.up).dot(&(centre - tag.centre_mm).normalize()) > FACING;
@@ -65,7 +65,7 @@ fn is_in_plain_view(tag: &Tag, least_px2: f64, pose: &Rigid, scene: &Scene, came
     outline.iter().all(|pixel| is_inside(*pixel, camera, BORDER)) && area_px(&outline) >= least_px2
 }
 
-/// Whether a pixel lies in the picture without a border, a share of its sides.
+/// Whether a pixel lies in the image without a border, a share of its sides.
 fn is_inside([x, y]: [f64; 2], camera: &Camera, border: f64) -> bool {
     let within = |v: f64, size: u32| {
         let size = f64::from(size);

@@ -1,4 +1,4 @@
-//! The ladder of pose solvers, each rung with what the one below lacks: [`super::planar`] and [`super::sqpnp`] solve directly,
+//! The pose solvers, from the simplest to the default, each with what the one before lacks: [`super::planar`] and [`super::sqpnp`] solve directly,
 //! [`super::refine`] refines.
 
 use super::matches::{Corners, Match};
@@ -17,7 +17,7 @@ pub enum Solver {
     Sqpnp,
     /// SQPnP, then Levenberg–Marquardt over all corners, distortion included.
     SqpnpRefined,
-    /// SQPnP and the branches of the largest tags, each refined; tags that the others outvote are left out; single bad corners
+    /// SQPnP and the branches of the largest tags, each refined; outlier tags are left out; single bad corners
     /// weigh less.
     #[default]
     EveryBranch,
@@ -54,7 +54,7 @@ impl Solver {
     }
 
     /// Every pose that might be the one, unsorted.
-    pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<Candidate> {
+    pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<PoseCandidate> {
         let corners = Corners::of(matches);
         let refined = |starts: Vec<Rigid>| {
             let refined = |start| refine::refine(start, &corners, camera, NO_HUBER);
@@ -71,7 +71,7 @@ impl Solver {
             }
         };
         let with_rms = |pose| {
-            Some(Candidate {
+            Some(PoseCandidate {
                 rms_px: refine::rms_px(&pose, &corners, camera)?,
                 pose,
             })
@@ -82,7 +82,7 @@ impl Solver {
 
 /// A pose and how far it leaves the corners from where they were seen.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
+pub(super) struct PoseCandidate {
     pub pose: Rigid,
     pub rms_px: f64,
 }

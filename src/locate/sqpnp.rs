@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::geometry::{Rigid, rigid};
 use crate::least_squares::{LeastSquares, Limits, minimise};
 
-type Form = SMatrix<f64, 9, 9>;
+type QuadraticForm = SMatrix<f64, 9, 9>;
 type Nine = SVector<f64, 9>;
 
 const FEWEST_POINTS: usize = 3;
@@ -60,7 +60,7 @@ fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64
 }
 
 /// The quadratic form of a rotation's nine numbers (row by row) when the translation follows it.
-fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
+fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<QuadraticForm> {
     let of_point = |p: &Point3<f64>| SMatrix::<f64, 3, 9>::from_fn(|i, j| if j / 3 == i { p[j % 3] } else { 0.0 });
     let (mut sum, mut crossed) = (Matrix3::zeros(), SMatrix::<f64, 3, 9>::zeros());
     for (point, ray) in model.iter().zip(seen) {
@@ -69,7 +69,7 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
         crossed += q * of_point(point);
     }
     let follow = -sum.try_inverse()? * crossed;
-    let mut form = Form::zeros();
+    let mut form = QuadraticForm::zeros();
     for (point, ray) in model.iter().zip(seen) {
         let left = of_point(point) + follow;
         form += left.transpose() * rays::square(*ray) * left;
@@ -78,7 +78,7 @@ fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Form> {
 }
 
 /// The minimum of the form on the rotations near a start.
-fn minimum(start: Matrix3<f64>, form: &Form) -> Matrix3<f64> {
+fn minimum(start: Matrix3<f64>, form: &QuadraticForm) -> Matrix3<f64> {
     let limits = Limits {
         first_damping: 1e-6,
         most_trials: 30,
@@ -92,11 +92,11 @@ fn minimum(start: Matrix3<f64>, form: &Form) -> Matrix3<f64> {
 struct OnRotations<'a> {
     rotation: Matrix3<f64>,
     cost: f64,
-    form: &'a Form,
+    form: &'a QuadraticForm,
 }
 
 impl OnRotations<'_> {
-    fn at(rotation: Matrix3<f64>, form: &Form) -> OnRotations<'_> {
+    fn at(rotation: Matrix3<f64>, form: &QuadraticForm) -> OnRotations<'_> {
         let cost = cost(&rotation, form);
         OnRotations { rotation, cost, form }
     }
@@ -121,7 +121,7 @@ impl LeastSquares for OnRotations<'_> {
     }
 }
 
-fn cost(rotation: &Matrix3<f64>, form: &Form) -> f64 {
+fn cost(rotation: &Matrix3<f64>, form: &QuadraticForm) -> f64 {
     let r = numbers(rotation);
     r.dot(&(form * r))
 }

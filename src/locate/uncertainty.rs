@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::matches::Corners;
 use super::refine::{self, CornerEquations, NO_HUBER};
-use super::solver::Candidate;
+use super::solver::PoseCandidate;
 use crate::camera::Camera;
 use crate::geometry::{Rigid, angle::turn, rigid::step_between};
 use crate::scene::{Bin, Bins, Viewpoint};
@@ -51,8 +51,8 @@ impl Uncertainty {
     }
 
     /// How likely a rival is, relative to the best pose, by `count` corners with normal noise.
-    pub(super) fn likelihood(&self, rival: &Candidate, best: &Candidate, count: usize) -> f64 {
-        let squares = |c: &Candidate| count as f64 * c.rms_px * c.rms_px;
+    pub(super) fn likelihood(&self, rival: &PoseCandidate, best: &PoseCandidate, count: usize) -> f64 {
+        let squares = |c: &PoseCandidate| count as f64 * c.rms_px * c.rms_px;
         (-(squares(rival) - squares(best)).max(0.0) / (2.0 * self.noise_px * self.noise_px)).exp()
     }
 

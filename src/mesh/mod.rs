@@ -32,6 +32,7 @@ const MAX_COORDINATE: f64 = 1e9;
 
 /// Why there is no mesh. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -1,4 +1,4 @@
-//! Who may ask: the Host header against DNS rebinding, Origin and Sec-Fetch-Site against other sites, one-time tokens under `--lan`.
+//! Who may ask: the Host header against DNS rebinding, Origin and Sec-Fetch-Site against other sites, one-time tokens in the local network.
 
 use std::net::{Ipv4Addr, Ipv6Addr};
 use std::sync::Mutex;
@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use axum::http::header::{COOKIE, HOST, ORIGIN};
 use axum::http::{HeaderMap, Method, StatusCode};
 use rand::TryRng;
-use rand::rngs::SysRng;
+use rand::rngs::{SysError, SysRng};
 
 use crate::files;
 
@@ -38,7 +38,7 @@ impl Access {
     }
 
     /// Whoever brings one of two tokens to this port, each of them once. Returns the tokens.
-    pub(super) fn by_token(port: u16) -> Result<(Access, [String; 2]), String> {
+    pub(super) fn by_token(port: u16) -> Result<(Access, [String; 2]), SysError> {
         let tokens = [secret()?, secret()?];
         let keys = Keys {
             tokens: tokens.iter().map(|token| files::sha256_hex(token.as_bytes())).collect(),
@@ -127,9 +127,9 @@ impl Access {
 }
 
 /// 128 bits of the system's randomness, hex.
-fn secret() -> Result<String, String> {
+fn secret() -> Result<String, SysError> {
     let mut bytes = [0; 16];
-    SysRng.try_fill_bytes(&mut bytes).map_err(|e| e.to_string())?;
+    SysRng.try_fill_bytes(&mut bytes)?;
     Ok(bytes.iter().map(|b| format!("{b:02x}")).collect())
 }
 

@@ -9,7 +9,7 @@ const INNER: f64 = 0.42;
 
 /// A ring of sectors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Ring {
+pub(super) struct DialRing {
     pub pitch_deg: f64,
     pub distance_mm: f64,
     /// Of the dial's radius.
@@ -19,10 +19,10 @@ pub(super) struct Ring {
 
 /// The rings, from the inside: the nearer over ground, the further in.
 #[derive(Debug, Clone)]
-pub(super) struct Rings(pub Vec<Ring>);
+pub(super) struct DialRings(pub Vec<DialRing>);
 
-impl Rings {
-    pub(super) fn of(bins: &[Bin]) -> Rings {
+impl DialRings {
+    pub(super) fn of(bins: &[Bin]) -> DialRings {
         let mut kinds: Vec<[f64; 2]> = Vec::new();
         for bin in bins {
             let kind = [bin.pitch_deg, bin.distance_mm];
@@ -36,25 +36,25 @@ impl Rings {
                 .then(a[0].total_cmp(&b[0]))
         });
         let width = (1.0 - INNER) / kinds.len().max(1) as f64;
-        let ring = |(i, [pitch_deg, distance_mm]): (usize, [f64; 2])| Ring {
+        let ring = |(i, [pitch_deg, distance_mm]): (usize, [f64; 2])| DialRing {
             pitch_deg,
             distance_mm,
             inner_share: INNER + width * i as f64,
             outer_share: INNER + width * (i + 1) as f64,
         };
-        Rings(kinds.into_iter().enumerate().map(ring).collect())
+        DialRings(kinds.into_iter().enumerate().map(ring).collect())
     }
 
     pub(super) fn ring_of(&self, bin: &Bin) -> usize {
-        let same = |ring: &Ring| [ring.pitch_deg, ring.distance_mm] == [bin.pitch_deg, bin.distance_mm];
+        let same = |ring: &DialRing| [ring.pitch_deg, ring.distance_mm] == [bin.pitch_deg, bin.distance_mm];
         self.0.iter().position(same).unwrap_or_default()
     }
 
     /// How far from the dial's centre a viewpoint is drawn, of its radius: in the middle of a ring at that ring's distance over ground, in
     /// proportion between and beside the rings, and at most a little outside.
     pub(super) fn radius_share(&self, v: &Viewpoint) -> f64 {
-        let ground = |ring: &Ring| over_ground_mm(&[ring.pitch_deg, ring.distance_mm]);
-        let middle = |ring: &Ring| (ring.inner_share + ring.outer_share) / 2.0;
+        let ground = |ring: &DialRing| over_ground_mm(&[ring.pitch_deg, ring.distance_mm]);
+        let middle = |ring: &DialRing| (ring.inner_share + ring.outer_share) / 2.0;
         let at = over_ground_mm(&[v.pitch_deg, v.distance_mm]);
         let share = match self.0.iter().position(|ring| at <= ground(ring)) {
             _ if self.0.is_empty() => 1.0,
@@ -89,13 +89,13 @@ mod tests {
         }
     }
 
-    fn rings(distances: &[f64]) -> Rings {
+    fn rings(distances: &[f64]) -> DialRings {
         let bin = |distance_mm: &f64| Bin {
             azimuth_deg: 0.0,
             pitch_deg: 0.0,
             distance_mm: *distance_mm,
         };
-        Rings::of(&distances.iter().map(bin).collect::<Vec<_>>())
+        DialRings::of(&distances.iter().map(bin).collect::<Vec<_>>())
     }
 
     #[test]
@@ -116,7 +116,7 @@ mod tests {
             pitch_deg,
             distance_mm: 800.0,
         });
-        let rings = Rings::of(&bins);
+        let rings = DialRings::of(&bins);
         assert_eq!(rings.0.len(), 2);
         assert!((0.15..=1.08).contains(&rings.radius_share(&view(800.0))));
     }

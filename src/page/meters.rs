@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::capture::{Answer, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, enlargement};
+use crate::capture::{FrameAnswer, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, enlargement};
 
 /// One meter. Positions are shares of its length, and more is better up to the end of the good zone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -16,7 +16,7 @@ pub(super) struct Meter {
     pub text: String,
 }
 
-pub(super) fn of(answer: &Answer, is_stream: bool) -> [Meter; 3] {
+pub(super) fn of(answer: &FrameAnswer, is_stream: bool) -> [Meter; 3] {
     let enlargement = enlargement(answer.size_px);
     [
         up_to(
@@ -54,7 +54,7 @@ fn up_to(name: &'static str, px: Option<f64>, limit_px: f64, [good, bad]: [&str;
 }
 
 /// The level of the tags' paper, and what has lost its tone.
-fn light(answer: &Answer) -> Meter {
+fn light(answer: &FrameAnswer) -> Meter {
     let Some(white) = answer.measures.white_level else {
         return unmeasured("light", "not known");
     };

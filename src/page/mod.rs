@@ -1,20 +1,19 @@
 //! The page of a guided capture: a dial, the newest frame, one sentence, and buttons, in a browser on this machine or in the local
 //! network.
 //!
-//! Two threads: the caller's works at the desk (`desk.rs`), the only place that touches the capture; the server's (`server.rs`) answers
-//! from what the desk published last. Nothing a browser sends becomes a name or a path.
+//! Two threads: the caller's runs the worker (`worker.rs`), the only place that touches the capture; the server's (`server.rs`) answers
+//! from what the worker published last. Nothing a browser sends becomes a name or a path.
 
 mod access;
-mod code;
-mod desk;
+mod connections;
 mod dial;
 mod meters;
 mod picture;
-mod places;
 mod routes;
 mod server;
 mod state;
 mod upload;
+mod worker;
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, UdpSocket};
@@ -22,27 +21,30 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use qrcode::QrCode;
+use qrcode::render::unicode::Dense1x2;
 use tokio::sync::watch;
 
 use crate::capture::{Capture, FrameSource, SourceError, StoreError};
 use crate::files;
 use crate::scene::Scene;
 use access::Access;
-use desk::{Desk, Event, Published};
-use routes::Site;
+use routes::PageContext;
 use server::Server;
+use worker::{CaptureWorker, Published, WorkerEvent};
 
-pub use desk::News;
-pub use state::About;
+pub use state::CaptureInfo;
+pub use worker::CaptureNotice;
 
 /// What keeps the page, or the capture behind it, from going on.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PageError {
-    #[error("the port {port} cannot be opened ({reason}): name another with --port")]
+    #[error("the port {port} cannot be opened ({reason})")]
     Port { port: u16, reason: String },
-    #[error("the page cannot be served ({reason}): capture without --page")]
+    #[error("the page cannot be served ({reason})")]
     Server { reason: String },
-    #[error("this machine is in no network that a phone could reach: join one, or leave --lan out")]
+    #[error("this machine is in no network that a phone could reach")]
     NoNetwork,
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -56,8 +58,8 @@ pub enum PageError {
 pub struct Page {
     server: Server,
     /// For the source's thread.
-    own: Sender<Event>,
-    events: Receiver<Event>,
+    own: Sender<WorkerEvent>,
+    events: Receiver<WorkerEvent>,
     published: watch::Sender<Arc<Published>>,
     /// The address for a browser on this machine.
     pub address: String,
@@ -106,16 +108,19 @@ impl Page {
         let (access, address, lan) = match network {
             None => (Access::local(), here, None),
             Some(ip) => {
-                let tokens = Access::by_token(port).map_err(|reason| PageError::Server { reason })?;
+                let unserved = |reason: String| PageError::Server { reason };
+                let tokens = Access::by_token(port).map_err(|e| unserved(e.to_string()))?;
                 let (access, [for_here, for_phone]) = tokens;
                 let address = format!("http://{ip}:{port}/join/{for_phone}");
-                let code = code::drawn(&address).map_err(|reason| PageError::Server { reason })?;
+                let code = QrCode::new(&address).map_err(|e| unserved(e.to_string()))?;
+                // With its quiet zone, two rows of modules to a line, for dark characters on a light ground.
+                let code = code.render::<Dense1x2>().build();
                 (access, format!("{here}join/{for_here}"), Some(Lan { address, code }))
             }
         };
         let (own, events) = channel();
         let (published, newest) = watch::channel(Arc::new(Published::nothing()));
-        let site = Site::new(access, newest, own.clone(), session.to_owned());
+        let site = PageContext::new(access, newest, own.clone(), session.to_owned());
         let server = Server::start(listener, site.router(), own.clone(), Box::new(hurry)).map_err(unserved)?;
         Ok(Page {
             server,
@@ -131,17 +136,18 @@ impl Page {
     /// views are there or the source has ended: photos may still be taken back.
     ///
     /// # Errors
-    /// A photo that cannot be written, a source that is gone, an output that cannot be told; browsers are shown the sentence, and the server
+    /// A photo that cannot be written, a source that is gone, an output that cannot be written; browsers are shown the sentence, and the server
     /// has ended.
     pub fn follow(
         self,
         capture: &mut Capture,
         scene: &Scene,
         source: Option<Box<dyn FrameSource + Send>>,
-        about: &About,
-        tell: &mut dyn FnMut(News) -> io::Result<()>,
+        about: &CaptureInfo,
+        notify: &mut dyn FnMut(CaptureNotice) -> io::Result<()>,
     ) -> Result<(), PageError> {
-        let worked = Desk::new(capture, scene, about, &self.published, tell).work(&self.events, self.own, source);
+        let worked =
+            CaptureWorker::new(capture, scene, about, &self.published, notify).work(&self.events, self.own, source);
         self.server.end();
         worked
     }

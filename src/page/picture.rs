@@ -1,4 +1,4 @@
-//! Small pictures for the page: the newest frame, and the photos that were taken.
+//! Small images for the page: the newest frame, and the photos that were taken.
 
 use std::path::Path;
 

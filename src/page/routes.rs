@@ -1,4 +1,4 @@
-//! What the server answers. Everything that changes the session goes to the desk; everything else is what the desk published last.
+//! What the server answers. Everything that changes the session goes to the worker; everything else is what the worker published last.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,8 +16,8 @@ use axum::routing::{get, post};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 
 use super::access::Access;
-use super::desk::{Event, Published, Reply, Told};
-use super::places::Place;
+use super::connections::Connection;
+use super::worker::{ActionReply, Published, ReplySender, WorkerEvent};
 use super::{picture, upload};
 
 const PAGE: &str = include_str!("page.html");
@@ -49,25 +49,25 @@ const HEADERS: [(&str, &str); 5] = [
 
 /// What the answers need.
 #[derive(Clone)]
-pub(super) struct Site {
+pub(super) struct PageContext {
     pub access: Arc<Access>,
     pub published: watch::Receiver<Arc<Published>>,
-    pub events: Sender<Event>,
+    pub events: Sender<WorkerEvent>,
     /// The session's folder, of which only accepted photos are read.
     pub session: PathBuf,
     pub uploads: Arc<Semaphore>,
-    /// One picture is made at a time.
+    /// One image is made at a time.
     pub pictures: Arc<Semaphore>,
 }
 
-impl Site {
+impl PageContext {
     pub(super) fn new(
         access: Access,
         published: watch::Receiver<Arc<Published>>,
-        events: Sender<Event>,
+        events: Sender<WorkerEvent>,
         session: PathBuf,
-    ) -> Site {
-        Site {
+    ) -> PageContext {
+        PageContext {
             access: Arc::new(access),
             published,
             events,
@@ -89,8 +89,8 @@ impl Site {
             .route("/preview/{number}", get(preview))
             .route("/photo/{name}", get(photo))
             .route("/upload", post(receive))
-            .route("/shoot", post(|site| ask(site, Event::Shoot)))
-            .route("/undo", post(|site| ask(site, Event::Undo)))
+            .route("/shoot", post(|site| ask(site, WorkerEvent::Shoot)))
+            .route("/undo", post(|site| ask(site, WorkerEvent::Undo)))
             .route("/redo/{sector}", post(redo))
             .route("/finish", post(finish))
             .layer(middleware::from_fn_with_state(self.clone(), known))
@@ -101,7 +101,7 @@ impl Site {
 }
 
 /// The first check of every request, and the headers of every answer.
-async fn from_here(State(site): State<Site>, request: Request, next: Next) -> Response {
+async fn from_here(State(site): State<PageContext>, request: Request, next: Next) -> Response {
     let mut response = match site.access.check_site(request.method(), request.headers()) {
         Ok(()) => next.run(request).await,
         Err((status, sentence)) => stranger(status, sentence),
@@ -115,20 +115,20 @@ async fn from_here(State(site): State<Site>, request: Request, next: Next) -> Re
     response
 }
 
-async fn known(State(site): State<Site>, request: Request, next: Next) -> Response {
+async fn known(State(site): State<PageContext>, request: Request, next: Next) -> Response {
     let Some(browser) = site.access.browser(request.headers()) else {
         return stranger(
             StatusCode::UNAUTHORIZED,
             "open the address with its code, which the terminal shows; each is good once",
         );
     };
-    if let Some(place) = request.extensions().get::<Arc<Place>>() {
+    if let Some(place) = request.extensions().get::<Arc<Connection>>() {
         place.belongs_to(&browser);
     }
     next.run(request).await
 }
 
-async fn join(State(site): State<Site>, Path(token): Path<String>, request: Request) -> Response {
+async fn join(State(site): State<PageContext>, Path(token): Path<String>, request: Request) -> Response {
     let to_page = [(LOCATION, "/")];
     match site.access.join(&token) {
         Some(cookie) => (StatusCode::SEE_OTHER, to_page, [(SET_COOKIE, cookie)]).into_response(),
@@ -142,7 +142,7 @@ async fn join(State(site): State<Site>, Path(token): Path<String>, request: Requ
 }
 
 /// The newest state, as soon as it is another than the one that was seen.
-async fn state(State(site): State<Site>, Path(seen): Path<u64>) -> Response {
+async fn state(State(site): State<PageContext>, Path(seen): Path<u64>) -> Response {
     let mut published = site.published.clone();
     let is_news = |p: &Arc<Published>| p.revision != seen || p.has_ended;
     let _ = tokio::time::timeout(NEWS, published.wait_for(is_news)).await; // without news, the old once more
@@ -151,7 +151,7 @@ async fn state(State(site): State<Site>, Path(seen): Path<u64>) -> Response {
 }
 
 /// The newest frame; an older one is gone.
-async fn preview(State(site): State<Site>, Path(number): Path<u64>) -> Response {
+async fn preview(State(site): State<PageContext>, Path(number): Path<u64>) -> Response {
     let Ok(turn) = site.pictures.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
     };
@@ -163,7 +163,7 @@ async fn preview(State(site): State<Site>, Path(number): Path<u64>) -> Response 
 }
 
 /// A photo that fills a view. The name is compared with those of such photos, and never made into a path unless it is one.
-async fn photo(State(site): State<Site>, Path(name): Path<String>) -> Response {
+async fn photo(State(site): State<PageContext>, Path(name): Path<String>) -> Response {
     let is_one = site.published.borrow().photos.contains(&name);
     if !is_one {
         return StatusCode::NOT_FOUND.into_response();
@@ -191,10 +191,10 @@ async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>>
     }
 }
 
-async fn receive(site: State<Site>, request: Request) -> Response {
+async fn receive(site: State<PageContext>, request: Request) -> Response {
     let (parts, body) = request.into_parts();
     if let Err((status, sentence)) = upload::check_length(&parts.headers) {
-        return told(Told::refused(status, sentence));
+        return response(ActionReply::refused(status, sentence));
     }
     let Ok(place) = site.uploads.clone().acquire_owned().await else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
@@ -202,38 +202,41 @@ async fn receive(site: State<Site>, request: Request) -> Response {
     // Read in any case: a browser shows no answer that comes while it is still sending.
     let read = upload::read(body).await;
     match upload::check_kind(&parts.headers).and(read) {
-        Ok(bytes) => ask(site, |reply| Event::Upload(bytes, place, reply)).await,
-        Err((status, sentence)) => told(Told::refused(status, sentence)),
+        Ok(bytes) => ask(site, |reply| WorkerEvent::Upload(bytes, place, reply)).await,
+        Err((status, sentence)) => response(ActionReply::refused(status, sentence)),
     }
 }
 
-async fn redo(site: State<Site>, Path(sector): Path<usize>) -> Response {
-    ask(site, |reply| Event::Redo(sector, reply)).await
+async fn redo(site: State<PageContext>, Path(sector): Path<usize>) -> Response {
+    ask(site, |reply| WorkerEvent::Redo(sector, reply)).await
 }
 
-async fn finish(State(site): State<Site>) -> Response {
-    match site.events.send(Event::Finish) {
+async fn finish(State(site): State<PageContext>) -> Response {
+    match site.events.send(WorkerEvent::Finish) {
         Ok(()) => StatusCode::ACCEPTED.into_response(),
         Err(_) => has_ended(),
     }
 }
 
-/// Hands something to the desk and waits for what it says.
-async fn ask(State(site): State<Site>, event: impl FnOnce(Reply) -> Event) -> Response {
+/// Hands something to the worker and waits for its reply.
+async fn ask(State(site): State<PageContext>, event: impl FnOnce(ReplySender) -> WorkerEvent) -> Response {
     let (reply, answer) = oneshot::channel();
     if site.events.send(event(reply)).is_err() {
         return has_ended();
     }
-    answer.await.map_or_else(|_| has_ended(), told)
+    answer.await.map_or_else(|_| has_ended(), response)
 }
 
-fn told(told: Told) -> Response {
-    let json = serde_json::to_vec(&told).unwrap_or_default(); // strings always serialise
-    (told.status, [(CONTENT_TYPE, "application/json")], json).into_response()
+fn response(response: ActionReply) -> Response {
+    let json = serde_json::to_vec(&response).unwrap_or_default(); // strings always serialise
+    (response.status, [(CONTENT_TYPE, "application/json")], json).into_response()
 }
 
 fn has_ended() -> Response {
-    told(Told::refused(StatusCode::SERVICE_UNAVAILABLE, "The capture has ended"))
+    response(ActionReply::refused(
+        StatusCode::SERVICE_UNAVAILABLE,
+        "The capture has ended",
+    ))
 }
 
 /// The answer to an unknown client; the connection closes after it.

@@ -19,8 +19,8 @@ use tokio::net::{TcpSocket, TcpStream};
 use tokio::sync::{Semaphore, watch};
 use tokio_io_timeout::TimeoutStream;
 
-use super::desk::Event;
-use super::places::{Place, Places};
+use super::connections::{Connection, Connections};
+use super::worker::WorkerEvent;
 
 /// With those that are about to leave; a process may have some 1000 files open. Further connections wait.
 const MAX_CONNECTIONS: usize = 512;
@@ -37,7 +37,7 @@ const MAX_BUFFERED: usize = 64 << 10;
 /// How long the last answers may take when the capture has ended.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// What browsers had asked by the time the capture ended may still be on its way here, such as the small picture of the photo taken last:
+/// What browsers had asked by the time the capture ended may still be on its way here, such as the small image of the photo taken last:
 /// so long it is still accepted and answered.
 const LAST_REQUESTS: Duration = Duration::from_millis(500);
 
@@ -67,14 +67,14 @@ pub(super) struct Server {
 }
 
 impl Server {
-    /// Serves `router` until it is ended; Ctrl-C asks the desk to finish, and a second one does `hurry`.
+    /// Serves `router` until it is ended; Ctrl-C asks the worker to finish, and a second one does `hurry`.
     ///
     /// # Errors
     /// The system gives no thread or sockets.
     pub(super) fn start(
         listener: TcpListener,
         router: Router,
-        events: Sender<Event>,
+        events: Sender<WorkerEvent>,
         hurry: Box<dyn FnOnce() + Send>,
     ) -> io::Result<Server> {
         listener.set_nonblocking(true)?;
@@ -102,9 +102,9 @@ impl Server {
 }
 
 /// The first Ctrl-C finishes the capture as the button does; nothing accepted is lost whatever a second one does.
-async fn interrupted(events: Sender<Event>, hurry: Box<dyn FnOnce() + Send>) {
+async fn interrupted(events: Sender<WorkerEvent>, hurry: Box<dyn FnOnce() + Send>) {
     if tokio::signal::ctrl_c().await.is_ok()
-        && events.send(Event::Finish).is_ok()
+        && events.send(WorkerEvent::Finish).is_ok()
         && tokio::signal::ctrl_c().await.is_ok()
     {
         hurry();
@@ -113,7 +113,7 @@ async fn interrupted(events: Sender<Event>, hurry: Box<dyn FnOnce() + Send>) {
 
 async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: watch::Receiver<bool>) {
     let sockets = Arc::new(Semaphore::new(MAX_CONNECTIONS));
-    let places = Arc::new(Places::default());
+    let connections = Arc::new(Connections::default());
     loop {
         let next = async {
             let socket = sockets.clone().acquire_owned().await;
@@ -125,7 +125,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: wa
         };
         match stream {
             Ok((stream, from)) => {
-                let place = Arc::new(places.enter(from.ip()));
+                let place = Arc::new(connections.enter(from.ip()));
                 let work = connection(stream, router.clone(), place, ended.clone());
                 tokio::spawn(async move {
                     work.await;
@@ -140,14 +140,14 @@ async fn accept(listener: tokio::net::TcpListener, router: Router, mut ended: wa
     let _ = tokio::time::timeout(FAREWELL, all_left).await; // who has not left by now is left behind
 }
 
-async fn connection(stream: TcpStream, router: Router, place: Arc<Place>, mut ended: watch::Receiver<bool>) {
+async fn connection(stream: TcpStream, router: Router, place: Arc<Connection>, mut ended: watch::Receiver<bool>) {
     let _ = stream.set_nodelay(true); // only slower without
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(TAKES_NOTHING));
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(HEAD);
     builder.max_buf_size(MAX_BUFFERED);
-    let guest = Guest {
+    let guest = TaggedRouter {
         router: TowerToHyperService::new(router),
         place: place.clone(),
     };
@@ -162,12 +162,12 @@ async fn connection(stream: TcpStream, router: Router, place: Arc<Place>, mut en
 }
 
 /// The router, told with every request on which connection it came.
-struct Guest {
+struct TaggedRouter {
     router: TowerToHyperService<Router>,
-    place: Arc<Place>,
+    place: Arc<Connection>,
 }
 
-impl Service<Request<Incoming>> for Guest {
+impl Service<Request<Incoming>> for TaggedRouter {
     type Response = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Response;
     type Error = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Error;
     type Future = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Future;

@@ -4,18 +4,18 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::dial::{Ring, Rings};
+use super::dial::{DialRing, DialRings};
 use super::meters::{self, Meter};
-use crate::capture::{Answer, Guidance, Target};
+use crate::capture::{FrameAnswer, Guidance, Target};
 use crate::scene::{Bin, Viewpoint};
 use crate::tags::SeenTag;
 
 /// What stays the same while a capture runs.
 #[derive(Debug, Clone, Serialize)]
-pub struct About {
+pub struct CaptureInfo {
     pub variant: String,
     pub place: String,
-    /// Where pictures come from, in a word.
+    /// Where images come from, in a word.
     pub source: &'static str,
     /// A running camera; its calibration does not fit a phone's photos, so the page takes none.
     pub is_stream: bool,
@@ -25,14 +25,14 @@ pub struct About {
 
 /// All of it.
 #[derive(Debug, Serialize)]
-pub(super) struct State<'a> {
+pub(super) struct PageState<'a> {
     pub revision: u64,
-    pub about: &'a About,
-    pub rings: &'a [Ring],
+    pub about: &'a CaptureInfo,
+    pub rings: &'a [DialRing],
     pub sectors: Vec<Sector>,
-    pub views: Vec<View<'a>>,
+    pub views: Vec<ViewState<'a>>,
     pub filled: usize,
-    pub frame: Option<&'a Shown>,
+    pub frame: Option<&'a ShownFrame>,
     /// The view that is wanted next, by where the camera was last.
     pub next: Option<usize>,
     pub source_ended: bool,
@@ -53,7 +53,7 @@ pub(super) struct Sector {
 
 /// A view that is wanted.
 #[derive(Debug, Serialize)]
-pub(super) struct View<'a> {
+pub(super) struct ViewState<'a> {
     pub azimuth_deg: f64,
     pub radius_share: f64,
     pub sector: usize,
@@ -64,11 +64,11 @@ pub(super) struct View<'a> {
 
 /// The newest frame.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Shown {
+pub(super) struct ShownFrame {
     pub number: u64,
     pub name: String,
     pub size_px: [u32; 2],
-    pub tags: Vec<Outline>,
+    pub tags: Vec<TagOutline>,
     pub viewpoint: Option<Viewpoint>,
     /// Where the camera stands on the dial.
     pub radius_share: Option<f64>,
@@ -82,10 +82,10 @@ pub(super) struct Shown {
 
 /// A tag's border.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Outline {
+pub(super) struct TagOutline {
     pub id: u32,
     pub is_whole: bool,
-    /// Pixels of the frame; (0, 0) is the corner of the picture.
+    /// Pixels of the frame; (0, 0) is the corner of the image.
     pub corners_px: [[f64; 2]; 4],
 }
 
@@ -98,11 +98,11 @@ pub(super) fn bins(guidance: &Guidance) -> Vec<Bin> {
 /// The state of a capture; `redo` holds the targets whose photo was taken back.
 pub(super) fn views<'a>(
     guidance: &'a Guidance,
-    rings: &Rings,
+    rings: &DialRings,
     bins: &[Bin],
     redo: &BTreeSet<usize>,
-) -> (Vec<Sector>, Vec<View<'a>>) {
-    let view = |(index, target): (usize, &'a Target)| View {
+) -> (Vec<Sector>, Vec<ViewState<'a>>) {
+    let view = |(index, target): (usize, &'a Target)| ViewState {
         azimuth_deg: target.viewpoint.azimuth_deg,
         radius_share: rings.radius_share(&target.viewpoint),
         sector: bins.iter().position(|bin| *bin == target.bin).unwrap_or_default(),
@@ -114,7 +114,7 @@ pub(super) fn views<'a>(
         },
         photo: target.photo.as_deref(),
     };
-    let views: Vec<View> = guidance.targets().iter().enumerate().map(view).collect();
+    let views: Vec<ViewState> = guidance.targets().iter().enumerate().map(view).collect();
     let sector = |(index, bin): (usize, &Bin)| {
         let states: BTreeSet<&str> = views.iter().filter(|v| v.sector == index).map(|v| v.state).collect();
         Sector {
@@ -142,25 +142,25 @@ fn name(v: &Viewpoint) -> String {
     )
 }
 
-impl Shown {
+impl ShownFrame {
     pub(super) fn of(
         number: u64,
         name: &str,
-        answer: &Answer,
+        answer: &FrameAnswer,
         guidance: &Guidance,
-        rings: &Rings,
+        rings: &DialRings,
         is_stream: bool,
-    ) -> Shown {
+    ) -> ShownFrame {
         let next = answer
             .viewpoint
             .and_then(|from| Some((guidance.nearest_open(&from)?, from)));
         let off_by = next.map(|(target, from)| guidance.off_by(target, &from));
         let photo = answer.verdict.as_ref().ok().map(|(photo, _)| photo.clone());
-        Shown {
+        ShownFrame {
             number,
             name: name.to_owned(),
             size_px: answer.size_px,
-            tags: answer.tags.iter().map(Outline::of).collect(),
+            tags: answer.tags.iter().map(TagOutline::of).collect(),
             viewpoint: answer.viewpoint,
             radius_share: answer.viewpoint.map(|from| rings.radius_share(&from)),
             closeness: off_by.map_or(0.0, |off_by| 1.0 / off_by.max(1.0)),
@@ -173,7 +173,7 @@ impl Shown {
 }
 
 /// The one sentence: what to do, or that it is done and where to go next.
-fn said(answer: &Answer, guidance: &Guidance) -> String {
+fn said(answer: &FrameAnswer, guidance: &Guidance) -> String {
     let sentence = match &answer.verdict {
         Err(advice) => advice.to_string(),
         Ok(_) => {
@@ -192,9 +192,9 @@ fn said(answer: &Answer, guidance: &Guidance) -> String {
         .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-impl Outline {
-    fn of(tag: &SeenTag) -> Outline {
-        Outline {
+impl TagOutline {
+    fn of(tag: &SeenTag) -> TagOutline {
+        TagOutline {
             id: tag.id,
             is_whole: tag.is_whole,
             // Our pixel (0, 0) is the centre of the top-left one.

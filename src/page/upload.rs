@@ -9,7 +9,7 @@ use axum::http::{HeaderMap, HeaderName, StatusCode};
 use http_body_util::BodyExt;
 use tokio::time::{Instant, timeout_at};
 
-use crate::capture::{Frame, Original};
+use crate::capture::{Original, SourceFrame};
 use crate::photo::{Budget, Photo};
 
 /// Of one photo.
@@ -93,13 +93,13 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
 }
 
 /// The frame that the bytes of the `number`th upload are; its pixels are not decoded here. One that claims to be huge is unreadable.
-pub(super) fn frame(number: u64, bytes: Vec<u8>) -> Frame {
+pub(super) fn frame(number: u64, bytes: Vec<u8>) -> SourceFrame {
     let name = format!("upload {number}");
     let original = match Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD) {
         Err(e) => Original::Unreadable(e.to_string()),
         Ok(file) => Original::Encoded(file.into_bytes()),
     };
-    Frame {
+    SourceFrame {
         name,
         taken: None,
         original,

@@ -15,7 +15,7 @@ pub struct Card {
     pub pattern_sha256: String,
     /// Width of one repeat on the model.
     pub tile_mm: f64,
-    /// Whatever else its maker tells.
+    /// What else its maker knows.
     #[serde(flatten)]
     pub about: serde_json::Map<String, serde_json::Value>,
 }

@@ -6,7 +6,7 @@ use super::Pattern;
 use super::colour::Lab;
 
 /// Median ΔE2000 between neighbouring cells (right and below, across the pattern's repeat too).
-pub fn median_delta_e(pattern: &Pattern) -> f64 {
+pub(crate) fn median_delta_e(pattern: &Pattern) -> f64 {
     let cells: &RgbImage = pattern.cells();
     let (columns, rows) = cells.dimensions();
     let lab = |x: u32, y: u32| Lab::of(cells.get_pixel(x % columns, y % rows).0);

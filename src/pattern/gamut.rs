@@ -1,7 +1,7 @@
 //! The colours a printer can make, and how a pattern fares with them.
 //!
 //! The chart's colours are the nodes of a grid over the cube of 8-bit sRGB. Between them, what comes out is interpolated in CIELAB
-//! over six tetrahedra a grid cell (Kasson, Nin, Plouffe & Hafner 1995). The gamut is the picture of the whole cube under that
+//! over six tetrahedra a grid cell (Kasson, Nin, Plouffe & Hafner 1995). The gamut is the image of the whole cube under that
 //! map; a convex hull would add colours between the corners that no ink makes.
 
 use super::Pattern;

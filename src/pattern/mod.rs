@@ -2,7 +2,7 @@
 
 pub mod card;
 pub mod colour;
-pub mod contrast;
+pub(crate) mod contrast;
 pub mod gamut;
 pub mod palette;
 pub mod printed;
@@ -19,11 +19,12 @@ use rand_pcg::Pcg32;
 use crate::files::{self, FileError};
 use crate::photo::{Budget, open_png};
 
-/// Most cells a pattern may have along one side. Above this a picture is almost surely meant, not a grid of cells.
+/// Most cells a pattern may have along one side. Above this an image is almost surely meant, not a grid of cells.
 pub const MAX_CELLS: u32 = 512;
 
 /// Why there is no pattern. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PatternError {
     #[error("{0}; a pattern is a PNG file with one pixel per cell")]
     Unreadable(#[from] FileError),
@@ -58,10 +59,10 @@ impl Pattern {
         if image::guess_format(&bytes).ok() != Some(ImageFormat::Png) {
             return Err(PatternError::NotPng { path: path.to_owned() });
         }
-        let picture = decode(path, &bytes)?;
-        refuse_transparency(path, &picture)?;
+        let image = decode(path, &bytes)?;
+        refuse_transparency(path, &image)?;
         Ok(Self {
-            cells: picture.to_rgb8(),
+            cells: image.to_rgb8(),
             sha256: files::sha256_hex(&bytes),
         })
     }
@@ -136,7 +137,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
         reason,
     };
     let decoder = open_png(bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
-    // The size stands in the header: a huge picture is refused before its pixels take memory.
+    // The size stands in the header: a huge image is refused before its pixels take memory.
     let (columns, rows) = decoder.dimensions();
     if columns > MAX_CELLS || rows > MAX_CELLS {
         return Err(PatternError::TooManyCells {
@@ -148,12 +149,12 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, PatternError> {
     DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))
 }
 
-fn refuse_transparency(path: &Path, picture: &DynamicImage) -> Result<(), PatternError> {
-    if !picture.color().has_alpha() {
+fn refuse_transparency(path: &Path, image: &DynamicImage) -> Result<(), PatternError> {
+    if !image.color().has_alpha() {
         return Ok(());
     }
     // 16 bits, so that an alpha of 65534 is not rounded to opaque.
-    match picture
+    match image
         .to_rgba16()
         .enumerate_pixels()
         .find(|(_, _, pixel)| pixel.0[3] != u16::MAX)
@@ -186,9 +187,9 @@ mod tests {
         Pattern::load(&path)
     }
 
-    fn png(picture: impl Into<DynamicImage>) -> Vec<u8> {
+    fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
         let mut file = Cursor::new(Vec::new());
-        picture.into().write_to(&mut file, ImageFormat::Png).unwrap();
+        image.into().write_to(&mut file, ImageFormat::Png).unwrap();
         file.into_inner()
     }
 
@@ -207,13 +208,13 @@ mod tests {
 
     #[test]
     fn opaque_alpha_is_fine_and_see_through_pixels_are_refused() {
-        let mut picture = image::RgbaImage::from_pixel(3, 2, image::Rgba([10, 20, 30, 255]));
+        let mut image = image::RgbaImage::from_pixel(3, 2, image::Rgba([10, 20, 30, 255]));
         assert_eq!(
-            load_bytes(&png(picture.clone())).unwrap().cells().get_pixel(2, 1).0,
+            load_bytes(&png(image.clone())).unwrap().cells().get_pixel(2, 1).0,
             [10, 20, 30]
         );
-        picture.put_pixel(2, 1, image::Rgba([10, 20, 30, 254]));
-        let error = load_bytes(&png(picture)).unwrap_err();
+        image.put_pixel(2, 1, image::Rgba([10, 20, 30, 254]));
+        let error = load_bytes(&png(image)).unwrap_err();
         assert!(
             matches!(error, PatternError::Transparent { column: 2, row: 1, .. }),
             "{error}"

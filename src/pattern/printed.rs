@@ -12,7 +12,7 @@ use super::gamut::Gamut;
 
 /// Where measured colours come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Source {
+pub struct ChartSource {
     /// Name of the chart.
     pub chart: String,
     /// The program that read it.
@@ -20,6 +20,20 @@ pub struct Source {
     pub photos_sha256: Vec<String>,
     /// The chart's levels per channel, ascending from 0 to 255; every combination was measured.
     pub levels: Vec<u8>,
+}
+
+/// Why a file's colours are not those that this program writes: the end of a sentence about the file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ColoursError {
+    #[error("the levels of its colour part do not ascend from 0 to 255")]
+    Levels,
+    #[error("its colour part has a colour that is none")]
+    NoColour,
+    #[error("its colour part has no patch for {}, {}, {}", asked_rgb[0], asked_rgb[1], asked_rgb[2])]
+    NoPatch { asked_rgb: [u8; 3] },
+    #[error("the figures of its colour part are not those of its patches")]
+    OtherFigures,
 }
 
 /// One colour asked for, and what came out.
@@ -83,7 +97,7 @@ impl PrintedColour {
 impl PrintedColours {
     /// From light relative to the paper's. A colour that was asked for several times is averaged. `source.levels` must be those of
     /// a chart, all of whose colours are there.
-    pub fn of_light(source: Source, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
+    pub fn of_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
         let mut sums: BTreeMap<[u8; 3], ([f64; 3], f64)> = BTreeMap::new();
         for (asked, light) in patches {
             let (sum, count) = sums.entry(asked).or_default();
@@ -94,7 +108,7 @@ impl PrintedColours {
         Self::of(source, sums.into_iter().map(mean).collect())
     }
 
-    fn of(source: Source, measured: Vec<([u8; 3], Lab)>) -> Self {
+    fn of(source: ChartSource, measured: Vec<([u8; 3], Lab)>) -> Self {
         let patches: Vec<PrintedColour> = measured
             .into_iter()
             .map(|(asked, lab)| PrintedColour::new(asked, lab))
@@ -144,17 +158,17 @@ impl PrintedColours {
     ///
     /// # Errors
     /// What is wrong, as half a sentence.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), ColoursError> {
         let ascends = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         if !ascends || self.levels.first() != Some(&0) || self.levels.last() != Some(&255) {
-            return Err("the levels of its colour part do not ascend from 0 to 255".into());
+            return Err(ColoursError::Levels);
         }
         let finite = self
             .patches
             .iter()
             .all(|p| p.measured_lab.iter().all(|v| v.abs() <= 1000.0));
         if !finite {
-            return Err("its colour part has a colour that is none".into());
+            return Err(ColoursError::NoColour);
         }
         let measured: BTreeMap<[u8; 3], Lab> = self.patches.iter().map(|p| (p.asked_rgb, p.lab())).collect();
         let mut wanted = self.levels.iter().flat_map(|r| {
@@ -163,17 +177,17 @@ impl PrintedColours {
                 .iter()
                 .flat_map(move |g| levels.iter().map(move |b| [*r, *g, *b]))
         });
-        if let Some([r, g, b]) = wanted.find(|rgb| !measured.contains_key(rgb)) {
-            return Err(format!("its colour part has no patch for {r}, {g}, {b}"));
+        if let Some(asked_rgb) = wanted.find(|rgb| !measured.contains_key(rgb)) {
+            return Err(ColoursError::NoPatch { asked_rgb });
         }
-        let source = Source {
+        let source = ChartSource {
             chart: self.chart.clone(),
             program: self.program.clone(),
             photos_sha256: self.photos_sha256.clone(),
             levels: self.levels.clone(),
         };
         if Self::of(source, measured.into_iter().collect()) != *self {
-            return Err("the figures of its colour part are not those of its patches".into());
+            return Err(ColoursError::OtherFigures);
         }
         Ok(())
     }

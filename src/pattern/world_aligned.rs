@@ -155,17 +155,17 @@ mod tests {
     #[test]
     fn the_pattern_reads_from_left_to_right_and_down() {
         let pattern = Pattern::random(4, 3).unwrap();
-        let laid = WorldAligned {
+        let texture = WorldAligned {
             pattern: &pattern,
             cell_mm: 10.0,
         };
         let cell = |column, row| pattern.cells().get_pixel(column, row).0;
         // Below the origin and to its right is the pattern's top-left cell; z is never negative, so rows count from the last.
-        assert_eq!(laid.colour_at([5.0, -5.0]), cell(0, 0));
-        assert_eq!(laid.colour_at([-5.0, 5.0]), cell(3, 3));
-        assert_eq!(laid.colour_at([15.0, 5.0]), cell(1, 3));
+        assert_eq!(texture.colour_at([5.0, -5.0]), cell(0, 0));
+        assert_eq!(texture.colour_at([-5.0, 5.0]), cell(3, 3));
+        assert_eq!(texture.colour_at([15.0, 5.0]), cell(1, 3));
         let left = Vector3::new(0.1, 0.9, 0.3);
-        assert_eq!(laid.colour(&Point3::new(-15.0, 90.0, 25.0), &left), cell(1, 1));
-        assert_eq!(laid.colour_at([-1e-300, 1e-300]), cell(3, 3));
+        assert_eq!(texture.colour(&Point3::new(-15.0, 90.0, 25.0), &left), cell(1, 1));
+        assert_eq!(texture.colour_at([-1e-300, 1e-300]), cell(3, 3));
     }
 }

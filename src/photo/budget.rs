@@ -1,11 +1,11 @@
-//! What a picture from elsewhere may cost, by its use. Every picture that this program decodes is measured here first, by its header.
+//! What an image from elsewhere may cost, by its use. Every image that this program decodes is measured here first, by its header.
 //!
 //! A few kilobytes can claim to be terabytes of pixels, and a progressive JPEG can make a decoder go over every pixel again for each scan,
 //! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
-//! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst picture within each budget takes.
+//! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst image within each budget takes.
 
-use super::outline::Outline;
 use super::problem::DecodeProblem;
+use super::structure::JpegStructure;
 
 /// The bounds of one use.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +37,7 @@ impl Budget {
         memory: 512 << 20,
     };
 
-    /// What may be held only to show a picture small; JPEGs are decoded reduced for that.
+    /// What may be held only to show an image small; JPEGs are decoded reduced for that.
     pub const PREVIEW_MEMORY: u64 = 256 << 20;
 
     /// No encoder makes more scans: libjpeg's usual script has 10, others stay below 20.
@@ -54,7 +54,7 @@ impl Budget {
         }
     }
 
-    pub(super) fn check(&self, cost: &Cost) -> Result<(), DecodeProblem> {
+    pub(super) fn check(&self, cost: &DecodeCost) -> Result<(), DecodeProblem> {
         let megapixels = cost.pixels / 1_000_000;
         if megapixels > self.megapixels {
             return Err(DecodeProblem::TooLarge(format!(
@@ -77,9 +77,9 @@ impl Budget {
     }
 }
 
-/// What decoding a picture takes, as its header says.
+/// What decoding an image takes, as its header says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cost {
+pub(super) struct DecodeCost {
     pixels: u64,
     /// Bytes that the decoder writes for a pixel.
     bytes_per_pixel: u64,
@@ -88,37 +88,37 @@ pub(super) struct Cost {
     /// 1 for what is no JPEG.
     scans: u64,
     most_scans: u64,
-    /// By EXIF, by 90°: the turned picture is another one.
+    /// By EXIF, by 90°: the turned image is another one.
     is_turned: bool,
 }
 
-impl Cost {
-    /// Of 8-bit RGB, the form that pictures end in.
+impl DecodeCost {
+    /// Of 8-bit RGB, the form that images end in.
     const RGB: u64 = 3;
 
     /// Of a JPEG of width × height `size`.
-    pub fn of_jpeg(size: [u32; 2], outline: &Outline, is_turned: bool) -> Cost {
-        Cost {
+    pub fn of_jpeg(size: [u32; 2], structure: &JpegStructure, is_turned: bool) -> DecodeCost {
+        DecodeCost {
             pixels: u64::from(size[0]) * u64::from(size[1]),
-            bytes_per_pixel: Cost::RGB,
+            bytes_per_pixel: DecodeCost::RGB,
             // Coefficients of 2 bytes, one a pixel and component at most.
-            kept_per_pixel: match outline.scans {
+            kept_per_pixel: match structure.scans {
                 0 | 1 => 0,
-                _ => 2 * outline.components,
+                _ => 2 * structure.components,
             },
-            scans: outline.scans,
+            scans: structure.scans,
             // A sequential frame has each component in one scan.
-            most_scans: match outline.is_progressive {
+            most_scans: match structure.is_progressive {
                 true => Budget::SCANS,
-                false => outline.components,
+                false => structure.components,
             },
             is_turned,
         }
     }
 
     /// Of a PNG, whose decoder writes so many bytes for a pixel.
-    pub fn of_png(size: [u32; 2], bytes_per_pixel: u64, is_turned: bool) -> Cost {
-        Cost {
+    pub fn of_png(size: [u32; 2], bytes_per_pixel: u64, is_turned: bool) -> DecodeCost {
+        DecodeCost {
             pixels: u64::from(size[0]) * u64::from(size[1]),
             bytes_per_pixel,
             kept_per_pixel: 0,
@@ -134,10 +134,14 @@ impl Cost {
         let reduced = self.pixels / (u64::from(reduction) * u64::from(reduction));
         let decoding = self.pixels * self.kept_per_pixel + reduced * self.bytes_per_pixel;
         let forming = match self.bytes_per_pixel {
-            Cost::RGB => 0,
-            other => reduced * (other + Cost::RGB),
+            DecodeCost::RGB => 0,
+            other => reduced * (other + DecodeCost::RGB),
         };
-        let turning = if self.is_turned { reduced * 2 * Cost::RGB } else { 0 };
+        let turning = if self.is_turned {
+            reduced * 2 * DecodeCost::RGB
+        } else {
+            0
+        };
         decoding.max(forming).max(turning)
     }
 }
@@ -149,12 +153,12 @@ mod tests {
     #[test]
     fn photos_of_real_cameras_are_within_and_bombs_are_not() {
         let jpeg = |megapixels: u32, scans: u64, is_turned: bool| {
-            let outline = Outline {
+            let structure = JpegStructure {
                 scans,
                 components: 3,
                 is_progressive: scans > 1,
             };
-            Cost::of_jpeg([megapixels * 1000, 1000], &outline, is_turned)
+            DecodeCost::of_jpeg([megapixels * 1000, 1000], &structure, is_turned)
         };
         for (budget, cost, is_within) in [
             (Budget::FILE, jpeg(200, 1, true), true),
@@ -162,12 +166,12 @@ mod tests {
             (Budget::FILE, jpeg(251, 1, false), false),
             (Budget::FILE, jpeg(12, 65, false), false),
             (Budget::FILE, jpeg(200, 20, false), false),
-            (Budget::FILE, Cost::of_png([13_000, 12_000], 8, false), false),
+            (Budget::FILE, DecodeCost::of_png([13_000, 12_000], 8, false), false),
             (Budget::UPLOAD, jpeg(50, 10, true), true),
             (Budget::UPLOAD, jpeg(108, 1, false), true),
             (Budget::UPLOAD, jpeg(121, 1, false), false),
             (Budget::UPLOAD, jpeg(108, 10, false), false),
-            (Budget::UPLOAD, Cost::of_png([8000, 8000], 8, false), false),
+            (Budget::UPLOAD, DecodeCost::of_png([8000, 8000], 8, false), false),
         ] {
             assert_eq!(budget.check(&cost).is_ok(), is_within, "{budget:?} {cost:?}");
         }

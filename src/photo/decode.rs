@@ -10,22 +10,24 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-use super::budget::{Budget, Cost};
-use super::outline::Outline;
+use super::budget::{Budget, DecodeCost};
 use super::problem::DecodeProblem;
+use super::structure::JpegStructure;
 
 /// JPEG or PNG, by the first bytes.
-enum Kind {
-    Jpeg(Outline),
+enum FileKind {
+    Jpeg(JpegStructure),
     Png,
 }
 
-impl Kind {
+impl FileKind {
     /// A cut JPEG ends here: decoders fill its missing rows with grey and call it a success.
-    fn of(bytes: &[u8]) -> Result<Kind, DecodeProblem> {
+    fn of(bytes: &[u8]) -> Result<FileKind, DecodeProblem> {
         match image::guess_format(bytes) {
-            Ok(ImageFormat::Jpeg) => Ok(Kind::Jpeg(Outline::of(bytes).ok_or(DecodeProblem::Truncated)?)),
-            Ok(ImageFormat::Png) => Ok(Kind::Png),
+            Ok(ImageFormat::Jpeg) => Ok(FileKind::Jpeg(
+                JpegStructure::of(bytes).ok_or(DecodeProblem::Truncated)?,
+            )),
+            Ok(ImageFormat::Png) => Ok(FileKind::Png),
             _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif)),
         }
     }
@@ -51,7 +53,7 @@ pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
 /// Files name a handful of brands, 4 bytes each.
 const LONGEST_FTYP: usize = 1024;
 
-/// What EXIF data says; data that cannot be read is no reason to refuse the picture.
+/// What EXIF data says; data that cannot be read is no reason to refuse the image.
 pub(super) fn orientation_of(exif: Option<&[u8]>) -> Orientation {
     let read = exif.and_then(Orientation::from_exif_chunk);
     read.unwrap_or(Orientation::NoTransforms)
@@ -77,10 +79,10 @@ pub(super) fn turned_deg(orientation: Orientation) -> u32 {
 pub(super) struct Header {
     /// Width, height as stored.
     size: [u32; 2],
-    pub cost: Cost,
+    pub cost: DecodeCost,
     pub orientation: Orientation,
     /// `None` for a PNG.
-    pub jpeg: Option<Outline>,
+    pub jpeg: Option<JpegStructure>,
     /// A JPEG that stores luma by itself, as almost all do: the others are CMYK or plain RGB.
     pub has_luma: bool,
 }
@@ -88,14 +90,14 @@ pub(super) struct Header {
 impl Header {
     /// Also gives the EXIF block.
     pub fn of(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
-        let (size, cost, exif, jpeg, has_luma) = match Kind::of(bytes)? {
-            Kind::Jpeg(outline) => {
-                let (decoder, size, cost) = jpeg_header(bytes, &outline, ColorSpace::RGB, budget)?;
+        let (size, cost, exif, jpeg, has_luma) = match FileKind::of(bytes)? {
+            FileKind::Jpeg(structure) => {
+                let (decoder, size, cost) = jpeg_header(bytes, &structure, ColorSpace::RGB, budget)?;
                 let colours = decoder.input_colorspace();
                 let has_luma = matches!(colours, Some(ColorSpace::YCbCr | ColorSpace::Luma));
-                (size, cost, decoder.exif().cloned(), Some(outline), has_luma)
+                (size, cost, decoder.exif().cloned(), Some(structure), has_luma)
             }
-            Kind::Png => {
+            FileKind::Png => {
                 let (mut decoder, cost) = png_header(bytes, budget)?;
                 let (width, height) = decoder.dimensions();
                 let exif = decoder.exif_metadata().ok().flatten();
@@ -123,18 +125,18 @@ impl Header {
     }
 
     pub fn luma(&self, bytes: &[u8], budget: &Budget) -> Result<GrayImage, DecodeProblem> {
-        let Some(outline) = self.jpeg.filter(|_| self.has_luma) else {
+        let Some(structure) = self.jpeg.filter(|_| self.has_luma) else {
             return Ok(imageops::grayscale(&self.rgb(bytes, budget)?));
         };
-        let (pixels, [width, height]) = jpeg_pixels(bytes, &outline, ColorSpace::Luma, budget)?;
+        let (pixels, [width, height]) = jpeg_pixels(bytes, &structure, ColorSpace::Luma, budget)?;
         let luma = GrayImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no grey image"))?;
         Ok(self.upright(luma.into()).into_luma8())
     }
 
     pub fn rgb(&self, bytes: &[u8], budget: &Budget) -> Result<RgbImage, DecodeProblem> {
         let stored = match &self.jpeg {
-            Some(outline) => {
-                let (pixels, [width, height]) = jpeg_pixels(bytes, outline, ColorSpace::RGB, budget)?;
+            Some(structure) => {
+                let (pixels, [width, height]) = jpeg_pixels(bytes, structure, ColorSpace::RGB, budget)?;
                 RgbImage::from_raw(width, height, pixels).ok_or_else(|| damaged("it is no RGB image"))?
             }
             None => {
@@ -187,8 +189,8 @@ pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecode
 /// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.
 const PNG_CHUNKS: u64 = 64 << 20;
 
-/// A decoder that has read the header, and what the picture takes.
-type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, Cost);
+/// A decoder that has read the header, and what the image takes.
+type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, DecodeCost);
 
 fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, DecodeProblem> {
     budget.check_bytes(bytes.len())?;
@@ -198,7 +200,7 @@ fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, Dec
     let (width, height) = decoder.dimensions();
     let is_turned = lies_across(orientation_of(decoder.exif_metadata().ok().flatten().as_deref()));
     let bytes_per_pixel = decoder.color_type().bytes_per_pixel().into();
-    let cost = Cost::of_png([width, height], bytes_per_pixel, is_turned);
+    let cost = DecodeCost::of_png([width, height], bytes_per_pixel, is_turned);
     budget.check(&cost)?;
     Ok((decoder, cost))
 }
@@ -208,21 +210,21 @@ type JpegPixels = (Vec<u8>, [u32; 2]);
 
 fn jpeg_pixels(
     bytes: &[u8],
-    outline: &Outline,
+    structure: &JpegStructure,
     colours: ColorSpace,
     budget: &Budget,
 ) -> Result<JpegPixels, DecodeProblem> {
-    let (mut decoder, size, _) = jpeg_header(bytes, outline, colours, budget)?;
+    let (mut decoder, size, _) = jpeg_header(bytes, structure, colours, budget)?;
     Ok((decoder.decode().map_err(damaged)?, size))
 }
 
-/// A decoder that has read the header, the picture's width and height, and what it takes.
-type OpenedJpeg<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2], Cost);
+/// A decoder that has read the header, the image's width and height, and what it takes.
+type OpenedJpeg<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2], DecodeCost);
 
 /// Strict: by default it fills what damaged data leaves open with grey.
 fn jpeg_header<'a>(
     bytes: &'a [u8],
-    outline: &Outline,
+    structure: &JpegStructure,
     colours: ColorSpace,
     budget: &Budget,
 ) -> Result<OpenedJpeg<'a>, DecodeProblem> {
@@ -239,7 +241,7 @@ fn jpeg_header<'a>(
     // A JPEG's sides fit 16 bits.
     let size = [width as u32, height as u32];
     let is_turned = lies_across(orientation_of(decoder.exif().map(Vec::as_slice)));
-    let cost = Cost::of_jpeg(size, outline, is_turned);
+    let cost = DecodeCost::of_jpeg(size, structure, is_turned);
     budget.check(&cost)?;
     Ok((decoder, size, cost))
 }
@@ -341,7 +343,7 @@ mod tests {
         })
     }
 
-    /// Most damage inside a JPEG decodes into some other picture; what the strict decoder can notice is refused, where the
+    /// Most damage inside a JPEG decodes into some other image; what the strict decoder can notice is refused, where the
     /// lenient one refuses none of these.
     #[test]
     fn damage_that_can_be_noticed_is_refused() {
@@ -403,7 +405,7 @@ mod tests {
     }
 
     proptest! {
-        /// User files of any content: an error or a picture, never a panic.
+        /// User files of any content: an error or an image, never a panic.
         #[test]
         fn damaged_jpegs_never_panic(at in 2usize..600, value in any::<u8>()) {
             let mut bytes = small_jpeg();

@@ -9,7 +9,7 @@ use crate::files;
 
 /// By their age: newer versions of libheif call it `heif-dec`.
 const DECODERS: [&str; 2] = ["heif-dec", "heif-convert"];
-/// A decoder that takes longer than this for one picture hangs.
+/// A decoder that takes longer than this for one image hangs.
 const MOST_TIME: Duration = Duration::from_secs(60);
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
@@ -18,7 +18,7 @@ pub fn reads_heif() -> bool {
     decoder().is_some()
 }
 
-/// The picture of an HEIF file as an upright PNG; `None` where the system has no decoder for it.
+/// The image of an HEIF file as an upright PNG; `None` where the system has no decoder for it.
 ///
 /// # Errors
 /// A decoder that fails, or takes more than a minute.
@@ -44,7 +44,7 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
     let name = decoder.file_name().unwrap_or_default().display();
     let ended = started.and_then(within_time);
     let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
-    // A file of several pictures becomes as many; the first is the one that is shown.
+    // A file of several images becomes as many; the first is the one that is shown.
     let picture = [to, folder.path().join("out-1.png")]
         .into_iter()
         .find(|path| path.is_file());
@@ -90,7 +90,7 @@ fn within_time(mut child: Child) -> std::io::Result<bool> {
     }
 }
 
-/// A PNG without its remarks. The decoder has turned the picture upright; EXIF data that it kept beside would turn it again.
+/// A PNG without its remarks. The decoder has turned the image upright; EXIF data that it kept beside would turn it again.
 fn pixels_only(png: &[u8]) -> Vec<u8> {
     const SIGNATURE: usize = 8;
     let mut kept = png.get(..SIGNATURE).unwrap_or_default().to_vec();

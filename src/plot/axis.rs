@@ -10,14 +10,14 @@ pub enum Scale {
 
 /// An axis from `low` to `high`, drawn from one pixel to another.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct PlotAxis {
     pub title: String,
     pub scale: Scale,
     pub low: f64,
     pub high: f64,
 }
 
-impl Axis {
+impl PlotAxis {
     /// Wide enough for all values. On a log axis it ends at 1, 2 or 5 times a power of ten; a linear one starts at 0 or below.
     pub fn around(title: &str, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
         let usable = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_log_axis_holds_its_values_between_round_ends() {
-        let axis = Axis::around("ms", Scale::Log, [3.0, 0.0, f64::NAN, 80.0]);
+        let axis = PlotAxis::around("ms", Scale::Log, [3.0, 0.0, f64::NAN, 80.0]);
         assert_eq!((axis.low, axis.high), (2.0, 100.0));
         assert_eq!(axis.ticks(), [2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
         assert!((axis.share(2.0), axis.share(100.0), axis.share(0.0)) == (0.0, 1.0, 0.0));
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_linear_axis_starts_at_zero() {
-        let axis = Axis::around("share", Scale::Linear, [0.3, 0.9]);
+        let axis = PlotAxis::around("share", Scale::Linear, [0.3, 0.9]);
         assert_eq!((axis.low, axis.high), (0.0, 0.9));
         assert_eq!(
             axis.ticks().iter().map(|v| tick_label(*v)).collect::<Vec<_>>(),
@@ -131,7 +131,7 @@ mod tests {
     fn nothing_to_show_is_still_an_axis() {
         for scale in [Scale::Linear, Scale::Log] {
             for values in [vec![], vec![0.0], vec![5.0, 5.0]] {
-                let axis = Axis::around("", scale, values);
+                let axis = PlotAxis::around("", scale, values);
                 assert!(axis.low < axis.high && !axis.ticks().is_empty(), "{axis:?}");
             }
         }

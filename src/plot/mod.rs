@@ -1,13 +1,13 @@
 //! Small SVG charts, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
 //!
-//! Colours are those of Okabe & Ito (2008), which people with colour blindness tell apart.
+//! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
 
 mod axis;
 mod panels;
 mod scatter;
 
-pub use axis::{Axis, Scale, tick_label};
-pub use panels::{Line, Panel, panels};
+pub use axis::{PlotAxis, Scale, tick_label};
+pub use panels::{PlotLine, PlotPanel, panels};
 pub use scatter::{Cloud, Dot, scatter};
 
 /// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.

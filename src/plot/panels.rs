@@ -3,11 +3,11 @@
 use maud::{Markup, html};
 
 use super::axis::tick_label;
-use super::{Axis, FAINT, INK, NOTE, colour, document, round};
+use super::{FAINT, INK, NOTE, PlotAxis, colour, document, round};
 
 /// One line of a panel: values along the panel's x, gaps where nothing was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct PlotLine {
     pub series: usize,
     pub values: Vec<Option<f64>>,
     pub is_dashed: bool,
@@ -15,11 +15,11 @@ pub struct Line {
 
 /// One small chart. The x values are evenly spaced steps with their labels: sweeps go from harmless to hopeless.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Panel {
+pub struct PlotPanel {
     pub title: String,
     pub steps: Vec<String>,
-    pub y: Axis,
-    pub lines: Vec<Line>,
+    pub y: PlotAxis,
+    pub lines: Vec<PlotLine>,
 }
 
 const PANEL: (f64, f64) = (190.0, 104.0);
@@ -27,7 +27,7 @@ const CELL: (f64, f64) = (252.0, 168.0);
 const TOP: f64 = 64.0;
 
 /// A page of panels, row by row, `across` a row, with a legend of colours and of solid and dashed lines.
-pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[Panel]) -> String {
+pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[PlotPanel]) -> String {
     let across = across.max(1);
     let notes_height = 14.0 * notes.len() as f64;
     let top = TOP + notes_height;
@@ -52,7 +52,7 @@ pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, a
     document(width, height, title, &content)
 }
 
-fn draw(panel: &Panel) -> Markup {
+fn draw(panel: &PlotPanel) -> Markup {
     let last = panel.steps.len().saturating_sub(1).max(1) as f64;
     let x = |step: usize| round(step as f64 / last * PANEL.0);
     let y = |value: f64| round((1.0 - panel.y.share(value)) * PANEL.1);

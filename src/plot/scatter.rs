@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use maud::{Markup, html};
 
 use super::axis::tick_label;
-use super::{Axis, FAINT, INK, NOTE, colour, document, round};
+use super::{FAINT, INK, NOTE, PlotAxis, colour, document, round};
 
 /// What a mark looks like besides its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Shape {
+enum DotShape {
     Circle,
     Square,
     Diamond,
@@ -17,7 +17,7 @@ enum Shape {
     Wedge,
 }
 
-impl Shape {
+impl DotShape {
     /// The n-th shape; a sixth starts over.
     fn nth(n: usize) -> Self {
         [Self::Circle, Self::Square, Self::Diamond, Self::Triangle, Self::Wedge][n % 5]
@@ -46,8 +46,8 @@ pub struct Cloud {
     pub title: String,
     /// One line: what the third mark is.
     pub note: String,
-    pub x: Axis,
-    pub y: Axis,
+    pub x: PlotAxis,
+    pub y: PlotAxis,
     pub colours: Vec<String>,
     pub shapes: Vec<String>,
     /// What the ring means.
@@ -140,12 +140,12 @@ fn mark(cloud: &Cloud, dot: &Dot) -> Markup {
 fn symbol(series: usize, shape: usize, share: f64) -> Markup {
     let paint = colour(series);
     let share = share.clamp(0.0, 1.0);
-    let points = match Shape::nth(shape) {
-        Shape::Circle => None,
-        Shape::Square => Some("-5.5,-5.5 5.5,-5.5 5.5,5.5 -5.5,5.5"),
-        Shape::Diamond => Some("0,-7.5 7.5,0 0,7.5 -7.5,0"),
-        Shape::Triangle => Some("0,-7.5 7,5.5 -7,5.5"),
-        Shape::Wedge => Some("0,7.5 7,-5.5 -7,-5.5"),
+    let points = match DotShape::nth(shape) {
+        DotShape::Circle => None,
+        DotShape::Square => Some("-5.5,-5.5 5.5,-5.5 5.5,5.5 -5.5,5.5"),
+        DotShape::Diamond => Some("0,-7.5 7.5,0 0,7.5 -7.5,0"),
+        DotShape::Triangle => Some("0,-7.5 7,5.5 -7,5.5"),
+        DotShape::Wedge => Some("0,7.5 7,-5.5 -7,-5.5"),
     };
     let outline = |fill: &str, opacity: &str| match points {
         None => html! { circle r=(RADIUS) fill=(fill) fill-opacity=(opacity) stroke=(paint) stroke-width="1.5" {} },
@@ -236,7 +236,7 @@ mod tests {
             is_ringed: false,
         };
         let dots = vec![dot(1.0, "a<b"), dot(1.0, "c")];
-        let axis = |t: &str| Axis::around(t, Scale::Log, [0.5, 2.0]);
+        let axis = |t: &str| PlotAxis::around(t, Scale::Log, [0.5, 2.0]);
         let cloud = Cloud {
             title: "t".into(),
             note: String::new(),

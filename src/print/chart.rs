@@ -1,10 +1,10 @@
 //! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
 
 use super::SheetError;
-use super::lettering::number;
-use super::page::{Media, Page};
+use super::lettering::{number, size};
+use super::page::{FreePage, Media};
 use super::printer::Printer;
-use super::shapes::{Placement, black_modules};
+use super::shapes::{TagPlacement, black_modules};
 use super::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet};
 use crate::colour_chart::layout::{ChartKind, ChartLayout, ChartTag, FAMILY, PATCH_MM, TAG_MM};
 use crate::tags::TagImage;
@@ -23,7 +23,7 @@ pub enum ChartPrintError {
 
 /// A chart ready to be written.
 #[derive(Debug, Clone)]
-pub struct Chart {
+pub struct PrintedChart {
     pub layout: ChartLayout,
     /// Where it lies (page frame).
     pub area: RectMm,
@@ -33,8 +33,8 @@ pub struct Chart {
 /// Draws the chart with the most colours that the paper has room for.
 ///
 /// # Errors
-/// Paper without room for the smallest chart, upright and across.
-pub fn chart(media: Media) -> Result<Chart, ChartPrintError> {
+/// A roll; paper without room for the smallest chart, upright and across.
+pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);
     let mut marks: Vec<Mark> = layout
@@ -47,24 +47,21 @@ pub fn chart(media: Media) -> Result<Chart, ChartPrintError> {
     }
     let label = format!("chart {}", layout.kind.name());
     let sheet = page.sheet(marks, &captions(&layout, &media.printer), &label);
-    Ok(Chart { layout, area, sheet })
+    Ok(PrintedChart { layout, area, sheet })
 }
 
-fn placed(media: Media) -> Result<(ChartLayout, Page, RectMm), ChartPrintError> {
-    let pages = Page::both_ways(media)?;
+fn placed(media: Media) -> Result<(ChartLayout, FreePage, RectMm), ChartPrintError> {
+    media.check_is_cut()?;
+    let pages = FreePage::both_ways(media)?;
     for kind in ChartKind::ALL {
         let layout = ChartLayout::new(kind);
         let (width, height) = layout.size_mm;
-        let fits = |page: &&Page| width <= page.0.usable.width_mm() && height <= page.0.usable.height_mm();
+        let fits = |page: &&FreePage| width <= page.0.usable.width_mm() && height <= page.0.usable.height_mm();
         if let Some(page) = pages.iter().find(fits) {
-            let usable = page.0.usable;
-            let left = usable.left_mm + (usable.width_mm() - width) / 2.0;
-            let bottom = usable.bottom_mm + (usable.height_mm() - height) / 2.0;
-            let area = RectMm::new(left, bottom, left + width, bottom + height);
+            let area = page.0.centred(layout.size_mm);
             return Ok((layout, *page, area));
         }
     }
-    let size = |(width, height): (f64, f64)| format!("{} × {}", number(width), number(height));
     let [.., smallest] = ChartKind::ALL;
     let free = pages
         .first()
@@ -88,7 +85,7 @@ fn patch(centre_mm: [f64; 2], colour: [u8; 3], corner: PointMm) -> Mark {
 
 fn drawn(tag: &ChartTag, corner: PointMm) -> Result<Mark, ChartPrintError> {
     let image = TagImage::new(FAMILY, tag.id).ok_or(ChartPrintError::NoTagImage { id: tag.id })?;
-    let place = Placement {
+    let place = TagPlacement {
         centre: on_page(tag.centre_mm, corner),
         right: [1.0, 0.0],
         module_mm: TAG_MM / image.border_modules() as f64,

@@ -2,12 +2,12 @@
 
 use super::SheetError;
 use super::date::Date;
-use super::frame::{Frame, Setup};
-use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, wrapped};
+use super::frame::{PageFrame, Setup};
+use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
 use super::paper::{Paper, Stock};
 use super::printer::{self, Printer};
 use super::ruler;
-use super::sheet::{Anchor, Mark, RectMm, Sheet};
+use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 
 /// The square with its diagonals.
 pub const SQUARE_MM: f64 = 100.0;
@@ -39,7 +39,7 @@ pub struct CheckRequest {
 /// Where the measured things are on the page, in true millimetres (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckPlan {
-    pub frame: Frame,
+    pub frame: PageFrame,
     pub square: RectMm,
     pub long_box: RectMm,
 }
@@ -61,7 +61,7 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
         printer: request.printer,
         turned: false,
     };
-    let frame = Frame::new(page, setup)?;
+    let frame = PageFrame::new(page, setup)?;
     let area = frame.usable;
     let needed = (
         SQUARE_MM + GAP_MM + BLANKS_MM,
@@ -73,9 +73,9 @@ pub fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
             page.height_mm + (needed.1 - area.height_mm()).max(0.0),
         );
         return Err(SheetError::PaperTooSmall {
-            paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
+            paper_mm: size((page.width_mm, page.height_mm)),
             margin_mm: request.margin_mm,
-            needed_mm: format!("{} × {}", number(more.0.ceil()), number(more.1.ceil())),
+            needed_mm: size((more.0.ceil(), more.1.ceil())),
         });
     }
     let (left, bottom) = (area.left_mm, area.bottom_mm);
@@ -101,20 +101,12 @@ pub fn check(request: &CheckRequest) -> Result<Vec<Sheet>, SheetError> {
     marks.extend(diagonals(plan.square));
     marks.extend(outline(plan.long_box));
     let label = (plan.long_box.left_mm + 3.0, plan.long_box.top_mm - LEADING_MM);
-    marks.push(Mark::text(label, TEXT_MM, Anchor::Left, "10 × 5 cm"));
+    marks.push(Mark::text(label, TEXT_MM, TextAnchor::Left, "10 × 5 cm"));
     marks.extend(head(&plan));
     marks.extend(blanks(&plan));
     marks.extend(caption(&plan, request));
-    let page = plan.frame.page;
-    let whole = RectMm::new(0.0, 0.0, page.width_mm, page.height_mm);
-    let sheet = Sheet {
-        width_mm: page.width_mm,
-        height_mm: page.height_mm,
-        trim: whole,
-        bleed: whole,
-        marks,
-    };
-    Ok(printer::corrected(vec![sheet], plan.frame.setup.stretch()))
+    let sheet = plan.frame.sheet(plan.frame.whole(), plan.frame.whole(), marks);
+    Ok(vec![printer::corrected_one(sheet, plan.frame.setup.stretch())])
 }
 
 /// A rectangle whose lines have their middles on its edges, and whose corners are closed.
@@ -138,7 +130,7 @@ fn head(plan: &CheckPlan) -> Vec<Mark> {
     let mut marks = vec![Mark::text(
         (area.left_mm, title_y),
         TITLE_MM,
-        Anchor::Left,
+        TextAnchor::Left,
         "Printer check",
     )];
     let steps = [
@@ -153,7 +145,7 @@ fn head(plan: &CheckPlan) -> Vec<Mark> {
     ];
     let mut y = title_y - 1.6 * LEADING_MM;
     for line in steps.iter().flat_map(|step| wrapped(step, TEXT_MM, area.width_mm())) {
-        marks.push(Mark::text((area.left_mm, y), TEXT_MM, Anchor::Left, line));
+        marks.push(Mark::text((area.left_mm, y), TEXT_MM, TextAnchor::Left, line));
         y -= LEADING_MM;
     }
     marks
@@ -181,10 +173,10 @@ fn blanks(plan: &CheckPlan) -> Vec<Mark> {
         for (what, nominal_mm) in blanks {
             let nominal = number((nominal_mm * 10.0).round() / 10.0);
             let line = format!("{what} (of {nominal} mm)");
-            marks.push(Mark::text((left, y), TEXT_MM, Anchor::Left, line));
+            marks.push(Mark::text((left, y), TEXT_MM, TextAnchor::Left, line));
             let blank_y = y - 2.2 * LEADING_MM;
             marks.push(Mark::line((left, blank_y), (left + 30.0, blank_y), LINE_MM));
-            marks.push(Mark::text((left + 31.0, blank_y), TEXT_MM, Anchor::Left, "mm"));
+            marks.push(Mark::text((left + 31.0, blank_y), TEXT_MM, TextAnchor::Left, "mm"));
             y = blank_y - 2.0 * LEADING_MM;
         }
     }
@@ -206,7 +198,7 @@ fn caption(plan: &CheckPlan, request: &CheckRequest) -> Vec<Mark> {
     let place = |(i, line): (usize, String)| {
         let size_mm = fitting_size_mm(&line, TEXT_MM, area.width_mm());
         let baseline = area.bottom_mm + 1.0 + (1 - i) as f64 * 1.5 * LEADING_MM;
-        Mark::text((area.left_mm, baseline), size_mm, Anchor::Left, line)
+        Mark::text((area.left_mm, baseline), size_mm, TextAnchor::Left, line)
     };
     lines.into_iter().enumerate().map(place).collect()
 }

@@ -4,19 +4,19 @@
 //! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
 
 use super::SheetError;
-use super::lettering::number;
+use super::lettering::size;
 use super::paper::Paper;
 use super::printer::Printer;
 use super::ruler;
-use super::sheet::{PointMm, RectMm};
+use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use crate::geometry::length;
 
 /// Free strip around the content in which crop marks stand.
-pub const CROP_STRIP_MM: f64 = 5.5;
+pub(crate) const CROP_STRIP_MM: f64 = 5.5;
 /// Height of the captions at the foot of the page.
-pub const FOOTER_MM: f64 = 13.0;
+pub(crate) const FOOTER_MM: f64 = 13.0;
 /// Width of the block at the foot's right end that holds arrows, the sheet's id and the mini-map.
-pub const KEY_WIDTH_MM: f64 = 18.0;
+pub(crate) const KEY_WIDTH_MM: f64 = 18.0;
 /// From the end of the horizontal ruler to the key block: half a label and some air.
 const RULER_END_MM: f64 = 3.0;
 
@@ -64,7 +64,7 @@ impl Setup {
 
 /// One page and its areas (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct PageFrame {
     /// The paper as it is used: portrait or landscape.
     pub page: Paper,
     pub setup: Setup,
@@ -78,7 +78,7 @@ pub struct Frame {
     pub vertical_ruler: PointMm,
 }
 
-impl Frame {
+impl PageFrame {
     /// # Errors
     /// A margin that is no length, paper too small for the rulers and the captions.
     pub fn new(page: Paper, setup: Setup) -> Result<Self, SheetError> {
@@ -90,9 +90,9 @@ impl Frame {
         );
         if page.width_mm < needed.0 || page.height_mm < needed.1 {
             return Err(SheetError::PaperTooSmall {
-                paper_mm: format!("{} × {}", number(page.width_mm), number(page.height_mm)),
+                paper_mm: size((page.width_mm, page.height_mm)),
                 margin_mm,
-                needed_mm: format!("{} × {}", number(needed.0), number(needed.1)),
+                needed_mm: size(needed),
             });
         }
         let border = |side: f64, share: f64| 0.5 * (side - (side - 2.0 * margin_mm) * share);
@@ -102,6 +102,29 @@ impl Frame {
             setup,
             RectMm::new(x, y, page.width_mm - x, page.height_mm - y),
         ))
+    }
+
+    /// All of the page.
+    pub fn whole(&self) -> RectMm {
+        RectMm::new(0.0, 0.0, self.page.width_mm, self.page.height_mm)
+    }
+
+    /// The middle of the usable area.
+    pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
+        let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
+        let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;
+        RectMm::new(left, bottom, left + width_mm, bottom + height_mm)
+    }
+
+    /// This page with marks.
+    pub fn sheet(&self, trim: RectMm, bleed: RectMm, marks: Vec<Mark>) -> Sheet {
+        Sheet {
+            width_mm: self.page.width_mm,
+            height_mm: self.page.height_mm,
+            trim,
+            bleed,
+            marks,
+        }
     }
 
     fn within(page: Paper, setup: Setup, printable: RectMm) -> Self {

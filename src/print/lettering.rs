@@ -3,9 +3,9 @@
 //! Every sheet is lettered in DejaVu Sans (`fonts`).
 
 /// The font's name where it is not embedded (SVG).
-pub const FAMILY: &str = "DejaVu Sans";
+pub(crate) const FAMILY: &str = "DejaVu Sans";
 /// Height of capitals, as a share of the em (its `H` is 1493 of 2048 units high).
-pub const CAP_HEIGHT: f64 = 0.729;
+pub(crate) const CAP_HEIGHT: f64 = 0.729;
 
 /// Advance widths of the characters space to tilde in thousandths of the em (the font's `hmtx` table).
 #[rustfmt::skip]
@@ -29,8 +29,13 @@ const LATIN_1_WIDTHS: [u16; 95] = [
     612, 634, 612, 612, 612, 612, 612, 838, 612, 634, 634, 634, 634, 592, 635, 592,
 ];
 
+/// A width and a height as text.
+pub(crate) fn size((width, height): (f64, f64)) -> String {
+    format!("{} × {}", number(width), number(height))
+}
+
 /// Width of one line of text.
-pub fn width_mm(text: &str, size_mm: f64) -> f64 {
+pub(crate) fn width_mm(text: &str, size_mm: f64) -> f64 {
     text.chars().map(advance).sum::<f64>() * size_mm
 }
 
@@ -40,7 +45,7 @@ fn advance(c: char) -> f64 {
 }
 
 /// Advance in thousandths of the em. What the font lacks counts as the widest, so that what is measured to fit does fit.
-pub fn thousandths(c: char) -> u16 {
+pub(crate) fn thousandths(c: char) -> u16 {
     match c {
         ' '..='~' => ASCII_WIDTHS[c as usize - ' ' as usize],
         '\u{a1}'..='\u{ff}' => LATIN_1_WIDTHS[c as usize - 0xa1],
@@ -49,7 +54,7 @@ pub fn thousandths(c: char) -> u16 {
 }
 
 /// Only what the font can show: anything outside Latin-1 (and the ellipsis) becomes a question mark.
-pub fn printable(text: &str) -> String {
+pub(crate) fn printable(text: &str) -> String {
     text.chars()
         .map(|c| {
             if matches!(c, ' '..='~' | '\u{a1}'..='\u{ff}' | '…') {
@@ -62,7 +67,7 @@ pub fn printable(text: &str) -> String {
 }
 
 /// The text, with as much of its middle replaced by an ellipsis as is needed to stay within `most_mm`.
-pub fn shortened(text: &str, size_mm: f64, most_mm: f64) -> String {
+pub(crate) fn shortened(text: &str, size_mm: f64, most_mm: f64) -> String {
     let letters: Vec<char> = text.chars().collect();
     let mut kept = letters.len();
     let mut short = text.to_owned();
@@ -76,7 +81,7 @@ pub fn shortened(text: &str, size_mm: f64, most_mm: f64) -> String {
 }
 
 /// The text in lines of at most `most_mm`, broken at spaces. A word that is wider stands alone.
-pub fn wrapped(text: &str, size_mm: f64, most_mm: f64) -> Vec<String> {
+pub(crate) fn wrapped(text: &str, size_mm: f64, most_mm: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {
@@ -91,17 +96,17 @@ pub fn wrapped(text: &str, size_mm: f64, most_mm: f64) -> Vec<String> {
 }
 
 /// The size at which a line is at most `most_mm` wide: `size_mm`, or smaller.
-pub fn fitting_size_mm(text: &str, size_mm: f64, most_mm: f64) -> f64 {
+pub(crate) fn fitting_size_mm(text: &str, size_mm: f64, most_mm: f64) -> f64 {
     size_mm.min(size_mm * most_mm / width_mm(text, size_mm).max(f64::MIN_POSITIVE))
 }
 
 /// `1 sheet`, `2 sheets`.
-pub fn counted(n: usize, what: &str) -> String {
+pub(crate) fn counted(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// A number with up to three decimals and no trailing zeros.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

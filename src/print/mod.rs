@@ -1,15 +1,16 @@
-//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres and written by [`pdf`] or [`svg`].
+//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] makes files of them by [`pdf`] or [`svg`].
 //!
-//! One file or folder per kind of print ([`template`], [`tags`], [`board`], [`check`], [`chart`]); what they share ([`page`], [`paper`],
-//! [`frame`], [`ruler`], [`lettering`], [`shapes`], [`printer`]) stands beside them.
+//! One file or folder per kind of print, each with its request and its error: [`template`], [`paint`], [`wrap`], [`patch`], [`tags`], `board`,
+//! [`chart`], [`check`]. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
 
 #[cfg(feature = "full")]
 pub mod board;
 pub mod chart;
 pub mod check;
-pub mod date;
-pub mod frame;
-pub mod lettering;
+pub(crate) mod date;
+pub(crate) mod frame;
+pub(crate) mod lettering;
+pub mod output;
 mod pack;
 pub mod page;
 pub mod paint;
@@ -17,8 +18,8 @@ pub mod paper;
 pub mod patch;
 pub mod pdf;
 pub mod printer;
-pub mod ruler;
-pub mod shapes;
+pub(crate) mod ruler;
+pub(crate) mod shapes;
 pub mod sheet;
 pub mod svg;
 pub mod tags;
@@ -37,6 +38,8 @@ pub enum SheetError {
         spelling::hint(text, ["a4", "a3", "letter", "tabloid"])
     )]
     UnknownPaper { text: String },
+    #[error("boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm")]
+    Roll,
     #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
     UnknownSize { text: String },
     #[error("'{text}' is no date; write YYYY-MM-DD, as in 2026-11-21")]

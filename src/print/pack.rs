@@ -7,7 +7,7 @@ const GAP_MM: f64 = 4.0;
 
 /// Where a thing lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
+pub(crate) struct Spot {
     /// From 0.
     pub page: usize,
     /// Its lower left corner (page frame).
@@ -18,7 +18,7 @@ pub struct Spot {
 ///
 /// # Errors
 /// The index of the first thing that is larger than the area.
-pub fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
+pub(crate) fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     let (mut page, mut x, mut top, mut row_mm) = (0, area.left_mm, area.top_mm, 0.0_f64);
     let mut spots = Vec::with_capacity(sizes.len());
     for (i, (width, height)) in sizes.iter().enumerate() {
@@ -46,7 +46,7 @@ pub fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
 ///
 /// # Errors
 /// The index of the first thing that is larger than the area.
-pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
+pub(crate) fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     if let Some(i) = sizes
         .iter()
         .position(|(w, h)| *w > area.width_mm() || *h > area.height_mm())
@@ -57,13 +57,13 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     // What differs by rounding only keeps its order.
     let high = |i: &usize| (sizes[*i].1 * 100.0).round();
     order.sort_by(|a, b| high(b).total_cmp(&high(a)));
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<PackedRow> = Vec::new();
     let mut spots = vec![None; sizes.len()];
     for i in order {
         let (width, height) = sizes[i];
         let room = rows.iter().position(|row| row.x_mm + width <= area.right_mm);
         let at = room.unwrap_or_else(|| {
-            rows.push(Row::below(&rows, area, height));
+            rows.push(PackedRow::below(&rows, area, height));
             rows.len() - 1
         });
         let row = &mut rows[at];
@@ -78,7 +78,7 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
 }
 
 /// Things side by side under one line.
-struct Row {
+struct PackedRow {
     page: usize,
     /// Where the next thing begins.
     x_mm: f64,
@@ -86,9 +86,9 @@ struct Row {
     bottom_mm: f64,
 }
 
-impl Row {
+impl PackedRow {
     /// A new row of some height on the first page that has room below its last row.
-    fn below(rows: &[Row], area: RectMm, height: f64) -> Row {
+    fn below(rows: &[PackedRow], area: RectMm, height: f64) -> PackedRow {
         let pages = rows.iter().map(|row| row.page + 1).max().unwrap_or(0);
         let top_of = |page: usize| {
             let on_page = rows.iter().filter(|row| row.page == page);
@@ -98,7 +98,7 @@ impl Row {
             .find(|page| top_of(*page) - height >= area.bottom_mm)
             .unwrap_or(pages);
         let top_mm = top_of(page);
-        Row {
+        PackedRow {
             page,
             x_mm: area.left_mm,
             top_mm,

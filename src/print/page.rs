@@ -1,11 +1,11 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
 use super::SheetError;
-use super::frame::{Frame, Setup};
+use super::frame::{PageFrame, Setup};
 use super::lettering::{fitting_size_mm, printable};
 use super::paper::{MAX_SIDE_MM, Orientation, Stock};
 use super::printer::{Printer, corrected_one};
-use super::sheet::{Anchor, Mark, RectMm, Sheet};
+use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use super::template::layout::{cut_from_roll, roll_page};
 use super::template::rulers;
 
@@ -24,12 +24,23 @@ pub struct Media {
     pub printer: Printer,
 }
 
+impl Media {
+    /// # Errors
+    /// A roll, for what must lie on one cut sheet.
+    pub(crate) fn check_is_cut(&self) -> Result<(), SheetError> {
+        match self.paper {
+            Stock::Cut(_) => Ok(()),
+            Stock::Roll { .. } => Err(SheetError::Roll),
+        }
+    }
+}
+
 /// A page that is drawn on freely: its frame's usable area is for the content.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Page(pub Frame);
+pub struct FreePage(pub PageFrame);
 
-impl Page {
-    /// The areas of a paper used upright or across. A roll's page is as long as a page can be; [`Page::shortened`] cuts it off.
+impl FreePage {
+    /// The areas of a paper used upright or across. A roll's page is as long as a page can be; [`FreePage::shortened`] cuts it off.
     ///
     /// # Errors
     /// Paper too small for the rulers.
@@ -45,7 +56,7 @@ impl Page {
             Stock::Cut(paper) => paper.portrait(),
             Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
         };
-        Ok(Self(Frame::new(page, setup)?))
+        Ok(Self(PageFrame::new(page, setup)?))
     }
 
     /// The page itself, or a piece of the roll that is just long enough for a usable area of this length.
@@ -57,7 +68,7 @@ impl Page {
             return Ok(self);
         };
         let setup = self.0.setup;
-        Ok(Self(Frame::new(cut_from_roll(width_mm, usable_mm, &setup), setup)?))
+        Ok(Self(PageFrame::new(cut_from_roll(width_mm, usable_mm, &setup), setup)?))
     }
 
     /// Upright and across, as far as the paper allows; never empty.
@@ -87,14 +98,7 @@ impl Page {
         all.extend(rulers(frame));
         all.extend(self.captions(captions));
         all.push(self.label(label));
-        let sheet = Sheet {
-            width_mm: frame.page.width_mm,
-            height_mm: frame.page.height_mm,
-            trim,
-            bleed: trim,
-            marks: all,
-        };
-        corrected_one(sheet, frame.setup.stretch())
+        corrected_one(frame.sheet(trim, trim, all), frame.setup.stretch())
     }
 
     fn captions(&self, lines: &[String]) -> impl Iterator<Item = Mark> {
@@ -103,13 +107,13 @@ impl Page {
             let baseline = self.0.printable.bottom_mm + 0.8 + i as f64 * LEADING_MM;
             let line = printable(line);
             let size_mm = fitting_size_mm(&line, CAPTION_MM, most_mm);
-            Mark::text((self.0.printable.left_mm, baseline), size_mm, Anchor::Left, line)
+            Mark::text((self.0.printable.left_mm, baseline), size_mm, TextAnchor::Left, line)
         })
     }
 
     fn label(&self, text: &str) -> Mark {
         let size_mm = fitting_size_mm(text, LABEL_MM, LABEL_WIDTH_MM - 2.0);
         let at = (self.0.printable.right_mm, self.0.printable.bottom_mm + 0.8);
-        Mark::text(at, size_mm, Anchor::Right, text)
+        Mark::text(at, size_mm, TextAnchor::Right, text)
     }
 }

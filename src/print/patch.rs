@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 use super::SheetError;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
-use super::template::{Layout, SheetPlan, TemplateError, check_scale, furniture, layout};
+use super::template::{TemplateError, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use crate::files;
 use crate::geometry::length::{self, BadLength, shown};
@@ -17,7 +17,7 @@ use crate::photo::{Budget, Photo, open_png};
 
 /// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
 pub const MAX_PIXELS: u32 = 8192;
-/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger pictures are embedded whole.
+/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger images are embedded whole.
 const MAX_RECTANGLES: u32 = 128;
 /// Around a piece on its sheets, for the line it is cut along.
 const ROOM_MM: f64 = 3.0;
@@ -50,14 +50,14 @@ pub enum PatchError {
     },
 }
 
-/// A picture to be printed as it is.
+/// An image to be printed as it is.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct PatchImage {
     pixels: Arc<RgbImage>,
     sha256: String,
 }
 
-impl Picture {
+impl PatchImage {
     /// Reads an opaque PNG or JPEG.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl Picture {
             ))),
             false => Ok(()),
         };
-        let picture = match format {
+        let image = match format {
             ImageFormat::Png => {
                 let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
                 check_size(decoder.dimensions())?;
@@ -91,13 +91,13 @@ impl Picture {
                 file.rgb(1).map_err(|e| bad(e.to_string()))?.into()
             }
         };
-        if picture.color().has_alpha() && picture.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
+        if image.color().has_alpha() && image.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
             return Err(bad(
                 "it is see-through in places: flatten it onto an opaque colour".into()
             ));
         }
         Ok(Self {
-            pixels: Arc::new(picture.to_rgb8()),
+            pixels: Arc::new(image.to_rgb8()),
             sha256: files::sha256_hex(&bytes),
         })
     }
@@ -106,12 +106,12 @@ impl Picture {
         &self.pixels
     }
 
-    /// Height for a width that keeps the picture's proportions.
+    /// Height for a width that keeps the image's proportions.
     pub fn height_for(&self, width: f64) -> f64 {
         width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
     }
 
-    /// The picture over an area of a page.
+    /// The image over an area of a page.
     fn mark(&self, stamp: Option<&Arc<Stamp>>, area: RectMm) -> Mark {
         match stamp {
             Some(stamp) => Mark::Stamped {
@@ -120,7 +120,7 @@ impl Picture {
                 clip: area,
             },
             None => Mark::Image {
-                picture: Arc::clone(&self.pixels),
+                image: Arc::clone(&self.pixels),
                 area,
             },
         }
@@ -148,12 +148,12 @@ impl Picture {
     }
 }
 
-/// A picture on a panel.
+/// An image on a panel.
 #[derive(Debug, Clone)]
-pub struct Patch {
+pub struct PanelPatch {
     /// How the captions call it: its file name.
     pub name: String,
-    pub picture: Picture,
+    pub image: PatchImage,
     pub side: Side,
     /// Its middle in the panel's plane: (u, v), see [`Side`].
     pub at_mm: Point,
@@ -161,7 +161,7 @@ pub struct Patch {
     pub size_mm: (f64, f64),
 }
 
-impl Patch {
+impl PanelPatch {
     fn area(&self) -> RectMm {
         let ([u, v], (width, height)) = (self.at_mm, self.size_mm);
         RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
@@ -189,7 +189,7 @@ pub struct Patches {
 /// # Errors
 /// A scale, size or place that cannot be, a panel the model does not have, a patch that lies beside its panel, and whatever the
 /// layout refuses.
-pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Result<Patches, PatchError> {
+pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
     check_scale(request.scale)?;
     // All before the first is drawn: a panel's sheets show every patch on it.
     patches.iter().try_for_each(check)?;
@@ -217,7 +217,7 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
         made.off_panel.push(if off < LEAST_SHARE { 0.0 } else { off });
         if !shown.contains(&patch.side) {
             shown.push(patch.side);
-            let here: Vec<&Patch> = patches.iter().filter(|p| p.side == patch.side).collect();
+            let here: Vec<&PanelPatch> = patches.iter().filter(|p| p.side == patch.side).collect();
             made.draw(side, &panel.region, &panel.edges, &here, request)?;
         }
         made.draw(&format!("patch{}", i + 1), &cut, &[], &[patch], request)?;
@@ -227,7 +227,7 @@ pub fn patches(panels: &[Panel], patches: &[Patch], request: &WrapRequest) -> Re
 
 /// # Errors
 /// A place or size that no patch has.
-pub fn check(patch: &Patch) -> Result<(), PatchError> {
+pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
     for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {
             return Err(PatchError::Size { what, value });
@@ -246,7 +246,7 @@ impl Patches {
         name: &str,
         region: &Region,
         edges: &[[Point; 2]],
-        on_it: &[&Patch],
+        on_it: &[&PanelPatch],
         request: &WrapRequest,
     ) -> Result<(), SheetError> {
         let (low, high) = region.bounds().unwrap_or_default();
@@ -259,13 +259,13 @@ impl Patches {
         let template = named.template(side, (size[0], size[1]));
         let layout = layout(&template.layout)?;
         let facts = on_it.iter().map(|p| p.fact()).collect::<Vec<_>>().join(" · ");
-        let captions = furniture::Captions::of_picture(&template, &facts).of_piece(name);
-        let stamps: Vec<_> = on_it.iter().map(|p| p.picture.stamp(p.size_mm)).collect();
+        let captions = furniture::Captions::of_image(&template, &facts).of_piece(name);
+        let stamps: Vec<_> = on_it.iter().map(|p| p.image.stamp(p.size_mm)).collect();
         let corner = [low[0] - ROOM_MM, high[1] + ROOM_MM];
         let mut sheets = Vec::new();
         for plan in &layout.sheets {
             let by = moved_by_mm(plan, corner);
-            let pictures = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
+            let images = on_it.iter().zip(&stamps).map(|(patch, stamp)| {
                 let area = patch.area();
                 let area = RectMm::new(
                     area.left_mm + by[0],
@@ -273,11 +273,11 @@ impl Patches {
                     area.right_mm + by[0],
                     area.top_mm + by[1],
                 );
-                patch.picture.mark(stamp.as_ref(), area)
+                patch.image.mark(stamp.as_ref(), area)
             });
             let on_sheet = Mark::Clipped {
                 to: moved(region.contours(), by),
-                marks: pictures.collect(),
+                marks: images.collect(),
             };
             let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
             let mut content = vec![on_sheet];
@@ -289,7 +289,7 @@ impl Patches {
             }];
             marks.push(cutter_path(region, by, plan));
             marks.extend(furniture::all(&layout, plan, &captions));
-            sheets.push(page(&layout, plan, marks));
+            sheets.push(layout.frame.sheet(plan.trim, plan.printed, marks));
             self.page_names.push(format!("{name}-{}", plan.id()));
         }
         self.pages
@@ -300,17 +300,7 @@ impl Patches {
 
 const EDGE_LINE_MM: f64 = 0.1;
 
-fn page(layout: &Layout, plan: &SheetPlan, marks: Vec<Mark>) -> Sheet {
-    Sheet {
-        width_mm: layout.frame.page.width_mm,
-        height_mm: layout.frame.page.height_mm,
-        trim: plan.trim,
-        bleed: plan.printed,
-        marks,
-    }
-}
-
-impl Patch {
+impl PanelPatch {
     /// Size, place and hash, for the caption.
     fn fact(&self) -> String {
         let number = super::lettering::number;
@@ -321,7 +311,7 @@ impl Patch {
             self.side.name(),
             number(self.at_mm[0]),
             number(self.at_mm[1]),
-            self.picture.sha256.get(..12).unwrap_or_default()
+            self.image.sha256.get(..12).unwrap_or_default()
         )
     }
 }

@@ -16,7 +16,7 @@ use printpdf::{
 
 use super::SheetError;
 use super::lettering;
-use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
 use crate::files;
 
 /// Writes the sheets as the pages of one PDF.
@@ -112,11 +112,11 @@ fn corners(area: RectMm) -> Vec<Object> {
         .to_vec()
 }
 
-/// The stamps and pictures met so far; each becomes one XObject however often it is placed.
+/// The stamps and images met so far; each becomes one XObject however often it is placed.
 #[derive(Default)]
 struct Stamps {
     stamps: Vec<Arc<Stamp>>,
-    pictures: Vec<Arc<RgbImage>>,
+    images: Vec<Arc<RgbImage>>,
 }
 
 impl Stamps {
@@ -124,15 +124,15 @@ impl Stamps {
         XObjectId(format!("Stamp{}", index_of(&mut self.stamps, stamp)))
     }
 
-    fn id_of_picture(&mut self, picture: &Arc<RgbImage>) -> XObjectId {
-        XObjectId(format!("Picture{}", index_of(&mut self.pictures, picture)))
+    fn id_of_image(&mut self, image: &Arc<RgbImage>) -> XObjectId {
+        XObjectId(format!("Picture{}", index_of(&mut self.images, image)))
     }
 
     fn into_objects(self) -> BTreeMap<XObjectId, XObject> {
         let stamps = self.stamps.iter().enumerate();
         let forms = stamps.map(|(i, stamp)| (XObjectId(format!("Stamp{i}")), form(stamp)));
-        let pictures = self.pictures.iter().enumerate();
-        let images = pictures.map(|(i, picture)| (XObjectId(format!("Picture{i}")), image_object(picture)));
+        let images = self.images.iter().enumerate();
+        let images = images.map(|(i, image)| (XObjectId(format!("Picture{i}")), image_object(image)));
         forms.chain(images).collect()
     }
 }
@@ -146,18 +146,18 @@ fn index_of<T>(known: &mut Vec<Arc<T>>, thing: &Arc<T>) -> usize {
 }
 
 /// A lossless image XObject with every pixel as it is: printpdf's own image type goes through its optimiser.
-fn image_object(picture: &RgbImage) -> XObject {
+fn image_object(image: &RgbImage) -> XObject {
     let number = |n: u32| DictItem::Int(i64::from(n));
     let dict = BTreeMap::from([
         ("Type".to_owned(), DictItem::Name(b"XObject".to_vec())),
         ("Subtype".to_owned(), DictItem::Name(b"Image".to_vec())),
-        ("Width".to_owned(), number(picture.width())),
-        ("Height".to_owned(), number(picture.height())),
+        ("Width".to_owned(), number(image.width())),
+        ("Height".to_owned(), number(image.height())),
         ("ColorSpace".to_owned(), DictItem::Name(b"DeviceRGB".to_vec())),
         ("BitsPerComponent".to_owned(), number(8)),
         ("Interpolate".to_owned(), DictItem::Bool(false)),
     ]);
-    external(dict, picture.as_raw().clone())
+    external(dict, image.as_raw().clone())
 }
 
 fn external(dict: BTreeMap<String, DictItem>, content: Vec<u8>) -> XObject {
@@ -232,7 +232,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
             ops.push(Op::RestoreGraphicsState);
             ops
         }
-        Mark::Image { picture, area } => {
+        Mark::Image { image, area } => {
             let [x, y, width, height] =
                 [area.left_mm, area.bottom_mm, area.width_mm(), area.height_mm()].map(|mm| pt(mm).0);
             // An image fills the unit square of its frame.
@@ -241,7 +241,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
                 no_auto_scale: true,
                 ..XObjectTransform::default()
             };
-            let id = stamps.id_of_picture(picture);
+            let id = stamps.id_of_image(image);
             vec![
                 Op::SaveGraphicsState,
                 Op::SetTransformationMatrix { matrix },
@@ -286,7 +286,7 @@ fn moved_to(place: PointMm) -> XObjectTransform {
     }
 }
 
-fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) -> Vec<Op> {
+fn line_ops(ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Vec<Op> {
     let dash = match dash_mm {
         Some((dash, gap)) => LineDashPattern::new(0.0, &[pt(dash).0, pt(gap).0]),
         None => LineDashPattern::solid(),
@@ -332,12 +332,12 @@ fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
     Op::DrawPolygon { polygon }
 }
 
-fn text_ops(at: PointMm, size_mm: f64, anchor: Anchor, text: &str, colour: Rgb) -> Vec<Op> {
+fn text_ops(at: PointMm, size_mm: f64, anchor: TextAnchor, text: &str, colour: Srgb8) -> Vec<Op> {
     let width_mm = lettering::width_mm(text, size_mm);
     let left_mm = match anchor {
-        Anchor::Left => at.x_mm,
-        Anchor::Centre => at.x_mm - 0.5 * width_mm,
-        Anchor::Right => at.x_mm - width_mm,
+        TextAnchor::Left => at.x_mm,
+        TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
+        TextAnchor::Right => at.x_mm - width_mm,
     };
     vec![
         Op::StartTextSection,
@@ -371,7 +371,7 @@ fn unit(channel: u8) -> f64 {
     (f64::from(channel) / 255.0 * 10_000.0).round() / 10_000.0
 }
 
-fn color(colour: Rgb) -> Color {
+fn color(colour: Srgb8) -> Color {
     let [r, g, b] = colour.map(|channel| unit(channel) as f32);
     Color::Rgb(printpdf::Rgb {
         r,

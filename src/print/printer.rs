@@ -15,7 +15,7 @@ use crate::pattern::printed::PrintedColours;
 
 /// What the rulers of every sheet measure on a perfect printer.
 pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
-/// A printer that is further off than this share was told to scale; that is to be undone in its settings, not here.
+/// A printer that is further off than this share scales on purpose, which its settings must undo.
 pub const MOST_OFF: f64 = 0.05;
 
 /// Why nothing is known of a printer.
@@ -52,7 +52,7 @@ struct Lengths {
     correction_y: f64,
 }
 
-/// What a printer file says. One that only `colour read` has written tells of no lengths.
+/// What a printer file says. One that only `colour read` has written has no lengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrinterFile {
     pub printer: Printer,
@@ -118,7 +118,7 @@ impl Printer {
     /// Reads a `printer.toml`.
     ///
     /// # Errors
-    /// A file that is missing, no printer file, contradicts itself or tells of an implausible printer.
+    /// A file that is missing, no printer file, contradicts itself or describes an implausible printer.
     pub fn load(path: &Path) -> Result<Self, PrinterError> {
         Ok(PrinterFile::load(path)?.printer)
     }
@@ -174,7 +174,7 @@ impl PrinterFile {
             .transpose()
             .map_err(plain)?;
         if let Some(colours) = &colours {
-            colours.check()?;
+            colours.check().map_err(|e| e.to_string())?;
         }
         // A file of colours alone says nothing of lengths; then the printer is taken at its word.
         let printer = if table.is_empty() && colours.is_some() {
@@ -233,7 +233,7 @@ pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
 /// `stamps`: the stamps stretched so far, before and after.
 fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>, Arc<Stamp>)>) -> Sheet {
     let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
-    let page = Stretch { factors, centre };
+    let page = PageStretch { factors, centre };
     sheet.trim = page.area(sheet.trim);
     sheet.bleed = page.area(sheet.bleed);
     for mark in &mut sheet.marks {
@@ -242,12 +242,12 @@ fn stretched(mut sheet: Sheet, factors: (f64, f64), stamps: &mut Vec<(Arc<Stamp>
     sheet
 }
 
-struct Stretch {
+struct PageStretch {
     factors: (f64, f64),
     centre: PointMm,
 }
 
-impl Stretch {
+impl PageStretch {
     fn point(&self, p: PointMm) -> PointMm {
         let c = self.centre;
         PointMm::new(

@@ -1,12 +1,12 @@
 //! The 100 mm rulers every page carries: printers stretch one axis without saying so, and a ruler shows it.
 
 use super::lettering::CAP_HEIGHT;
-use super::sheet::{Anchor, Mark, PointMm};
+use super::sheet::{Mark, PointMm, TextAnchor};
 
 /// Length of every ruler.
-pub const LENGTH_MM: f64 = 100.0;
+pub(crate) const LENGTH_MM: f64 = 100.0;
 /// Depth of the strip a ruler takes: ticks and labels.
-pub const DEPTH_MM: f64 = 8.5;
+pub(crate) const DEPTH_MM: f64 = 8.5;
 
 const LINE_MM: f64 = 0.12;
 const LABEL_MM: f64 = 2.2;
@@ -14,7 +14,7 @@ const LABEL_GAP_MM: f64 = 0.5;
 const LONGEST_TICK_MM: f64 = 4.0;
 
 /// A ruler along x from `origin` to the right; ticks and labels hang below.
-pub fn horizontal(origin: PointMm) -> Vec<Mark> {
+pub(crate) fn horizontal(origin: PointMm) -> Vec<Mark> {
     let (x, y) = (origin.x_mm, origin.y_mm);
     let label_y = y - LONGEST_TICK_MM - LABEL_GAP_MM - CAP_HEIGHT * LABEL_MM;
     let mut marks = vec![Mark::line((x, y), (x + LENGTH_MM, y), LINE_MM)];
@@ -22,13 +22,13 @@ pub fn horizontal(origin: PointMm) -> Vec<Mark> {
         marks.push(Mark::line((x + at, y), (x + at, y - tick), LINE_MM));
     }
     for (at, label) in labels() {
-        marks.push(Mark::text((x + at, label_y), LABEL_MM, Anchor::Centre, label));
+        marks.push(Mark::text((x + at, label_y), LABEL_MM, TextAnchor::Centre, label));
     }
     marks
 }
 
 /// A ruler along y from `origin` upwards; ticks and labels stand to its left.
-pub fn vertical(origin: PointMm) -> Vec<Mark> {
+pub(crate) fn vertical(origin: PointMm) -> Vec<Mark> {
     let (x, y) = (origin.x_mm, origin.y_mm);
     let label_x = x - LONGEST_TICK_MM - LABEL_GAP_MM;
     let mut marks = vec![Mark::line((x, y), (x, y + LENGTH_MM), LINE_MM)];
@@ -37,7 +37,7 @@ pub fn vertical(origin: PointMm) -> Vec<Mark> {
     }
     for (at, label) in labels() {
         let baseline = y + at - 0.5 * CAP_HEIGHT * LABEL_MM;
-        marks.push(Mark::text((label_x, baseline), LABEL_MM, Anchor::Right, label));
+        marks.push(Mark::text((label_x, baseline), LABEL_MM, TextAnchor::Right, label));
     }
     marks
 }

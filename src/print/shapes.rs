@@ -4,18 +4,18 @@ use super::sheet::{PointMm, RectMm};
 use crate::tags::Modules;
 
 /// A closed convex outline, counter-clockwise.
-pub type Outline = Vec<PointMm>;
+pub(crate) type OutlineMm = Vec<PointMm>;
 
 /// Where a square of modules lies on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placement {
+pub struct TagPlacement {
     pub centre: PointMm,
     /// Unit vector along the square's rows, to its right.
     pub right: [f64; 2],
     pub module_mm: f64,
 }
 
-impl Placement {
+impl TagPlacement {
     /// The page's place of a point (x right, y up, mm) from the centre of the square.
     pub fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
         let [c, s] = self.right;
@@ -26,14 +26,14 @@ impl Placement {
     }
 
     /// A rectangle of the square's frame (x right, y up, from its centre).
-    pub fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> Outline {
+    pub fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> OutlineMm {
         [(left, bottom), (right, bottom), (right, top), (left, top)]
             .map(|(x, y)| self.at(x, y))
             .to_vec()
     }
 
     /// A triangle on the square's vertical axis that points up, its base `y_mm` above the centre.
-    pub fn up_mark(&self, x_mm: f64, y_mm: f64, size_mm: f64) -> Outline {
+    pub fn up_mark(&self, x_mm: f64, y_mm: f64, size_mm: f64) -> OutlineMm {
         let half = 0.5 * size_mm;
         vec![
             self.at(x_mm - half, y_mm),
@@ -44,7 +44,7 @@ impl Placement {
 }
 
 /// The black of a square of modules: one outline for each run of black modules in a row.
-pub fn black_modules(modules: &Modules, place: &Placement) -> Vec<Outline> {
+pub(crate) fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> {
     let side = modules.side();
     let edge = |module: usize| (module as f64 - 0.5 * side as f64) * place.module_mm;
     let mut outlines = Vec::new();
@@ -65,7 +65,7 @@ pub fn black_modules(modules: &Modules, place: &Placement) -> Vec<Outline> {
 }
 
 /// A straight stroke with butt ends.
-pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> Outline {
+pub(crate) fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
     let (dx, dy) = (to.x_mm - from.x_mm, to.y_mm - from.y_mm);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
     let (x, y) = (-dy / length * width_mm / 2.0, dx / length * width_mm / 2.0);
@@ -74,7 +74,7 @@ pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> Outline {
 }
 
 /// Strokes along a closed outline.
-pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<Outline> {
+pub(crate) fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
     let next = outline.iter().cycle().skip(1);
     outline
         .iter()
@@ -84,7 +84,7 @@ pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<Outline> {
 }
 
 /// The part of a convex outline inside a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if there is none.
-pub fn clipped(outline: &[PointMm], to: RectMm) -> Outline {
+pub(crate) fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
     let edges: [(bool, f64, f64); 4] = [
         (true, to.left_mm, 1.0),
         (true, to.right_mm, -1.0),
@@ -97,7 +97,7 @@ pub fn clipped(outline: &[PointMm], to: RectMm) -> Outline {
     })
 }
 
-fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> Outline {
+fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> OutlineMm {
     let mut kept = Vec::new();
     for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
         let (at_a, at_b) = (inside_by(a), inside_by(b));
@@ -116,7 +116,7 @@ fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> Outline {
 }
 
 /// Whether two convex outlines share more than a border, by the separating axis theorem.
-pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
+pub(crate) fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
     /// Shared borders are no overlap, and rounding is no border.
     const TOUCH_MM: f64 = 0.01;
     let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {
@@ -156,7 +156,7 @@ mod tests {
         /// A square cut into the four quarters of a page keeps its area.
         #[test]
         fn cutting_loses_nothing(x in -5.0..5.0_f64, y in -5.0..5.0_f64, turn in 0.0..6.3_f64, at_x in -9.0..9.0_f64, at_y in -9.0..9.0_f64) {
-            let place = Placement { centre: PointMm::new(x, y), right: [turn.cos(), turn.sin()], module_mm: 1.0 };
+            let place = TagPlacement { centre: PointMm::new(x, y), right: [turn.cos(), turn.sin()], module_mm: 1.0 };
             let square = place.rectangle(-3.0, -2.0, 3.0, 2.0);
             let quarters = [(-50.0, at_x, -50.0, at_y), (at_x, 50.0, -50.0, at_y), (-50.0, at_x, at_y, 50.0), (at_x, 50.0, at_y, 50.0)];
             let sum: f64 = quarters.iter().map(|(l, r, b, t)| area(&clipped(&square, RectMm::new(*l, *b, *r, *t)))).sum();
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn black_runs_cover_the_black_modules() {
         let modules = Modules::new(5, |row, column| (row * 5 + column) % 3 == 0);
-        let place = Placement {
+        let place = TagPlacement {
             centre: PointMm::new(7.0, 8.0),
             right: [0.6, 0.8],
             module_mm: 2.0,

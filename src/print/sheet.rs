@@ -7,10 +7,10 @@ use std::sync::Arc;
 use image::RgbImage;
 
 /// 8-bit sRGB.
-pub type Rgb = [u8; 3];
+pub type Srgb8 = [u8; 3];
 
-pub const BLACK: Rgb = [0, 0, 0];
-pub const WHITE: Rgb = [255, 255, 255];
+pub const BLACK: Srgb8 = [0, 0, 0];
+pub const WHITE: Srgb8 = [255, 255, 255];
 
 /// A place on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +68,7 @@ impl RectMm {
 
 /// Which point of a text its place names; vertically it is always the baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
+pub enum TextAnchor {
     Left,
     Centre,
     Right,
@@ -78,7 +78,7 @@ pub enum Anchor {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fill {
     pub area: RectMm,
-    pub colour: Rgb,
+    pub colour: Srgb8,
 }
 
 /// Fills that are drawn once in the file and placed many times. Its frame: any point as origin, x right, y up, millimetres.
@@ -100,21 +100,21 @@ pub enum Mark {
         to: PointMm,
         width_mm: f64,
         dash_mm: Option<(f64, f64)>,
-        colour: Rgb,
+        colour: Srgb8,
     },
     /// One line of text; `size_mm` is the em.
     Text {
         at: PointMm,
         size_mm: f64,
-        anchor: Anchor,
+        anchor: TextAnchor,
         text: String,
-        colour: Rgb,
+        colour: Srgb8,
     },
     /// A filled area: everything inside any of the closed outlines. It is painted in one go, so that outlines which share an
     /// edge show no hairline; all run the same way round.
     Area {
         outlines: Vec<Vec<PointMm>>,
-        colour: Rgb,
+        colour: Srgb8,
     },
     /// A stamp with its origin at each place, in order, cut off at `clip`.
     Stamped {
@@ -133,9 +133,9 @@ pub enum Mark {
         /// Whether they are the finished piece, so that the sheet's trim is not cut as well.
         is_piece: bool,
     },
-    /// A picture that fills an area; its pixels are neither mixed nor left out.
+    /// An image that fills an area; its pixels are neither mixed nor left out.
     Image {
-        picture: Arc<RgbImage>,
+        image: Arc<RgbImage>,
         area: RectMm,
     },
 }
@@ -154,7 +154,7 @@ impl Mark {
     }
 
     /// Black text.
-    pub fn text(at: (f64, f64), size_mm: f64, anchor: Anchor, text: impl Into<String>) -> Self {
+    pub fn text(at: (f64, f64), size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
         Self::Text {
             at: PointMm::new(at.0, at.1),
             size_mm,

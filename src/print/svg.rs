@@ -12,12 +12,12 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use image::{ImageFormat, RgbImage};
 
 use super::lettering::{self, FAMILY};
-use super::sheet::{Anchor, Fill, Mark, PointMm, RectMm, Rgb, Sheet, Stamp};
+use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
 
 /// Writes one sheet. The same sheet gives the same text.
 pub fn write(title: &str, sheet: &Sheet) -> String {
     let [width, height] = [sheet.width_mm, sheet.height_mm].map(length);
-    let page = Page::of(sheet);
+    let page = SvgPage::of(sheet);
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
@@ -37,7 +37,7 @@ pub fn write(title: &str, sheet: &Sheet) -> String {
 const CUT_LINE: &str = "fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"";
 
 /// A sheet on its way to SVG, whose y runs down.
-struct Page {
+struct SvgPage {
     height_mm: f64,
     stamps: Vec<Arc<Stamp>>,
     clips: usize,
@@ -49,7 +49,7 @@ struct Page {
     cuts_trim: bool,
 }
 
-impl Page {
+impl SvgPage {
     fn of(sheet: &Sheet) -> Self {
         let mut page = Self {
             height_mm: sheet.height_mm,
@@ -97,12 +97,12 @@ impl Page {
                 self.cut(outlines);
                 self.cuts_trim &= !is_piece;
             }
-            Mark::Image { picture, area } => self.image(picture, *area),
+            Mark::Image { image, area } => self.image(image, *area),
         }
     }
 
     /// One path, so that outlines which share an edge show no hairline; SVG fills by the nonzero rule, as the PDF does.
-    fn filled(&mut self, outlines: &[Vec<PointMm>], colour: Rgb) {
+    fn filled(&mut self, outlines: &[Vec<PointMm>], colour: Srgb8) {
         let path = self.path(outlines);
         let _ = writeln!(self.content, "<path d=\"{path}\" fill=\"{}\"/>", hex(colour));
     }
@@ -112,10 +112,10 @@ impl Page {
     }
 
     /// A PNG inside the file, whose pixels stay squares where they are enlarged.
-    fn image(&mut self, picture: &RgbImage, area: RectMm) {
+    fn image(&mut self, image: &RgbImage, area: RectMm) {
         let mut png = Cursor::new(Vec::new());
-        // Encoding into memory cannot fail: the picture is not empty and 8-bit RGB.
-        let _ = picture.write_to(&mut png, ImageFormat::Png);
+        // Encoding into memory cannot fail: the image is not empty and 8-bit RGB.
+        let _ = image.write_to(&mut png, ImageFormat::Png);
         let (place, data) = (self.corner_and_size(area), BASE64_STANDARD.encode(png.into_inner()));
         let _ = writeln!(
             self.content,
@@ -150,7 +150,7 @@ impl Page {
         path
     }
 
-    fn line(&mut self, ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) {
+    fn line(&mut self, ends: [PointMm; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) {
         let [(x1, y1), (x2, y2)] = ends.map(|end| self.place(end));
         let dash = dash_mm.map_or(String::new(), |(dash, gap)| {
             format!(" stroke-dasharray=\"{} {}\"", length(dash), length(gap))
@@ -162,12 +162,12 @@ impl Page {
         );
     }
 
-    fn text(&mut self, at: PointMm, size_mm: f64, anchor: Anchor, text: &str, colour: Rgb) {
+    fn text(&mut self, at: PointMm, size_mm: f64, anchor: TextAnchor, text: &str, colour: Srgb8) {
         let (x, y) = self.place(at);
         let anchor = match anchor {
-            Anchor::Left => "start",
-            Anchor::Centre => "middle",
-            Anchor::Right => "end",
+            TextAnchor::Left => "start",
+            TextAnchor::Centre => "middle",
+            TextAnchor::Right => "end",
         };
         let (size, width) = (length(size_mm), length(lettering::width_mm(text, size_mm)));
         let _ = writeln!(
@@ -241,7 +241,7 @@ fn length(mm: f64) -> String {
     }
 }
 
-fn hex([r, g, b]: Rgb) -> String {
+fn hex([r, g, b]: Srgb8) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

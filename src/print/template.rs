@@ -8,11 +8,12 @@ mod seams;
 use std::sync::Arc;
 
 pub use furniture::{Captions, around, guides, rulers};
-pub use layout::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
-pub use seams::{Seams, letters};
+pub use layout::{LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
+pub use seams::{SheetSeams, letters};
 
 use super::SheetError;
 use super::date::Date;
+use super::lettering::number;
 use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use crate::geometry::length::{SCALES, shown};
@@ -66,6 +67,13 @@ pub struct TemplateRequest {
     pub layout: LayoutRequest,
 }
 
+impl TemplateRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+    }
+}
+
 /// Which edge of the template points to the model's front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Front {
@@ -96,10 +104,10 @@ impl Front {
 /// A template ready to be written, and how it was spread over the paper.
 #[derive(Debug, Clone)]
 pub struct Template {
-    pub layout: Layout,
+    pub layout: SheetLayout,
     /// Width and height of a cell.
     pub cell_mm: f64,
-    /// How to assemble, with the scale check; then one page per [`Layout::sheets`], in the same order. Drawn as the printer
+    /// How to assemble, with the scale check; then one page per [`SheetLayout::sheets`], in the same order. Drawn as the printer
     /// needs it.
     pub pages: Vec<Sheet>,
 }
@@ -126,13 +134,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
     let sheet = |plan: &SheetPlan| {
         let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
         marks.extend(furniture::all(&layout, plan, &captions));
-        Sheet {
-            width_mm: layout.frame.page.width_mm,
-            height_mm: layout.frame.page.height_mm,
-            trim: plan.trim,
-            bleed: plan.printed,
-            marks,
-        }
+        layout.frame.sheet(plan.trim, plan.printed, marks)
     };
     let sheets = layout.sheets.iter().map(sheet).collect();
     let mut pages = printer::corrected(

@@ -51,8 +51,7 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
         definitions: COMPARISON_DEFINITIONS.into_iter().collect(),
         provenance: provenance::of(scores),
     };
-    let text = serde_json::to_string_pretty(&page).map_err(|e| ReportError::Format(e.to_string()))?;
-    Ok(text + "\n")
+    Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
 /// Three lines per detector and variant: the drop of each figure, its interval, and the finding.

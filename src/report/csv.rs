@@ -1,10 +1,8 @@
 //! `photos.csv`: one line per photo and detector, scored or not.
 
-use std::error::Error;
-
 use serde::Serialize;
 
-use super::other_label;
+use super::{ReportError, csv_of, other_label};
 use crate::score::{EvaluatedDetector, NotScored, ScoredPhoto, Scores, Verdict};
 
 #[derive(Serialize, Default)]
@@ -39,17 +37,12 @@ struct PhotoRow<'a> {
     hallucinations: Option<usize>,
 }
 
-pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for photo in &scores.photos {
-        for (index, detector) in scores.detectors.iter().enumerate() {
-            writer.serialize(scored(scores, photo, index, detector))?;
-        }
-    }
-    for photo in &scores.not_scored {
-        writer.serialize(not_scored(photo))?;
-    }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
+    let rows = scores.photos.iter().flat_map(|photo| {
+        let detectors = scores.detectors.iter().enumerate();
+        detectors.map(move |(index, detector)| scored(scores, photo, index, detector))
+    });
+    csv_of(rows.chain(scores.not_scored.iter().map(not_scored)))
 }
 
 fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &'a EvaluatedDetector) -> PhotoRow<'a> {

@@ -6,20 +6,19 @@ use serde::Serialize;
 
 use super::evaluation::Evaluation;
 use super::html::evaluation as page;
-use super::{ReportError, latex};
+use super::{ReportError, csv_of, latex};
 use crate::files;
 use crate::score::Finding;
 
 /// Writes every file of an evaluation into a folder, or none, and returns the path of the page to open.
 pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBuf, ReportError> {
     let page = folder.join("evaluation.html");
-    let csv = |e: Box<dyn std::error::Error>| ReportError::Format(e.to_string());
     files::replace_all_atomically(&[
         (page.clone(), page::render(evaluation).into_bytes()),
-        (folder.join("evaluation.csv"), figures_csv(evaluation).map_err(csv)?),
+        (folder.join("evaluation.csv"), figures_csv(evaluation)?.into_bytes()),
         (
             folder.join("differences.csv"),
-            differences_csv(evaluation).map_err(csv)?,
+            differences_csv(evaluation)?.into_bytes(),
         ),
         (
             folder.join("evaluation.tex"),
@@ -43,15 +42,15 @@ struct FiguresRow<'a> {
     hit_rate: f64,
 }
 
-fn figures_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
+fn figures_csv(evaluation: &Evaluation) -> Result<String, ReportError> {
+    let mut rows = Vec::new();
     for (table, detectors) in [(1, evaluation.targets()), (2, evaluation.others())] {
         for pattern in &evaluation.patterns {
             for detector in &detectors {
                 let Some(f) = evaluation.figures(pattern, detector) else {
                     continue;
                 };
-                writer.serialize(FiguresRow {
+                rows.push(FiguresRow {
                     table,
                     pattern,
                     detector: &detector.manifest.name,
@@ -61,11 +60,11 @@ fn figures_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::E
                     mean_confidence: f.mean_confidence,
                     hits: f.hit_rate.count,
                     hit_rate: f.hit_rate.rate,
-                })?;
+                });
             }
         }
     }
-    Ok(writer.into_inner()?)
+    csv_of(rows)
 }
 
 #[derive(Serialize)]
@@ -84,8 +83,8 @@ struct DifferenceRow<'a> {
     finding: Finding,
 }
 
-fn differences_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
+fn differences_csv(evaluation: &Evaluation) -> Result<String, ReportError> {
+    let mut rows = Vec::new();
     for comparison in &evaluation.comparisons {
         for r in &comparison.results {
             let figures = [
@@ -94,7 +93,7 @@ fn differences_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::erro
                 ("hit_rate", &r.hit_rate.rate),
             ];
             for (figure, d) in figures {
-                writer.serialize(DifferenceRow {
+                rows.push(DifferenceRow {
                     base: &comparison.base,
                     pattern: &r.variant,
                     detector: &r.detector,
@@ -106,9 +105,9 @@ fn differences_csv(evaluation: &Evaluation) -> Result<Vec<u8>, Box<dyn std::erro
                     low_95: d.interval_95.map(|i| i.low),
                     high_95: d.interval_95.map(|i| i.high),
                     finding: d.finding,
-                })?;
+                });
             }
         }
     }
-    Ok(writer.into_inner()?)
+    csv_of(rows)
 }

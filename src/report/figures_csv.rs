@@ -1,9 +1,8 @@
 //! `figures.csv`: one line per detector, variant and group of photos: all of them, an azimuth, a cell, a place.
 
-use std::error::Error;
-
 use serde::Serialize;
 
+use super::{ReportError, csv_of};
 use crate::score::{Drop, Figures, Rate, Scores, Summary};
 
 #[derive(Serialize, Default)]
@@ -41,12 +40,8 @@ struct FigureRow<'a> {
     drop_median_confidence: Option<f64>,
 }
 
-pub(super) fn render(scores: &Scores) -> Result<String, Box<dyn Error>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in scores.summaries.iter().flat_map(|s| rows(scores, s)) {
-        writer.serialize(row)?;
-    }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
+    csv_of(scores.summaries.iter().flat_map(|s| rows(scores, s)))
 }
 
 fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<FigureRow<'a>> {

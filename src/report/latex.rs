@@ -1,7 +1,7 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
 
 use super::evaluation::Evaluation;
-use super::p_value;
+use super::{p_value, rounded};
 use crate::score::{
     BASE_VARIANT, Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, MATCH_IOU, Scores, Summary,
 };
@@ -205,14 +205,10 @@ fn row(cells: [String; 10]) -> String {
     format!("{} \\\\", cells.join(" & "))
 }
 
-/// A number with a true minus sign, and none before a zero.
+/// A number with a true minus sign.
 fn number(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
-        Some(rest) => format!("$-{rest}$"),
-        None => text,
-    }
+    let text = rounded(value, digits);
+    text.strip_prefix('-').map(|size| format!("$-{size}$")).unwrap_or(text)
 }
 
 /// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.

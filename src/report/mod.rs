@@ -16,7 +16,7 @@ mod truth;
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
@@ -38,7 +38,20 @@ pub enum ReportError {
     #[error(transparent)]
     File(#[from] files::FileError),
     #[error("the report could not be put together: {0}")]
-    Format(String),
+    Json(#[from] serde_json::Error),
+    #[error("the report could not be put together: {0}")]
+    Csv(#[from] ::csv::Error),
+}
+
+/// A table with a header, for spreadsheets.
+fn csv_of<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<String, ReportError> {
+    let mut text = Vec::new();
+    let mut writer = ::csv::Writer::from_writer(&mut text);
+    rows.into_iter().try_for_each(|row| writer.serialize(row))?;
+    writer.flush().map_err(::csv::Error::from)?;
+    drop(writer);
+    // Texts in, texts out: nothing is lost.
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// Writes every report file into a folder and returns the path of the page to open. Times of detectors come from a file, never
@@ -46,25 +59,18 @@ pub enum ReportError {
 ///
 /// All contents are made before the first byte is written, and the files appear together or not at all.
 pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<PathBuf, ReportError> {
-    let format = |e: serde_json::Error| ReportError::Format(e.to_string());
     let mut contents = vec![
         (SUMMARY.to_owned(), summary_json(scores, speeds)?),
-        (
-            "photos.csv".to_owned(),
-            csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
-        ),
-        (
-            "figures.csv".to_owned(),
-            figures_csv::render(scores).map_err(|e| ReportError::Format(e.to_string()))?,
-        ),
-        ("coco_truth.json".to_owned(), coco::truth(scores).map_err(format)?),
+        ("photos.csv".to_owned(), csv::render(scores)?),
+        ("figures.csv".to_owned(), figures_csv::render(scores)?),
+        ("coco_truth.json".to_owned(), coco::truth(scores)?),
         ("table.tex".to_owned(), latex::table(scores)),
         ("report.html".to_owned(), html::render(scores, speeds)),
     ];
     let categories = coco::Categories::of(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
-        let results = coco_results(photos, |label| categories.id(detector, label)).map_err(format)?;
+        let results = coco_results(photos, |label| categories.id(detector, label))?;
         contents.push((results_name(&detector.manifest.name), results));
     }
     let files: Vec<_> = contents
@@ -82,7 +88,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
 /// # Errors
 /// Figures that JSON has no words for.
 pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<String, ReportError> {
-    summary_json::render(scores, speeds).map_err(|e| ReportError::Format(e.to_string()))
+    Ok(summary_json::render(scores, speeds)?)
 }
 
 /// The detectors of the report that is in the folder, if one is.
@@ -119,6 +125,15 @@ fn remove_stale(folder: &Path, before: &[String], detectors: &[EvaluatedDetector
 
 fn results_name(detector: &str) -> String {
     format!("coco_results_{detector}.json")
+}
+
+/// A number without a minus before a zero.
+fn rounded(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.to_owned(),
+        _ => text,
+    }
 }
 
 /// A p value with its sign, as behind `p`.

@@ -174,8 +174,8 @@ impl Listing {
     /// It cannot be read; a photo's name that is no text.
     pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
         let mut listing = Listing::default();
-        for entry in std::fs::read_dir(folder).map_err(|e| unreadable(folder, &e))? {
-            let path = entry.map_err(|e| unreadable(folder, &e))?.path();
+        for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
+            let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
             // What leads nowhere is neither a file nor a folder.
             let Ok(about) = std::fs::metadata(&path) else { continue };
             let name = path.file_name().unwrap_or_default();
@@ -232,11 +232,4 @@ fn common_folder(folders: &[Listed]) -> PathBuf {
         let same = common.components().zip(path.components()).take_while(|(a, b)| a == b);
         same.map(|(part, _)| part).collect()
     })
-}
-
-fn unreadable(path: &Path, e: &std::io::Error) -> FileError {
-    FileError::Read {
-        path: path.to_owned(),
-        reason: files::plain(e),
-    }
 }

@@ -94,6 +94,12 @@ struct SessionFile {
     photos: Vec<PhotoEntry>,
 }
 
+impl SessionFile {
+    fn to_json(&self, path: &Path) -> Result<String, SessionError> {
+        Ok(serde_json::to_string_pretty(self).map_err(|e| syntax(path, &e))? + "\n")
+    }
+}
+
 impl Session {
     /// Opens the session in a folder (or its `session.json`) and checks all but the photos.
     pub fn open(place: &Path) -> Result<Session, SessionError> {
@@ -180,7 +186,7 @@ pub fn text(path: &Path, scene: &str, camera: Option<&str>, photos: Vec<PhotoEnt
         camera: camera.map(Into::into),
         photos,
     };
-    let text = serde_json::to_string_pretty(&file).map_err(|e| syntax(path, &e))? + "\n";
+    let text = file.to_json(path)?;
     Session::parse(&text, path)?;
     Ok(text)
 }

@@ -84,7 +84,7 @@ impl NewSession<'_> {
             camera: Some(camera),
             photos,
         };
-        files.push(("session.json".into(), Content::Bytes(json(&list, &path)?)));
+        files.push(("session.json".into(), Content::Bytes(list.to_json(&path)?.into_bytes())));
         match is_new {
             true => files::make_folder(&home, |folder| {
                 files
@@ -193,10 +193,7 @@ fn is_free(folder: &Path) -> Result<bool, FileError> {
     match std::fs::read_dir(folder) {
         Ok(mut entries) => Ok(entries.next().is_none()),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(true),
-        Err(e) => Err(FileError::Write {
-            path: folder.to_owned(),
-            reason: files::plain(&e),
-        }),
+        Err(e) => Err(FileError::write(folder, &e)),
     }
 }
 
@@ -247,11 +244,6 @@ fn write(path: &Path, content: &Content) -> Result<(), FileError> {
         Content::Bytes(bytes) => files::replace_atomically(path, bytes),
         Content::CopyOf(original) => files::copy(original, path),
     }
-}
-
-fn json(list: &SessionFile, path: &Path) -> Result<Vec<u8>, SessionError> {
-    let text = serde_json::to_string_pretty(list).map_err(|e| super::syntax(path, &e))?;
-    Ok((text + "\n").into_bytes())
 }
 
 #[cfg(test)]

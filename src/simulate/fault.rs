@@ -1,13 +1,13 @@
-//! What goes wrong on a table, in a picture or in a file.
+//! What goes wrong on a table, in an image or in a file.
 
 use nalgebra::Vector3;
 use rand::RngExt;
 
-use super::{Simulator, View, visible};
+use super::{SimulatedView, Simulator, visible};
 
 /// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fault {
+pub enum SimulatedFault {
     /// A card was shifted on the table, in any direction.
     MovedTag { mm: f64 },
     /// A card was turned about its normal.
@@ -22,7 +22,7 @@ pub enum Fault {
     WrongCorner { px: f64 },
     /// Each tag is hidden with this probability.
     Hidden { share: f64 },
-    /// Only the left part of the picture shows something: this share of its width.
+    /// Only the left part of the image shows something: this share of its width.
     Cropped { share: f64 },
     /// The scene file's tag sizes are wrong by this factor.
     WrongTagSize { factor: f64 },
@@ -36,20 +36,20 @@ pub enum Fault {
 
 impl Simulator<'_> {
     /// Lets a fault happen to a view. One that needs a tag changes nothing where none is seen.
-    pub(super) fn strike(&mut self, view: &mut View, fault: Fault) {
+    pub(super) fn strike(&mut self, view: &mut SimulatedView, fault: SimulatedFault) {
         match fault {
-            Fault::Hidden { share } => view.seen.retain(|_| self.rng.random::<f64>() >= share),
-            Fault::Cropped { share } => {
+            SimulatedFault::Hidden { share } => view.seen.retain(|_| self.rng.random::<f64>() >= share),
+            SimulatedFault::Cropped { share } => {
                 let edge = share * f64::from(self.camera.width);
                 view.seen.retain(|tag| tag.corners_px.iter().all(|[x, _]| *x < edge));
             }
-            Fault::WrongTagSize { factor } => view.scene.tags.iter_mut().for_each(|tag| tag.size_mm *= factor),
-            Fault::WrongFocal { factor } => {
+            SimulatedFault::WrongTagSize { factor } => view.scene.tags.iter_mut().for_each(|tag| tag.size_mm *= factor),
+            SimulatedFault::WrongFocal { factor } => {
                 view.camera.fx *= factor;
                 view.camera.fy *= factor;
             }
-            Fault::WrongPrincipalPoint { px } => view.camera.cx += px,
-            Fault::IgnoredDistortion => view.camera = view.camera.clone().with_distortion(&[]),
+            SimulatedFault::WrongPrincipalPoint { px } => view.camera.cx += px,
+            SimulatedFault::IgnoredDistortion => view.camera = view.camera.clone().with_distortion(&[]),
             _ if view.seen.is_empty() => {}
             of_one_tag => {
                 let at = self.rng.random_range(0..view.seen.len());
@@ -59,16 +59,16 @@ impl Simulator<'_> {
     }
 
     /// False when the fault was not possible.
-    fn strike_tag(&mut self, view: &mut View, at: usize, fault: Fault) -> bool {
+    fn strike_tag(&mut self, view: &mut SimulatedView, at: usize, fault: SimulatedFault) -> bool {
         let corners = &mut view.seen[at].corners_px;
         match fault {
-            Fault::MirroredTag => *corners = [corners[1], corners[0], corners[3], corners[2]],
-            Fault::WrongCorner { px } => {
+            SimulatedFault::MirroredTag => *corners = [corners[1], corners[0], corners[3], corners[2]],
+            SimulatedFault::WrongCorner { px } => {
                 let angle: f64 = self.rng.random_range(0.0..std::f64::consts::TAU);
                 let corner = &mut corners[self.rng.random_range(0..4)];
                 *corner = [corner[0] + px * angle.cos(), corner[1] + px * angle.sin()];
             }
-            Fault::WrongId => {
+            SimulatedFault::WrongId => {
                 let unseen = self
                     .scene
                     .tags
@@ -80,7 +80,7 @@ impl Simulator<'_> {
                 }
                 view.seen[at].id = unseen[self.rng.random_range(0..unseen.len())];
             }
-            Fault::DuplicatedId => {
+            SimulatedFault::DuplicatedId => {
                 let mut copy = view.seen[at].clone();
                 let (x, y) = (
                     self.rng.random_range(-200.0..200.0),
@@ -89,24 +89,26 @@ impl Simulator<'_> {
                 copy.corners_px.iter_mut().for_each(|c| *c = [c[0] + x, c[1] + y]);
                 view.seen.push(copy);
             }
-            Fault::MovedTag { .. } | Fault::TwistedTag { .. } => return self.displace(view, at, fault),
+            SimulatedFault::MovedTag { .. } | SimulatedFault::TwistedTag { .. } => {
+                return self.displace(view, at, fault);
+            }
             _ => return false,
         }
         true
     }
 
     /// Shifts or turns the card of a seen tag; not one that would then be out of sight.
-    fn displace(&mut self, view: &mut View, at: usize, fault: Fault) -> bool {
+    fn displace(&mut self, view: &mut SimulatedView, at: usize, fault: SimulatedFault) -> bool {
         let seen = &view.seen[at];
         let Some(mut tag) = self.scene.tag(seen.family, seen.id).cloned() else {
             return false;
         };
         match fault {
-            Fault::MovedTag { mm } => {
+            SimulatedFault::MovedTag { mm } => {
                 let angle: f64 = self.rng.random_range(0.0..std::f64::consts::TAU);
                 tag.centre_mm += mm * Vector3::new(angle.cos(), angle.sin(), 0.0);
             }
-            Fault::TwistedTag { deg } => {
+            SimulatedFault::TwistedTag { deg } => {
                 let (sin, cos) = deg.to_radians().sin_cos();
                 (tag.right, tag.up) = (cos * tag.right + sin * tag.up, cos * tag.up - sin * tag.right);
             }

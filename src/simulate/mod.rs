@@ -14,7 +14,7 @@ use crate::geometry::{Rigid, rigid};
 use crate::scene::{Scene, Viewpoint};
 use crate::tags::SeenTag;
 
-pub use fault::Fault;
+pub use fault::SimulatedFault;
 
 /// Errors of a detector's corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Noise {
 
 /// A photo that was never taken.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub struct SimulatedView {
     /// The truth: where the camera stood, and `T_camera_model`.
     pub viewpoint: Viewpoint,
     pub pose: Rigid,
@@ -69,9 +69,9 @@ impl<'a> Simulator<'a> {
     }
 
     /// The view from a viewpoint towards the model, with a fault or none.
-    pub fn view(&mut self, viewpoint: &Viewpoint, fault: Option<Fault>) -> View {
+    pub fn view(&mut self, viewpoint: &Viewpoint, fault: Option<SimulatedFault>) -> SimulatedView {
         let pose = looking_at(viewpoint, self.scene.model.target_mm());
-        let mut view = View {
+        let mut view = SimulatedView {
             viewpoint: *viewpoint,
             pose,
             seen: self.seen(&pose),

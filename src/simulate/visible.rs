@@ -1,4 +1,4 @@
-//! Which tags a camera sees: those that face it, stand in the picture and are not behind the model.
+//! Which tags a camera sees: those that face it, stand in the image and are not behind the model.
 
 use nalgebra::Point3;
 

@@ -6,7 +6,7 @@ use image::RgbImage;
 use serde::Serialize;
 
 use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
 
@@ -453,8 +453,8 @@ fn cloud(
     scatter(&Cloud {
         title: title.to_owned(),
         note,
-        x: Axis::around(x, Scale::Log, rows.iter().map(&value)),
-        y: Axis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
+        x: PlotAxis::around(x, Scale::Log, rows.iter().map(&value)),
+        y: PlotAxis::around("MSE", Scale::Log, rows.iter().map(|r| r.mse_paint)),
         colours: names,
         shapes,
         ringed: "the default".to_owned(),

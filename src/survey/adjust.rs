@@ -5,7 +5,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
-use super::network::{Network, Poses, Sighting};
+use super::network::{Poses, Sighting, TagNetwork};
 use super::residual::{NO_PIXEL, corners_mm, linear, squared_px};
 use crate::camera::Camera;
 use crate::geometry::rigid;
@@ -47,7 +47,7 @@ pub(super) enum Free {
 }
 
 /// The total cost of the sightings whose two poses are known.
-pub(super) fn cost(net: &Network, poses: &Poses, loss: Loss, camera: &Camera) -> f64 {
+pub(super) fn cost(net: &TagNetwork, poses: &Poses, loss: Loss, camera: &Camera) -> f64 {
     let of = |s| {
         let pose = poses.camera_tag(s)?;
         let squared = squared_px(&pose, net.tags[s.tag].size_mm, &s.corners_px, camera);
@@ -58,7 +58,7 @@ pub(super) fn cost(net: &Network, poses: &Poses, loss: Loss, camera: &Camera) ->
 
 /// Moves the free poses downhill until nothing is gained any more, and returns the cost.
 pub(super) fn adjust(
-    net: &Network,
+    net: &TagNetwork,
     poses: &mut Poses,
     free: Free,
     loss: Loss,
@@ -84,7 +84,7 @@ pub(super) fn adjust(
 
 /// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
-pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
+pub(super) fn covariances(net: &TagNetwork, poses: &Poses, camera: &Camera) -> Option<Vec<Option<Matrix6<f64>>>> {
     let problem = Problem {
         net,
         free: Free::All,
@@ -98,7 +98,7 @@ pub(super) fn covariances(net: &Network, poses: &Poses, camera: &Camera) -> Opti
 }
 
 /// How many numbers are adjusted when all is free.
-pub(super) fn unknowns(net: &Network, poses: &Poses) -> usize {
+pub(super) fn unknowns(net: &TagNetwork, poses: &Poses) -> usize {
     let slots = Slots::of(net, poses, Free::All);
     6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
 }
@@ -110,7 +110,7 @@ struct Slots {
 }
 
 impl Slots {
-    fn of(net: &Network, poses: &Poses, free: Free) -> Slots {
+    fn of(net: &TagNetwork, poses: &Poses, free: Free) -> Slots {
         let used = |known: &dyn Fn(usize) -> bool, count: usize| {
             let mut next = 0..;
             (0..count).map(|i| if known(i) { next.next() } else { None }).collect()
@@ -134,7 +134,7 @@ impl Slots {
 
 #[derive(Clone, Copy)]
 struct Problem<'a> {
-    net: &'a Network,
+    net: &'a TagNetwork,
     free: Free,
     loss: Loss,
     camera: &'a Camera,

@@ -7,7 +7,7 @@
 use nalgebra::Vector6;
 
 use super::adjust::{Free, Loss, adjust};
-use super::network::{Network, Poses};
+use super::network::{Poses, TagNetwork};
 use crate::camera::Camera;
 use crate::geometry::{Rigid, rigid};
 
@@ -22,7 +22,7 @@ pub(super) const LEFT_PX: f64 = 0.1;
 const STEP_PX: f64 = 0.05;
 
 /// What the fit knows about the shared shift once it is taken out.
-pub(super) struct Shared {
+pub(super) struct SharedShift {
     /// How far the edges were moved out, px.
     pub moved_px: f64,
     /// Its variance for corners of σ = 1 px.
@@ -34,13 +34,13 @@ pub(super) struct Shared {
 /// Moves all edges to where the adjustment leaves least (a parabola through three adjustments, three times), corrects the
 /// sightings, and adjusts the poses. `moved_px`: what was already taken out; `noise_px`: σ of a corner coordinate.
 pub(super) fn fit(
-    net: &mut Network,
+    net: &mut TagNetwork,
     poses: &mut Poses,
     loss: Loss,
     camera: &Camera,
     moved_px: f64,
     noise_px: f64,
-) -> Shared {
+) -> SharedShift {
     let mut moved_px = moved_px;
     // The expectation, in the unit of the cost.
     let stiffness = 2.0 * (noise_px / EXPECTED_PX).powi(2);
@@ -71,7 +71,7 @@ pub(super) fn fit(
             .collect();
     }
     let pull = curvature + stiffness;
-    Shared {
+    SharedShift {
         moved_px,
         variance: if pull > 0.0 { 2.0 / pull } else { 0.0 },
         by_tag,
@@ -83,7 +83,7 @@ fn rate(inner: &Rigid, outer: &Rigid) -> Vector6<f64> {
     Vector6::new(place[0], place[1], place[2], turn[0], turn[1], turn[2]) / (2.0 * STEP_PX)
 }
 
-fn shifted(net: &Network, px: f64) -> Network {
+fn shifted(net: &TagNetwork, px: f64) -> TagNetwork {
     let mut moved = net.clone();
     for s in &mut moved.sightings {
         s.corners_px = outwards(&s.corners_px, px);
@@ -100,7 +100,7 @@ fn outwards(c: &[[f64; 2]; 4], px: f64) -> [[f64; 2]; 4] {
         let length = along[0].hypot(along[1]);
         [along[0] / length, along[1] / length]
     };
-    // In the picture's y-down frame the corners run clockwise to the eye, so that "out" is to the left of each side.
+    // In the image's y-down frame the corners run clockwise to the eye, so that "out" is to the left of each side.
     let turn = (0..4).map(|i| cross(c[i], c[(i + 1) % 4])).sum::<f64>().signum();
     std::array::from_fn(|i| {
         let (before, after) = (side(i + 3), side(i));

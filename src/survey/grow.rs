@@ -1,7 +1,7 @@
 //! First poses for the adjustment: from one photo of a fixed tag, photo by photo, every planar branch a candidate.
 
 use super::adjust::{Free, Loss, adjust, cost};
-use super::network::{Network, Poses};
+use super::network::{Poses, TagNetwork};
 use super::residual::squared_px;
 use crate::camera::Camera;
 use crate::geometry::Rigid;
@@ -33,7 +33,7 @@ pub(super) struct TwoArrangements;
 
 /// Every start is grown to the end, and the arrangement that leaves least is taken; a photo pose in it that is different in
 /// another arrangement that leaves almost as little is a doubt about all of them.
-pub(super) fn grown(net: &Network, camera: &Camera) -> Result<Poses, TwoArrangements> {
+pub(super) fn grown(net: &TagNetwork, camera: &Camera) -> Result<Poses, TwoArrangements> {
     let mut found: Vec<(f64, Poses)> = starts(net, camera)
         .into_iter()
         .map(|(photo, pose)| grow(net, photo, pose, camera))
@@ -70,7 +70,7 @@ pub(super) fn grown(net: &Network, camera: &Camera) -> Result<Poses, TwoArrangem
 }
 
 /// Photos of the most and largest fixed tags, each with its best pose and the best different one.
-fn starts(net: &Network, camera: &Camera) -> Vec<(usize, Rigid)> {
+fn starts(net: &TagNetwork, camera: &Camera) -> Vec<(usize, Rigid)> {
     let fixed = net.with(|s| net.tags[s.tag].fixed.is_some());
     let mut photos: Vec<usize> = (0..net.photos)
         .filter(|p| fixed.of_photo(*p).next().is_some())
@@ -93,14 +93,14 @@ fn starts(net: &Network, camera: &Camera) -> Vec<(usize, Rigid)> {
 }
 
 /// Nothing is known but the fixed tags.
-fn known(net: &Network) -> Poses {
+fn known(net: &TagNetwork) -> Poses {
     Poses {
         tags: net.tags.iter().map(|t| t.fixed).collect(),
         photos: vec![None; net.photos],
     }
 }
 
-fn grow(net: &Network, photo: usize, pose: Rigid, camera: &Camera) -> (f64, Poses) {
+fn grow(net: &TagNetwork, photo: usize, pose: Rigid, camera: &Camera) -> (f64, Poses) {
     let mut poses = known(net);
     poses.photos[photo] = Some(pose);
     let (mut placed, mut adjust_at) = (1, 2);
@@ -124,7 +124,7 @@ fn grow(net: &Network, photo: usize, pose: Rigid, camera: &Camera) -> (f64, Pose
 }
 
 /// Lets every tag and photo take a better candidate, then adjusts all.
-fn settle(net: &Network, poses: &mut Poses, camera: &Camera, steps: usize) -> f64 {
+fn settle(net: &TagNetwork, poses: &mut Poses, camera: &Camera, steps: usize) -> f64 {
     for tag in (0..net.tags.len()).filter(|t| net.tags[*t].fixed.is_none()) {
         if poses.tags[tag].is_some() {
             poses.tags[tag] = best_tag(net, poses, tag, camera);
@@ -139,7 +139,7 @@ fn settle(net: &Network, poses: &mut Poses, camera: &Camera, steps: usize) -> f6
 }
 
 /// Places each tag that a placed photo shows; true when there was one.
-fn place_tags(net: &Network, poses: &mut Poses, camera: &Camera) -> bool {
+fn place_tags(net: &TagNetwork, poses: &mut Poses, camera: &Camera) -> bool {
     let mut any = false;
     for tag in 0..net.tags.len() {
         if poses.tags[tag].is_none() {
@@ -151,7 +151,7 @@ fn place_tags(net: &Network, poses: &mut Poses, camera: &Camera) -> bool {
 }
 
 /// Places the photo that shows the most placed tags; true when there was one.
-fn place_photo(net: &Network, poses: &mut Poses, camera: &Camera) -> bool {
+fn place_photo(net: &TagNetwork, poses: &mut Poses, camera: &Camera) -> bool {
     let shows = |p: &usize| net.of_photo(*p).filter(|s| poses.tags[s.tag].is_some()).count();
     let waiting = (0..net.photos).filter(|p| poses.photos[*p].is_none() && shows(p) > 0);
     let Some(photo) = waiting.max_by_key(|p| (shows(p), std::cmp::Reverse(*p))) else {
@@ -165,12 +165,12 @@ fn place_photo(net: &Network, poses: &mut Poses, camera: &Camera) -> bool {
 }
 
 /// The candidate pose of a tag, or the one it has, that leaves least in the placed photos.
-fn best_tag(net: &Network, poses: &Poses, tag: usize, camera: &Camera) -> Option<Rigid> {
+fn best_tag(net: &TagNetwork, poses: &Poses, tag: usize, camera: &Camera) -> Option<Rigid> {
     let candidates = tag_candidates(net, poses, tag).into_iter().chain(poses.tags[tag]);
     least(candidates, |pose| tag_cost(net, poses, tag, pose, camera))
 }
 
-fn best_photo(net: &Network, poses: &Poses, photo: usize, camera: &Camera) -> Option<Rigid> {
+fn best_photo(net: &TagNetwork, poses: &Poses, photo: usize, camera: &Camera) -> Option<Rigid> {
     let candidates = photo_candidates(net, poses, photo)
         .into_iter()
         .chain(poses.photos[photo]);
@@ -182,7 +182,7 @@ fn least(candidates: impl Iterator<Item = Rigid>, cost: impl Fn(&Rigid) -> f64) 
 }
 
 /// `T_model_tag` by each branch in each placed photo.
-pub(super) fn tag_candidates(net: &Network, poses: &Poses, tag: usize) -> Vec<Rigid> {
+pub(super) fn tag_candidates(net: &TagNetwork, poses: &Poses, tag: usize) -> Vec<Rigid> {
     let of = |s: &super::network::Sighting| {
         let photo = poses.photos[s.photo]?;
         Some(
@@ -196,7 +196,7 @@ pub(super) fn tag_candidates(net: &Network, poses: &Poses, tag: usize) -> Vec<Ri
 }
 
 /// `T_camera_model` by each branch of each placed tag.
-pub(super) fn photo_candidates(net: &Network, poses: &Poses, photo: usize) -> Vec<Rigid> {
+pub(super) fn photo_candidates(net: &TagNetwork, poses: &Poses, photo: usize) -> Vec<Rigid> {
     let of = |s: &super::network::Sighting| {
         let tag = poses.tags[s.tag]?;
         Some(
@@ -209,7 +209,7 @@ pub(super) fn photo_candidates(net: &Network, poses: &Poses, photo: usize) -> Ve
     net.of_photo(photo).filter_map(of).flatten().collect()
 }
 
-fn tag_cost(net: &Network, poses: &Poses, tag: usize, pose: &Rigid, camera: &Camera) -> f64 {
+fn tag_cost(net: &TagNetwork, poses: &Poses, tag: usize, pose: &Rigid, camera: &Camera) -> f64 {
     let size_mm = net.tags[tag].size_mm;
     let placed = net.of_tag(tag).filter_map(|s| Some((s, poses.photos[s.photo]?)));
     placed
@@ -217,7 +217,7 @@ fn tag_cost(net: &Network, poses: &Poses, tag: usize, pose: &Rigid, camera: &Cam
         .sum()
 }
 
-fn photo_cost(net: &Network, poses: &Poses, photo: usize, pose: &Rigid, camera: &Camera) -> f64 {
+fn photo_cost(net: &TagNetwork, poses: &Poses, photo: usize, pose: &Rigid, camera: &Camera) -> f64 {
     let placed = net.of_photo(photo).filter_map(|s| Some((s, poses.tags[s.tag]?)));
     placed
         .map(|(s, tag)| sighting_cost(&(pose * tag), net.tags[s.tag].size_mm, &s.corners_px, camera))
@@ -232,7 +232,7 @@ fn sighting_cost(camera_tag: &Rigid, size_mm: f64, seen_px: &[[f64; 2]; 4], came
         .sum()
 }
 
-/// Area of a tag in the picture, px² (shoelace formula).
+/// Area of a tag in the image, px² (shoelace formula).
 fn area_px(c: &[[f64; 2]; 4]) -> f64 {
     let cross = |i: usize| c[i][0] * c[(i + 1) % 4][1] - c[(i + 1) % 4][0] * c[i][1];
     (0..4).map(cross).sum::<f64>().abs() / 2.0

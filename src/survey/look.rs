@@ -14,7 +14,7 @@ use crate::workers;
 /// Why photos cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum LookError {
+pub enum SurveyPhotoError {
     #[error(transparent)]
     Tags(#[from] StartError),
     #[error(transparent)]
@@ -27,7 +27,7 @@ pub enum LookError {
 
 /// What was seen in the photos of a survey.
 #[derive(Debug)]
-pub struct Look {
+pub struct SurveyPhotos {
     /// In the order of the photos.
     pub photos: Vec<PhotoTags>,
     /// What to know before believing a survey from these photos, as sentences.
@@ -37,7 +37,7 @@ pub struct Look {
 /// Finds the tags of the scene's families and of `family` in every photo.
 ///
 /// A survey has one camera. A photo that EXIF turned, or that was made smaller, is fitted as any photo, and its corners are moved back
-/// into the picture that the camera file is for.
+/// into the image that the camera file is for.
 ///
 /// # Errors
 /// A photo that cannot be used, or is given twice.
@@ -47,7 +47,7 @@ pub fn look(
     family: TagFamily,
     camera: &Camera,
     on_done: impl Fn() + Sync,
-) -> Result<Look, LookError> {
+) -> Result<SurveyPhotos, SurveyPhotoError> {
     let mut families = scene.families();
     if !families.contains(&family) {
         families.push(family);
@@ -61,12 +61,12 @@ pub fn look(
     for (i, (hash, ..)) in found.iter().enumerate() {
         if let Some(first) = found[..i].iter().position(|(other, ..)| other == hash) {
             let (photo, first) = (photos[i].clone(), photos[first].clone());
-            return Err(LookError::Twice { photo, first });
+            return Err(SurveyPhotoError::Twice { photo, first });
         }
     }
     let cautions = found.iter().flat_map(|(.., cautions)| cautions.clone()).collect();
     let photos = found.into_iter().map(|(_, tags, _)| tags).collect();
-    Ok(Look { photos, cautions })
+    Ok(SurveyPhotos { photos, cautions })
 }
 
 /// A photo's hash, tags and cautions.
@@ -75,10 +75,10 @@ fn look_at(
     scene: &Scene,
     camera: &Camera,
     detector: &mut AprilTagC,
-) -> Result<(String, PhotoTags, Vec<String>), LookError> {
+) -> Result<(String, PhotoTags, Vec<String>), SurveyPhotoError> {
     let photo = Photo::open(path)?;
     let found = locate_photo(&photo, scene, camera, detector)?;
-    let fitted = found.fitted.map_err(|reason| LookError::Size {
+    let fitted = found.fitted.map_err(|reason| SurveyPhotoError::Size {
         path: path.to_owned(),
         reason,
     })?;

@@ -19,12 +19,12 @@ use crate::geometry::Rigid;
 use crate::scene::{Scene, Tag, TagFamily, TagSigma};
 use crate::tags::SeenTag;
 use adjust::{Free, Loss, adjust};
-use network::{Network, Poses, Sighting, SizedTag, TagKey};
-use suspects::Fault;
+use network::{Poses, Sighting, SizedTag, TagKey, TagNetwork};
+use suspects::TagFault;
 
-pub use look::{Look, LookError, look};
-pub use problem::{Reason, SurveyError};
-pub use sizes::Sizes;
+pub use look::{SurveyPhotoError, SurveyPhotos, look};
+pub use problem::{LeftOutReason, SurveyError};
+pub use sizes::{Sizes, SizesError};
 
 /// A noise above this angle is no noise: the wrong camera, or wrong sizes.
 const MAX_NOISE_DEG: f64 = 0.1;
@@ -50,7 +50,7 @@ pub struct PhotoTags {
 
 /// What is known before the survey.
 #[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
+pub struct SurveyInput<'a> {
     /// Model, bins, and the fixed tags' poses; other tags only lend their sizes.
     pub scene: &'a Scene,
     /// The tags that keep the scene's pose.
@@ -66,7 +66,7 @@ pub struct Survey {
     /// The given model and bins; the fixed tags as given, then the surveyed ones with their σ, by family and id.
     pub scene: Scene,
     pub tags: Vec<TagReport>,
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<LeftOutTag>,
     /// In the order given.
     pub photos: Vec<PhotoReport>,
     /// σ of a corner coordinate, px: what the residuals say.
@@ -89,10 +89,10 @@ pub struct TagReport {
 
 /// A seen tag that is not in the surveyed scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
+pub struct LeftOutTag {
     pub family: TagFamily,
     pub id: u32,
-    pub reason: Reason,
+    pub reason: LeftOutReason,
 }
 
 /// What one photo gave.
@@ -114,7 +114,7 @@ pub struct PhotoReport {
 /// (`grow.rs`). All poses are then adjusted together under a robust loss, with one shift that all tag edges share (`edges.rs`).
 /// Tags that the photos disagree about are named and left out (`suspects.rs`). The rest is adjusted once more by least squares,
 /// whose covariance, inflated by the residuals, gives each σ.
-pub fn survey(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<Survey, SurveyError> {
+pub fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Result<Survey, SurveyError> {
     let (mut net, mut left_out) = network(photos, given, camera)?;
     check_connected(&net)?;
     let mut poses = grow::grown(&net, camera).map_err(|_| SurveyError::TwoArrangements)?;
@@ -127,7 +127,11 @@ pub fn survey(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<Su
 }
 
 /// The usable sightings: whole tags of known size that are seen once in the photo.
-fn network(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<(Network, Vec<LeftOut>), SurveyError> {
+fn network(
+    photos: &[PhotoTags],
+    given: &SurveyInput,
+    camera: &Camera,
+) -> Result<(TagNetwork, Vec<LeftOutTag>), SurveyError> {
     let mut keys: Vec<TagKey> = photos.iter().flat_map(|p| &p.seen).map(|s| (s.family, s.id)).collect();
     keys.extend(given.fixed);
     keys.sort_unstable();
@@ -136,7 +140,7 @@ fn network(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<(Netw
     for key in keys {
         match sized(key, given)? {
             Some(tag) => tags.push(tag),
-            None => left_out.push(leave(key, Reason::NoSize)),
+            None => left_out.push(leave(key, LeftOutReason::NoSize)),
         }
     }
     let mut sightings = Vec::new();
@@ -156,14 +160,14 @@ fn network(photos: &[PhotoTags], given: &Given, camera: &Camera) -> Result<(Netw
             }
         }
     }
-    let net = Network {
+    let net = TagNetwork {
         tags,
         photos: photos.len(),
         sightings,
     };
     for (t, tag) in net.tags.iter().enumerate() {
         if tag.fixed.is_none() && net.of_tag(t).next().is_none() {
-            left_out.push(leave(tag.key, Reason::NeverWhole));
+            left_out.push(leave(tag.key, LeftOutReason::NeverWhole));
         }
     }
     Ok((net, left_out))
@@ -178,7 +182,7 @@ fn is_usable(s: &SeenTag, seen: &[SeenTag]) -> bool {
 }
 
 /// The size of a tag, and its pose when it is fixed.
-fn sized(key: TagKey, given: &Given) -> Result<Option<SizedTag>, SurveyError> {
+fn sized(key: TagKey, given: &SurveyInput) -> Result<Option<SizedTag>, SurveyError> {
     let (family, id) = key;
     let stated = given
         .sizes
@@ -208,7 +212,7 @@ fn sized(key: TagKey, given: &Given) -> Result<Option<SizedTag>, SurveyError> {
     }
 }
 
-fn check_connected(net: &Network) -> Result<(), SurveyError> {
+fn check_connected(net: &TagNetwork) -> Result<(), SurveyError> {
     let photos = (0..net.photos).filter(|p| net.of_photo(*p).next().is_some()).count();
     if photos < 2 {
         return Err(SurveyError::TooFewPhotos { photos });
@@ -232,12 +236,12 @@ fn check_connected(net: &Network) -> Result<(), SurveyError> {
 
 /// Leaves out the tags that the photos disagree about, one after the other, and adjusts the rest anew each time.
 fn without_suspects(
-    mut net: Network,
+    mut net: TagNetwork,
     poses: &mut Poses,
     photos: &[PhotoTags],
     camera: &Camera,
-    left_out: &mut Vec<LeftOut>,
-) -> Result<Network, SurveyError> {
+    left_out: &mut Vec<LeftOutTag>,
+) -> Result<TagNetwork, SurveyError> {
     let names = |numbers: &[usize]| numbers.iter().map(|p| photos[*p].name.clone()).collect::<Vec<_>>();
     let all = net.sightings.len();
     loop {
@@ -256,21 +260,21 @@ fn without_suspects(
         };
         let SizedTag { key, size_mm, fixed } = net.tags[tag].clone();
         let reason = match fault {
-            Fault::BadlySeen { photos } => {
+            TagFault::BadlySeen { photos } => {
                 net.sightings.retain(|s| s.tag != tag || !photos.contains(&s.photo));
                 readjust(&net, poses, camera);
                 continue;
             }
-            Fault::NotWhereGiven { mm } => {
+            TagFault::NotWhereGiven { mm } => {
                 let fault = format!("stands about {mm:.1} mm from where the scene says");
                 return Err(SurveyError::FixedTag { id: key.1, fault });
             }
-            Fault::Moved { mm, here, there } => Reason::Moved {
+            TagFault::Moved { mm, here, there } => LeftOutReason::Moved {
                 mm,
                 here: names(&here),
                 there: names(&there),
             },
-            Fault::WrongSize { fits_mm } => Reason::WrongSize {
+            TagFault::WrongSize { fits_mm } => LeftOutReason::WrongSize {
                 stated_mm: size_mm,
                 fits_mm,
             },
@@ -285,13 +289,13 @@ fn without_suspects(
     }
 }
 
-fn readjust(net: &Network, poses: &mut Poses, camera: &Camera) {
+fn readjust(net: &TagNetwork, poses: &mut Poses, camera: &Camera) {
     forget_unseen(net, poses);
     adjust(net, poses, Free::All, grow::rough(camera), camera, 50);
 }
 
 /// A pose that no sighting supports any more is no pose.
-fn forget_unseen(net: &Network, poses: &mut Poses) {
+fn forget_unseen(net: &TagNetwork, poses: &mut Poses) {
     for (t, pose) in poses.tags.iter_mut().enumerate() {
         if net.tags[t].fixed.is_none() && net.of_tag(t).next().is_none() {
             *pose = None;
@@ -307,12 +311,12 @@ fn forget_unseen(net: &Network, poses: &mut Poses) {
 /// Leaves out photos and tags that could be in another pose. A tag that a single photo shows stays when that photo excludes its rival;
 /// that it has not moved, and has its stated size, nothing checks.
 fn without_doubtful(
-    mut net: Network,
+    mut net: TagNetwork,
     poses: &mut Poses,
     photos: &[PhotoTags],
     camera: &Camera,
-    left_out: &mut Vec<LeftOut>,
-) -> Network {
+    left_out: &mut Vec<LeftOutTag>,
+) -> TagNetwork {
     adjust(&net, poses, Free::All, Loss::Squared, camera, 50);
     loop {
         // A photo is only as sure as the tags that other photos, or the scene, vouch for.
@@ -328,11 +332,11 @@ fn without_doubtful(
                     (Some(only), None) => {
                         let is_frontal = tilt_deg(only, poses).is_none_or(|tilt| tilt < MIN_LONE_TILT_DEG);
                         let is_doubtful = is_frontal || tag_has_rival(&net, poses, t, MIN_LONE_RIVAL_RATIO, camera);
-                        is_doubtful.then(|| Reason::SeenOnce {
+                        is_doubtful.then(|| LeftOutReason::SeenOnce {
                             photo: photos[only.photo].name.clone(),
                         })
                     }
-                    _ => tag_has_rival(&net, poses, t, MIN_RIVAL_RATIO, camera).then_some(Reason::Ambiguous),
+                    _ => tag_has_rival(&net, poses, t, MIN_RIVAL_RATIO, camera).then_some(LeftOutReason::Ambiguous),
                 }
             };
             let doubtful = (0..net.tags.len()).filter(free).find_map(|t| Some((t, reason(t)?)));
@@ -347,14 +351,14 @@ fn without_doubtful(
     for (t, tag) in net.tags.iter().enumerate() {
         let known = left_out.iter().any(|l| (l.family, l.id) == tag.key);
         if tag.fixed.is_none() && !known && net.of_tag(t).next().is_none() {
-            left_out.push(leave(tag.key, Reason::Ambiguous));
+            left_out.push(leave(tag.key, LeftOutReason::Ambiguous));
         }
     }
     net
 }
 
 /// True when a different pose of a photo leaves almost as little; also when nothing vouches for it.
-fn photo_has_rival(vouched: &Network, poses: &Poses, photo: usize, camera: &Camera) -> bool {
+fn photo_has_rival(vouched: &TagNetwork, poses: &Poses, photo: usize, camera: &Camera) -> bool {
     let own = vouched.with(|s| s.photo == photo);
     if own.sightings.is_empty() {
         return true;
@@ -372,7 +376,7 @@ fn photo_has_rival(vouched: &Network, poses: &Poses, photo: usize, camera: &Came
 }
 
 /// True when a different pose of a tag leaves less than so many times as much.
-fn tag_has_rival(net: &Network, poses: &Poses, tag: usize, ratio: f64, camera: &Camera) -> bool {
+fn tag_has_rival(net: &TagNetwork, poses: &Poses, tag: usize, ratio: f64, camera: &Camera) -> bool {
     let own = net.with(|s| s.tag == tag);
     let candidates = grow::tag_candidates(&own, poses, tag);
     has_rival(
@@ -394,7 +398,7 @@ fn tilt_deg(s: &Sighting, poses: &Poses) -> Option<f64> {
 }
 
 fn has_rival(
-    own: &Network,
+    own: &TagNetwork,
     poses: &Poses,
     place: impl Fn(&mut Poses) -> &mut Option<Rigid>,
     free: Free,
@@ -417,13 +421,13 @@ fn has_rival(
 
 /// The least-squares result with its σ.
 fn finished(
-    mut net: Network,
+    mut net: TagNetwork,
     mut poses: Poses,
     moved_px: f64,
     photos: &[PhotoTags],
-    given: &Given,
+    given: &SurveyInput,
     camera: &Camera,
-    mut left_out: Vec<LeftOut>,
+    mut left_out: Vec<LeftOutTag>,
 ) -> Result<Survey, SurveyError> {
     let noise_px = suspects::noise_px(&net, &poses, camera);
     let shared = edges::fit(&mut net, &mut poses, Loss::Squared, camera, moved_px, noise_px);
@@ -496,7 +500,7 @@ fn finished(
     })
 }
 
-fn photo_report(net: &Network, poses: &Poses, photo: usize, tags: &PhotoTags, camera: &Camera) -> PhotoReport {
+fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags, camera: &Camera) -> PhotoReport {
     let own = net.with(|s| s.photo == photo);
     let mut used: Vec<u32> = own.sightings.iter().map(|s| net.tags[s.tag].key.1).collect();
     used.sort_unstable();
@@ -534,6 +538,6 @@ pub fn shift(a: &Rigid, b: &Rigid) -> (f64, f64) {
     (mm, a.rotation.angle_to(&b.rotation).to_degrees())
 }
 
-fn leave((family, id): TagKey, reason: Reason) -> LeftOut {
-    LeftOut { family, id, reason }
+fn leave((family, id): TagKey, reason: LeftOutReason) -> LeftOutTag {
+    LeftOutTag { family, id, reason }
 }

@@ -18,7 +18,7 @@ pub(super) struct SizedTag {
 /// One tag in one photo.
 #[derive(Debug, Clone)]
 pub(super) struct Sighting {
-    /// Index into [`Network::tags`].
+    /// Index into [`TagNetwork::tags`].
     pub tag: usize,
     pub photo: usize,
     pub corners_px: [[f64; 2]; 4],
@@ -27,7 +27,7 @@ pub(super) struct Sighting {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Network {
+pub(super) struct TagNetwork {
     pub tags: Vec<SizedTag>,
     pub photos: usize,
     pub sightings: Vec<Sighting>,
@@ -47,7 +47,7 @@ impl Poses {
     }
 }
 
-impl Network {
+impl TagNetwork {
     pub(super) fn of_tag(&self, tag: usize) -> impl Iterator<Item = &Sighting> {
         self.sightings.iter().filter(move |s| s.tag == tag)
     }
@@ -57,8 +57,8 @@ impl Network {
     }
 
     /// The same tags and photos with some of the sightings.
-    pub(super) fn with(&self, keep: impl Fn(&Sighting) -> bool) -> Network {
-        Network {
+    pub(super) fn with(&self, keep: impl Fn(&Sighting) -> bool) -> TagNetwork {
+        TagNetwork {
             sightings: self.sightings.iter().filter(|s| keep(s)).cloned().collect(),
             ..self.clone()
         }

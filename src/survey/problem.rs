@@ -2,14 +2,13 @@
 
 /// Why there is no survey at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurveyError {
     #[error(
         "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"
     )]
     TooFewPhotos { photos: usize },
-    #[error(
-        "no tag to survey is seen in any photo, only fixed ones or none: give their sizes with --sizes, and uncover them"
-    )]
+    #[error("no tag to survey is seen in any photo, only fixed ones or none")]
     NothingToSurvey,
     #[error(
         "no fixed tag (id {}) is seen whole in any photo, so that nothing ties the others to the model: take a photo that shows one",
@@ -37,13 +36,13 @@ pub enum SurveyError {
         "tag {id} is fixed but the scene does not say where it stands: add it to the scene file or fix another tag"
     )]
     FixedUnknown { id: u32 },
-    #[error("tag {id} is fixed with {scene_mm} mm in the scene and {given_mm} mm in --sizes: correct one of them")]
+    #[error("tag {id} is fixed with {scene_mm} mm in the scene and given with {given_mm} mm")]
     TwoSizes { id: u32, scene_mm: f64, given_mm: f64 },
 }
 
 /// Why a seen tag is not in the surveyed scene.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Reason {
+pub enum LeftOutReason {
     /// Neither the sizes nor the scene has it.
     NoSize,
     /// It was never seen whole and once in a photo.
@@ -65,42 +64,42 @@ pub enum Reason {
     Ambiguous,
 }
 
-impl Reason {
+impl LeftOutReason {
     /// A stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
-            Reason::NoSize => "no_size",
-            Reason::NeverWhole => "never_whole",
-            Reason::SeenOnce { .. } => "seen_once",
-            Reason::Moved { .. } => "moved",
-            Reason::WrongSize { .. } => "wrong_size",
-            Reason::Ambiguous => "ambiguous",
+            LeftOutReason::NoSize => "no_size",
+            LeftOutReason::NeverWhole => "never_whole",
+            LeftOutReason::SeenOnce { .. } => "seen_once",
+            LeftOutReason::Moved { .. } => "moved",
+            LeftOutReason::WrongSize { .. } => "wrong_size",
+            LeftOutReason::Ambiguous => "ambiguous",
         }
     }
 }
 
-impl std::fmt::Display for Reason {
+impl std::fmt::Display for LeftOutReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Reason::NoSize => write!(f, "no size is given for it: name it in --sizes"),
-            Reason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
-            Reason::SeenOnce { photo } => {
+            LeftOutReason::NoSize => write!(f, "no size is given for it"),
+            LeftOutReason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
+            LeftOutReason::SeenOnce { photo } => {
                 write!(
                     f,
                     "only {photo} shows it, where two poses explain it or it is seen straight on: take another photo of it, from aside"
                 )
             }
-            Reason::Moved { mm, here, there } => write!(
+            LeftOutReason::Moved { mm, here, there } => write!(
                 f,
                 "was moved, or badly seen: it is about {mm:.0} mm elsewhere in {} than in {}",
                 there.join(", "),
                 here.join(", ")
             ),
-            Reason::WrongSize { stated_mm, fits_mm } => write!(
+            LeftOutReason::WrongSize { stated_mm, fits_mm } => write!(
                 f,
                 "has another size than stated: its corners fit {fits_mm:.1} mm, not {stated_mm} mm"
             ),
-            Reason::Ambiguous => write!(
+            LeftOutReason::Ambiguous => write!(
                 f,
                 "two poses explain its corners almost equally well: take another photo of it, from a different side"
             ),

@@ -1,6 +1,6 @@
 //! How far a tag's corners are from where a pose puts them, and how that changes with the poses.
 
-use nalgebra::{Matrix2x3, Matrix2x6, Matrix3, Point3, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix2x6, Point3, Vector2};
 
 use crate::camera::Camera;
 use crate::geometry::Rigid;
@@ -29,7 +29,7 @@ pub(super) fn rms_px(camera_tag: &Rigid, size_mm: f64, seen_px: &[[f64; 2]; 4], 
 }
 
 /// One corner, linearised: residual (projected minus seen, px) and its derivatives by translation (mm) and rotation (rad).
-pub(super) struct Linear {
+pub(super) struct LinearisedCorner {
     pub residual: Vector2<f64>,
     /// By `δ` in `T_camera_model ← exp(δ) · T_camera_model`.
     pub by_photo: Matrix2x6<f64>,
@@ -40,23 +40,24 @@ pub(super) struct Linear {
 /// `None` when the corner has no pixel.
 ///
 /// Chain rule over `P = T_camera_tag · x`: dP is `t + ω × P` for the photo and `R (t + ω × x)` for the tag.
-pub(super) fn linear(camera_tag: &Rigid, corner: &Point3<f64>, seen_px: &[f64; 2], camera: &Camera) -> Option<Linear> {
+pub(super) fn linear(
+    camera_tag: &Rigid,
+    corner: &Point3<f64>,
+    seen_px: &[f64; 2],
+    camera: &Camera,
+) -> Option<LinearisedCorner> {
     let p = camera_tag * corner;
     let ([x, y], by_point) = camera.project_by_point(&p)?;
     let side_by_side = |m: Matrix2x3<f64>, at: &Point3<f64>| {
-        let turned = m * -skew(&at.coords);
+        let turned = m * -at.coords.cross_matrix();
         Matrix2x6::from_fn(|r, c| if c < 3 { m[(r, c)] } else { turned[(r, c - 3)] })
     };
     let rotation = camera_tag.rotation.to_rotation_matrix();
-    Some(Linear {
+    Some(LinearisedCorner {
         residual: Vector2::new(x - seen_px[0], y - seen_px[1]),
         by_photo: side_by_side(by_point, &p),
         by_tag: side_by_side(by_point * rotation.matrix(), corner),
     })
-}
-
-fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
-    v.cross_matrix()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `--sizes 0-7:50,8-15:40`: which tag has which size.
+//! Which tag has which size, as in `0-7:50,8-15:40`.
 
 use std::str::FromStr;
 
@@ -13,29 +13,43 @@ impl Sizes {
     }
 }
 
+/// Why a text gives no sizes.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SizesError {
+    #[error("`{0}` is not ID:MM or FIRST-LAST:MM, as in 0-7:50,8-15:40")]
+    Unclear(String),
+    #[error("`{0}` runs backwards; write the smaller id first")]
+    Backwards(String),
+    #[error("`{0}` gives a tag a second size; name each id once")]
+    Twice(String),
+    #[error("`{0}` is not a tag size; give mm from 1 to 10000, as in 50")]
+    NoSize(String),
+}
+
 impl FromStr for Sizes {
-    type Err = String;
+    type Err = SizesError;
 
     /// One size in mm for every tag, or ids and ids from-to, each with a size.
-    fn from_str(text: &str) -> Result<Sizes, String> {
+    fn from_str(text: &str) -> Result<Sizes, SizesError> {
         if !text.contains(':') {
             return Ok(Sizes(vec![(0..=u32::MAX, size(text)?)]));
         }
         let mut sizes: Vec<(std::ops::RangeInclusive<u32>, f64)> = Vec::new();
         for part in text.split(',') {
-            let unclear = || format!("`{part}` is not ID:MM or FIRST-LAST:MM, as in 0-7:50,8-15:40");
+            let unclear = || SizesError::Unclear(part.to_owned());
             let (ids, mm) = part.split_once(':').ok_or_else(unclear)?;
             let (first, last) = ids.split_once('-').unwrap_or((ids, ids));
             let id = |text: &str| text.trim().parse::<u32>().map_err(|_| unclear());
             let ids = id(first)?..=id(last)?;
             if ids.is_empty() {
-                return Err(format!("`{part}` runs backwards; write the smaller id first"));
+                return Err(SizesError::Backwards(part.to_owned()));
             }
             if sizes
                 .iter()
                 .any(|(other, _)| other.start() <= ids.end() && ids.start() <= other.end())
             {
-                return Err(format!("`{part}` gives a tag a second size; name each id once"));
+                return Err(SizesError::Twice(part.to_owned()));
             }
             sizes.push((ids, size(mm)?));
         }
@@ -43,10 +57,10 @@ impl FromStr for Sizes {
     }
 }
 
-fn size(text: &str) -> Result<f64, String> {
+fn size(text: &str) -> Result<f64, SizesError> {
     match text.trim().parse::<f64>() {
         Ok(mm) if (1.0..=10_000.0).contains(&mm) => Ok(mm),
-        _ => Err(format!("`{text}` is not a tag size; give mm from 1 to 10000, as in 50")),
+        _ => Err(SizesError::NoSize(text.to_owned())),
     }
 }
 
@@ -77,7 +91,7 @@ mod tests {
             ("0:-5", "not a tag size"),
             ("nan", "not a tag size"),
         ] {
-            let sentence = text.parse::<Sizes>().unwrap_err();
+            let sentence = text.parse::<Sizes>().unwrap_err().to_string();
             assert!(sentence.contains(reason), "{text}: {sentence}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::adjust::{Free, Loss, adjust, cost, unknowns};
 use super::grow::{rough, tag_candidates};
-use super::network::{Network, Poses, Sighting};
+use super::network::{Poses, Sighting, TagNetwork};
 use super::residual::rms_px;
 use crate::camera::Camera;
 
@@ -20,7 +20,7 @@ const SIZE_TOLERANCE: f64 = 0.01;
 
 /// What is wrong with a tag.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Fault {
+pub(super) enum TagFault {
     /// It stands elsewhere in the other photos.
     Moved {
         mm: f64,
@@ -41,7 +41,7 @@ pub(super) enum Fault {
 }
 
 /// σ of a corner coordinate in px, by the median residual, which a few bad tags do not change.
-pub(super) fn noise_px(net: &Network, poses: &Poses, camera: &Camera) -> f64 {
+pub(super) fn noise_px(net: &TagNetwork, poses: &Poses, camera: &Camera) -> f64 {
     let mut squared: Vec<f64> = Vec::new();
     for s in &net.sightings {
         if let Some(pose) = poses.camera_tag(s) {
@@ -68,7 +68,7 @@ pub(super) fn limit_px(noise_px: f64, camera: &Camera) -> f64 {
     (OFF_SIGMAS * noise_px).max(LEAST_OFF_DEG / camera.deg_per_px())
 }
 
-fn rms(s: &Sighting, net: &Network, poses: &Poses, camera: &Camera) -> Option<f64> {
+fn rms(s: &Sighting, net: &TagNetwork, poses: &Poses, camera: &Camera) -> Option<f64> {
     Some(rms_px(
         &poses.camera_tag(s)?,
         net.tags[s.tag].size_mm,
@@ -78,7 +78,7 @@ fn rms(s: &Sighting, net: &Network, poses: &Poses, camera: &Camera) -> Option<f6
 }
 
 /// The largest root mean square of any sighting, px.
-pub(super) fn largest_rms_px(net: &Network, poses: &Poses, camera: &Camera) -> f64 {
+pub(super) fn largest_rms_px(net: &TagNetwork, poses: &Poses, camera: &Camera) -> f64 {
     let all = net.sightings.iter().filter_map(|s| rms(s, net, poses, camera));
     all.fold(0.0, f64::max)
 }
@@ -86,7 +86,7 @@ pub(super) fn largest_rms_px(net: &Network, poses: &Poses, camera: &Camera) -> f
 /// The tag that is furthest off, and what is wrong with it; `None` when every tag fits.
 ///
 /// The others are adjusted without it first, so that it does not judge itself.
-pub(super) fn worst(net: &Network, poses: &Poses, limit_px: f64, camera: &Camera) -> Option<(usize, Fault)> {
+pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit_px: f64, camera: &Camera) -> Option<(usize, TagFault)> {
     let off = net
         .sightings
         .iter()
@@ -105,7 +105,7 @@ pub(super) fn worst(net: &Network, poses: &Poses, limit_px: f64, camera: &Camera
     None
 }
 
-fn fault(net: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<Fault> {
+fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<TagFault> {
     let (own, poses) = alone(net, poses, tag, camera);
     let everywhere: Vec<usize> = net.of_tag(tag).map(|s| s.photo).collect();
     let group = largest_group(&own, &poses, tag, limit_px, camera);
@@ -114,13 +114,13 @@ fn fault(net: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camer
     {
         let given = net.tags[tag].fixed?;
         let mm = (given.translation.vector - place.tags[tag]?.translation.vector).norm();
-        return Some(Fault::NotWhereGiven { mm });
+        return Some(TagFault::NotWhereGiven { mm });
     }
     if let Some(fits_mm) = other_size(&own, &poses, tag, limit_px, camera) {
-        return Some(Fault::WrongSize { fits_mm });
+        return Some(TagFault::WrongSize { fits_mm });
     }
     let Some((place, here)) = group else {
-        return Some(Fault::BadlySeen { photos: everywhere });
+        return Some(TagFault::BadlySeen { photos: everywhere });
     };
     let rest = own.with(|s| !here.contains(&s.photo));
     let off_mm = rest.sightings.iter().filter_map(|s| {
@@ -130,19 +130,19 @@ fn fault(net: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camer
     let off_mm = off_mm.fold(0.0, f64::max);
     let there = largest_group(&rest, &poses, tag, limit_px, camera).filter(|_| off_mm > LEAST_MOVE_MM);
     Some(match there {
-        Some((other, there)) => Fault::Moved {
+        Some((other, there)) => TagFault::Moved {
             mm: (place.tags[tag]?.translation.vector - other.tags[tag]?.translation.vector).norm(),
             here,
             there,
         },
-        None => Fault::BadlySeen {
+        None => TagFault::BadlySeen {
             photos: everywhere.into_iter().filter(|p| !here.contains(p)).collect(),
         },
     })
 }
 
 /// The sightings of one tag, and the photos' poses as the other tags have them.
-fn alone(net: &Network, poses: &Poses, tag: usize, camera: &Camera) -> (Network, Poses) {
+fn alone(net: &TagNetwork, poses: &Poses, tag: usize, camera: &Camera) -> (TagNetwork, Poses) {
     let mut others = net.with(|s| s.tag != tag);
     let mut poses = poses.clone();
     let is_fixed = |t: &super::network::SizedTag| t.fixed.is_some();
@@ -161,7 +161,7 @@ fn alone(net: &Network, poses: &Poses, tag: usize, camera: &Camera) -> (Network,
 
 /// The pose of a tag that fits in most of its photos, and those photos.
 fn largest_group(
-    own: &Network,
+    own: &TagNetwork,
     poses: &Poses,
     tag: usize,
     limit_px: f64,
@@ -194,7 +194,7 @@ fn largest_group(
 }
 
 /// The size with which the tag fits in all its photos, when it is seen in two at least and the size is not the stated one.
-fn other_size(own: &Network, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<f64> {
+fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit_px: f64, camera: &Camera) -> Option<f64> {
     let stated_mm = own.tags[tag].size_mm;
     let fitted = |ln_ratio: f64| {
         let ratio = ln_ratio.exp();

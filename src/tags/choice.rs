@@ -47,6 +47,7 @@ pub enum CornersBy {
 
 /// Why a tag detector could not start.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StartError {
     #[error(
         "the tag detector '{name}' is not known; use one of {}{}",

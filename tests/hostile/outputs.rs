@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
-use crate::tests::common::{assert_refused, program, read_json, skyline, stderr};
+use crate::tests::common::{assert_refused, home, program, read_json, skyline, stderr};
 use crate::tests::hostile::bounded;
 
 /// Commands with one output file; `OUT` stands for it.
-const COMMANDS: [&str; 2] = ["print check -o OUT", "pattern random --cells 4 --seed 1 -o OUT"];
+const COMMANDS: [&str; 2] = [
+    "print check --format pdf -o OUT",
+    "pattern random --cells 4 --seed 1 -o OUT",
+];
 
 fn command(arguments: &str, out: &str) -> Command {
     let mut command = program();
@@ -82,7 +85,7 @@ fn a_dash_is_standard_output_where_the_file_is_alone() {
 }
 
 /// Arguments, and words of the refusal.
-const REFUSED: [(&str, &[&str]); 9] = [
+const REFUSED: [(&str, &[&str]); 19] = [
     ("print check -o locked", &["locked", "write-protected"]),
     ("print check -o socket", &["socket", "is no file"]),
     ("print check -o dangling", &["dangling", "symbolic link to nothing"]),
@@ -90,6 +93,34 @@ const REFUSED: [(&str, &[&str]); 9] = [
     ("score SESSION --recorded -o -", &["--output must be a folder"]),
     ("chart capture --session SESSION -o -", &["--output must be a folder"]),
     ("print check --format svg -o -", &["one file per page"]),
+    ("print check -o y.png", &["y.png", ".pdf or .svg", "--format"]),
+    ("print check -o y", &["y does not say", ".pdf or .svg"]),
+    ("print chart -o y.png", &["y.png", ".pdf or .svg"]),
+    (
+        "print tags --scene SESSION/scene.toml -o y.tif",
+        &["y.tif", ".pdf or .svg"],
+    ),
+    (
+        "print board --type chessboard --squares 7x5 --square-mm 20 -o y.png",
+        &["y.png", ".pdf or .svg"],
+    ),
+    (
+        "print template --pattern SHEETS/random16.png --tile-mm 118 --size-mm 100x100 -o y.png",
+        &["y.png", ".pdf or .svg"],
+    ),
+    (
+        "print template --pattern SHEETS/random16.png --tile-mm 118 --size-mm 118x118 --paints 4 -o y.png",
+        &["y.png", ".pdf or .svg"],
+    ),
+    (
+        "print wrap --scene SHEETS/ring4.toml --pattern SHEETS/random16.png --tile-mm 118 --paper a3 -o y",
+        &["y does not say", ".pdf or .svg"],
+    ),
+    (
+        "print patch --scene SHEETS/ring4.toml --patch SHEETS/random16.png --panel left --at-mm 0,50 --size-mm 80 --paper a3 -o y.html",
+        &["y.html", ".pdf or .svg"],
+    ),
+    ("pattern random -o y.pdf", &["y.pdf would hold PNG", ".png"]),
     (
         "print board --type chessboard --squares 7x5 --square-mm 20 -o -",
         &["--definition"],
@@ -113,9 +144,10 @@ fn what_takes_no_file_is_refused_and_stays() {
         locked.set_permissions(permissions).unwrap();
         let before = names(folder.path());
         let session = skyline().display().to_string();
+        let sheets = home().join("print_templates").display().to_string();
         let arguments = arguments
             .split_whitespace()
-            .map(|argument| argument.replace("SESSION", &session));
+            .map(|argument| argument.replace("SESSION", &session).replace("SHEETS", &sheets));
         let output = program().args(arguments).current_dir(folder.path()).output().unwrap();
         assert_refused(&output, words);
         assert_eq!(names(folder.path()), before);

@@ -4,7 +4,7 @@
 
 use image::{Rgb, RgbImage};
 use scaleproof::pattern::Pattern;
-use scaleproof::print::template::{Layout, SheetPlan};
+use scaleproof::print::template::{SheetLayout, SheetPlan};
 
 /// How far from its nominal place an edge is looked for.
 const REACH_MM: f64 = 0.42;
@@ -19,7 +19,7 @@ pub struct Printed {
     pub pattern: Pattern,
     pub cell_mm: f64,
     pub size_mm: (f64, f64),
-    pub layout: Layout,
+    pub layout: SheetLayout,
     pub dpi: f64,
     /// What the printed millimetres are held to.
     pub tolerance_mm: f64,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::RunError;
 use super::judge::HeldOutFigures;
 use crate::files;
-use crate::plot::{Axis, Cloud, Dot, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 
 /// The name of the file in the folder of a run.
 pub const FILE: &str = "history.json";
@@ -95,8 +95,8 @@ pub fn draw(histories: &[History]) -> String {
         note: format!(
             "{views} views by the renderer model; filled: share with a hit at confidence 0.5; lower left is better"
         ),
-        x: Axis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
-        y: Axis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
+        x: PlotAxis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
+        y: PlotAxis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),
         colours: methods,
         shapes: vec!["after so many seconds".to_owned()],
         ringed: "the end".to_owned(),

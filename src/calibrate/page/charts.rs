@@ -1,4 +1,4 @@
-//! Charts over the picture: coverage, residuals, uncertainty. One SVG unit is one pixel of the photos.
+//! Charts over the image: coverage, residuals, uncertainty. One SVG unit is one pixel of the photos.
 
 use maud::{Markup, html};
 

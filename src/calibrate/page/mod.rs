@@ -61,8 +61,8 @@ fn headline(found: &Calibration) -> Markup {
         div.figures {
             div { span { "focal length" } b { (focal) } }
             div { span { "principal point" } b { (centre) } }
-            div { span { "error on unseen corners" } b { (format!("{:.3} px", found.rung().held_out_px)) } }
-            div { span { "model" } b { (found.rung().model.name()) } }
+            div { span { "error on unseen corners" } b { (format!("{:.3} px", found.chosen_model().held_out_px)) } }
+            div { span { "model" } b { (found.chosen_model().model.name()) } }
         }
     }
 }
@@ -91,7 +91,7 @@ fn camera_table(found: &Calibration) -> Markup {
 }
 
 fn ladder(found: &Calibration) -> Markup {
-    let worst = found.rungs.iter().map(|r| r.held_out_px).fold(0.0, f64::max);
+    let worst = found.models.iter().map(|r| r.held_out_px).fold(0.0, f64::max);
     html! {
         div.scroll {
             table {
@@ -102,7 +102,7 @@ fn ladder(found: &Calibration) -> Markup {
                     }
                 }
                 tbody {
-                    @for (i, r) in found.rungs.iter().enumerate() {
+                    @for (i, r) in found.models.iter().enumerate() {
                         tr.chosen[i == found.chosen] {
                             td { (r.model.name()) }
                             td { (r.model.parameters()) }

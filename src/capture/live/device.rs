@@ -10,7 +10,7 @@ use nokhwa::utils::{
     RequestedFormatType,
 };
 
-use super::{CameraSettings, Device, PixelFormat, RawPicture, Setting};
+use super::{CameraSettings, Device, LiveCameraError, PixelFormat, RawImage, Setting};
 use crate::camera::Camera;
 
 /// A camera that the system knows.
@@ -32,19 +32,19 @@ const FORMATS: [(FrameFormat, PixelFormat); 6] = [
     (FrameFormat::MJPEG, PixelFormat::Mjpeg),
 ];
 
-/// Below this many pictures a second, advice comes late.
+/// Below this many images a second, advice comes late.
 const ENOUGH_FPS: u32 = 15;
 
 /// How long a person may take to allow the use of the camera, where the system asks.
 const PERMISSION: Duration = Duration::from_secs(60);
 
-/// The cameras of this machine, by number. Some systems list a camera several times; not every entry gives pictures.
+/// The cameras of this machine, by number. Some systems list a camera several times; not every entry gives images.
 ///
 /// # Errors
-/// A system whose cameras cannot be listed, as a clause.
-pub fn list_cameras() -> Result<Vec<ListedCamera>, String> {
+/// A system whose cameras cannot be listed.
+pub fn list_cameras() -> Result<Vec<ListedCamera>, LiveCameraError> {
     allowed()?;
-    let found = nokhwa::query(ApiBackend::Auto).map_err(|e| e.to_string())?;
+    let found = nokhwa::query(ApiBackend::Auto).map_err(failed)?;
     let mut cameras: Vec<ListedCamera> = found
         .iter()
         .filter_map(|info| {
@@ -60,7 +60,7 @@ pub fn list_cameras() -> Result<Vec<ListedCamera>, String> {
 }
 
 /// Asks for the use of cameras where the system wants that (macOS).
-fn allowed() -> Result<(), String> {
+fn allowed() -> Result<(), LiveCameraError> {
     let (answer, answered) = mpsc::channel();
     nokhwa::nokhwa_initialize(move |is_allowed| {
         // Nobody waits for a late answer.
@@ -68,32 +68,32 @@ fn allowed() -> Result<(), String> {
     });
     match answered.recv_timeout(PERMISSION) {
         Ok(true) => Ok(()),
-        _ => Err("the system does not allow the use of cameras".into()),
+        _ => Err(LiveCameraError::NotAllowed),
     }
 }
 
-/// Opens a camera and starts it, at a picture size that the camera file fits.
-pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, String> {
+/// Opens a camera and starts it, at an image size that the camera file fits.
+pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, LiveCameraError> {
     allowed()?;
     let formats = FORMATS.map(|(format, _)| format);
     let any = RequestedFormat::with_formats(RequestedFormatType::None, &formats);
-    let mut opened = nokhwa::Camera::new(CameraIndex::Index(number), any).map_err(clause)?;
-    let offered = opened.compatible_camera_formats().map_err(clause)?;
+    let mut opened = nokhwa::Camera::new(CameraIndex::Index(number), any).map_err(failed)?;
+    let offered = opened.compatible_camera_formats().map_err(failed)?;
     let chosen = chosen(&offered, camera)?;
     if opened.camera_format() != chosen {
         let exactly = RequestedFormat::with_formats(RequestedFormatType::Exact(chosen), &formats);
-        opened.set_camera_requset(exactly).map_err(clause)?;
+        opened.set_camera_requset(exactly).map_err(failed)?;
     }
-    opened.open_stream().map_err(clause)?;
-    Ok(Box::new(Opened(opened)))
+    opened.open_stream().map_err(failed)?;
+    Ok(Box::new(NokhwaCamera(opened)))
 }
 
-fn clause(e: NokhwaError) -> String {
-    e.to_string()
+fn failed(e: NokhwaError) -> LiveCameraError {
+    LiveCameraError::Driver(e.to_string())
 }
 
-/// The size nearest to the calibrated one among those of its shape; of one size, enough pictures a second first, then raw pixels.
-fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, String> {
+/// The size nearest to the calibrated one among those of its shape; of one size, enough images a second first, then raw pixels.
+fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, LiveCameraError> {
     let fits = |format: &&CameraFormat| camera.scaled_to(format.width(), format.height()).is_ok();
     let rank = |format: &CameraFormat| FORMATS.iter().position(|(known, _)| *known == format.format());
     let order = |format: &&CameraFormat| {
@@ -105,26 +105,25 @@ fn chosen(offered: &[CameraFormat], camera: &Camera) -> Result<CameraFormat, Str
         )
     };
     let readable = offered.iter().filter(|format| rank(format).is_some());
-    readable.filter(fits).min_by_key(order).copied().ok_or_else(|| {
-        format!(
-            "it has no picture of the shape of the camera file's, {} × {}: calibrate it at a size it has",
-            camera.width, camera.height
-        )
-    })
+    let none = LiveCameraError::NoFittingSize {
+        width: camera.width,
+        height: camera.height,
+    };
+    readable.filter(fits).min_by_key(order).copied().ok_or(none)
 }
 
-struct Opened(nokhwa::Camera);
+struct NokhwaCamera(nokhwa::Camera);
 
-impl Device for Opened {
-    fn picture(&mut self) -> Result<RawPicture, String> {
+impl Device for NokhwaCamera {
+    fn image(&mut self) -> Result<RawImage, LiveCameraError> {
         let format = self.0.camera_format();
         let packed = FORMATS.iter().find(|(known, _)| *known == format.format());
-        let (_, packed) = packed.ok_or("its pixel format is not known")?;
-        Ok(RawPicture {
+        let (_, packed) = packed.ok_or(LiveCameraError::UnknownPixelFormat)?;
+        Ok(RawImage {
             format: *packed,
             width: format.width(),
             height: format.height(),
-            bytes: self.0.frame_raw().map_err(clause)?.into_owned(),
+            bytes: self.0.frame_raw().map_err(failed)?.into_owned(),
         })
     }
 
@@ -147,7 +146,7 @@ impl Device for Opened {
 }
 
 /// How a setting is held: the control that decides whether it is automatic, its value for "by hand", and the control of the setting itself.
-struct Held {
+struct LockControl {
     automatic: KnownCameraControl,
     by_hand: ControlValueSetter,
     value: KnownCameraControl,
@@ -156,19 +155,19 @@ struct Held {
 /// Controls of Video4Linux by their ids (`linux/v4l2-controls.h`): V4L2_CID_EXPOSURE_AUTO (1: manual), V4L2_CID_EXPOSURE_ABSOLUTE,
 /// V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_AUTO_WHITE_BALANCE, V4L2_CID_WHITE_BALANCE_TEMPERATURE.
 #[cfg(target_os = "linux")]
-const EXPOSURE: Held = Held {
+const EXPOSURE: LockControl = LockControl {
     automatic: KnownCameraControl::Other(0x009a_0901),
     by_hand: ControlValueSetter::Integer(1),
     value: KnownCameraControl::Other(0x009a_0902),
 };
 #[cfg(target_os = "linux")]
-const FOCUS: Held = Held {
+const FOCUS: LockControl = LockControl {
     automatic: KnownCameraControl::Other(0x009a_090c),
     by_hand: ControlValueSetter::Boolean(false),
     value: KnownCameraControl::Other(0x009a_090a),
 };
 #[cfg(target_os = "linux")]
-const WHITE_BALANCE: Held = Held {
+const WHITE_BALANCE: LockControl = LockControl {
     automatic: KnownCameraControl::Other(0x0098_090c),
     by_hand: ControlValueSetter::Boolean(false),
     value: KnownCameraControl::WhiteBalance,
@@ -176,16 +175,16 @@ const WHITE_BALANCE: Held = Held {
 
 /// Elsewhere one control is both: mode 0 of AVFoundation is "locked".
 #[cfg(not(target_os = "linux"))]
-const EXPOSURE: Held = Held::mode(KnownCameraControl::Exposure);
+const EXPOSURE: LockControl = LockControl::mode(KnownCameraControl::Exposure);
 #[cfg(not(target_os = "linux"))]
-const FOCUS: Held = Held::mode(KnownCameraControl::Focus);
+const FOCUS: LockControl = LockControl::mode(KnownCameraControl::Focus);
 #[cfg(not(target_os = "linux"))]
-const WHITE_BALANCE: Held = Held::mode(KnownCameraControl::WhiteBalance);
+const WHITE_BALANCE: LockControl = LockControl::mode(KnownCameraControl::WhiteBalance);
 
 #[cfg(not(target_os = "linux"))]
-impl Held {
-    const fn mode(control: KnownCameraControl) -> Held {
-        Held {
+impl LockControl {
+    const fn mode(control: KnownCameraControl) -> LockControl {
+        LockControl {
             automatic: control,
             by_hand: ControlValueSetter::EnumValue(0),
             value: control,
@@ -193,8 +192,8 @@ impl Held {
     }
 }
 
-impl Opened {
-    fn held(&mut self, how: Held) -> Setting {
+impl NokhwaCamera {
+    fn held(&mut self, how: LockControl) -> Setting {
         // Read first: some drivers fall back to a stored value when they are no longer automatic.
         let value = self.value(how.value);
         let is_locked = self.0.set_camera_control(how.automatic, how.by_hand).is_ok();
@@ -232,7 +231,7 @@ mod tests {
         let camera = Camera::pinhole(1280, 960, 1000.0, 1000.0, 639.5, 479.5);
         let choose = |all: &[(u32, u32, FrameFormat, u32)]| {
             let chosen = chosen(&offered(all), &camera)?;
-            Ok::<_, String>((chosen.width(), chosen.format(), chosen.frame_rate()))
+            Ok::<_, LiveCameraError>((chosen.width(), chosen.format(), chosen.frame_rate()))
         };
         use FrameFormat::{MJPEG, NV12, YUYV};
         let all = [
@@ -246,7 +245,7 @@ mod tests {
         assert_eq!(choose(&all[..3]), Ok((1280, YUYV, 7)));
         assert_eq!(choose(&all[..2]), Ok((640, NV12, 30)));
         assert!(
-            choose(&all[1..2]).unwrap_err().contains("1280 × 960"),
+            choose(&all[1..2]).unwrap_err().to_string().contains("1280 × 960"),
             "720 rows are cropped"
         );
     }

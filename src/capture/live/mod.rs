@@ -1,6 +1,7 @@
-//! A running camera: a thread reads it without pause and keeps the newest picture only, so that advice is never about the past.
+//! A running camera: a thread reads it without pause and keeps the newest image only, so that advice is never about the past.
 
 mod device;
+mod error;
 mod pixels;
 mod settings;
 
@@ -8,11 +9,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::source::{Frame, FrameSource, Original, SourceError};
+use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use crate::camera::Camera;
 
 pub use device::{ListedCamera, list_cameras};
-pub use pixels::{PixelFormat, RawPicture};
+pub use error::LiveCameraError;
+pub use pixels::{PixelFormat, RawImage};
 pub use settings::{CameraSettings, Setting};
 
 /// Exposure, focus and white balance find their values within this time; they are then held, and frames are given from then on.
@@ -25,17 +27,17 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// person first, that takes its time, too.
 const OPENING: Duration = Duration::from_secs(if cfg!(target_os = "macos") { 75 } else { 15 });
 
-/// A single picture may fail; so many in a row, this far apart, mean that the camera is gone.
+/// A single image may fail; so many in a row, this far apart, mean that the camera is gone.
 const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
 
 /// What a camera must be able to do. It stays on the thread that opened it.
 pub trait Device {
-    /// The next picture, waited for.
+    /// The next image, waited for.
     ///
     /// # Errors
-    /// Why there is none, as a clause.
-    fn picture(&mut self) -> Result<RawPicture, String>;
+    /// Why there is none.
+    fn image(&mut self) -> Result<RawImage, LiveCameraError>;
 
     /// Holds exposure, focus and white balance where they are now, as far as the camera lets one.
     fn lock(&mut self) -> CameraSettings;
@@ -44,33 +46,33 @@ pub trait Device {
 /// The frames of a running camera, the newest one each time it is asked.
 pub struct LiveCamera {
     number: u32,
-    shared: Arc<Shared>,
+    shared: Arc<SharedState>,
 }
 
 /// What the reading thread and the one that judges have in common.
 #[derive(Default)]
-struct Shared {
-    state: Mutex<State>,
+struct SharedState {
+    state: Mutex<ReaderState>,
     changed: Condvar,
     /// Nobody asks for frames any more.
     is_left: AtomicBool,
 }
 
 #[derive(Default)]
-struct State {
+struct ReaderState {
     is_open: bool,
-    /// Its number since the camera was opened, and the picture. A newer one takes its place.
-    newest: Option<(u64, RawPicture)>,
+    /// Its number since the camera was opened, and the image. A newer one takes its place.
+    newest: Option<(u64, RawImage)>,
     settings: Option<CameraSettings>,
     /// Why there will be no more.
-    ended: Option<String>,
+    ended: Option<LiveCameraError>,
 }
 
 impl LiveCamera {
-    /// Opens the camera of a number at a picture size that `camera` fits: the calibrated one if it has it.
+    /// Opens the camera of a number at an image size that `camera` fits: the calibrated one if it has it.
     ///
     /// # Errors
-    /// No such camera, one that is in use or may not be used, or that has no picture of the camera file's shape.
+    /// No such camera, one that is in use or may not be used, or that has no image of the camera file's shape.
     pub fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
         let camera = camera.clone();
         LiveCamera::of(number, move || device::open(number, &camera))
@@ -82,7 +84,7 @@ impl LiveCamera {
     /// What `open` says.
     pub fn of(
         number: u32,
-        open: impl FnOnce() -> Result<Box<dyn Device>, String> + Send + 'static,
+        open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
     ) -> Result<LiveCamera, SourceError> {
         LiveCamera::of_within(number, OPENING, open)
     }
@@ -94,10 +96,10 @@ impl LiveCamera {
     pub fn of_within(
         number: u32,
         limit: Duration,
-        open: impl FnOnce() -> Result<Box<dyn Device>, String> + Send + 'static,
+        open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError> + Send + 'static,
     ) -> Result<LiveCamera, SourceError> {
-        let shared = Arc::new(Shared::default());
-        let reading = Reading(Arc::clone(&shared));
+        let shared = Arc::new(SharedState::default());
+        let reading = ReaderThread(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
         let camera = LiveCamera { number, shared };
         camera
@@ -107,22 +109,21 @@ impl LiveCamera {
     }
 
     /// Waits until the camera is open.
-    fn opened(&self, limit: Duration) -> Result<(), String> {
+    fn opened(&self, limit: Duration) -> Result<(), LiveCameraError> {
         let (mut state, until) = (self.shared.locked(), Instant::now() + limit);
         while !state.is_open {
             if let Some(reason) = state.ended.take() {
                 return Err(reason);
             }
-            state = self.shared.changed_before(state, until).ok_or_else(|| {
-                let seconds = limit.as_secs();
-                format!("it did not open within {seconds} s: unplug it and plug it in again")
-            })?;
+            let seconds = limit.as_secs();
+            let changed = self.shared.changed_before(state, until);
+            state = changed.ok_or(LiveCameraError::SlowToOpen { seconds })?;
         }
         Ok(())
     }
 
-    /// The picture that came last, if it was not given before; waits for one.
-    fn newest(&self) -> Result<(u64, RawPicture), String> {
+    /// The image that came last, if it was not given before; waits for one.
+    fn newest(&self) -> Result<(u64, RawImage), LiveCameraError> {
         let (mut state, until) = (self.shared.locked(), Instant::now() + PATIENCE);
         loop {
             if let Some(newest) = state.newest.take() {
@@ -132,19 +133,20 @@ impl LiveCamera {
                 return Err(reason.clone());
             }
             let changed = self.shared.changed_before(state, until);
-            state = changed.ok_or_else(|| format!("none came for {} s", PATIENCE.as_secs()))?;
+            let seconds = PATIENCE.as_secs();
+            state = changed.ok_or(LiveCameraError::NoImage { seconds })?;
         }
     }
 }
 
 impl FrameSource for LiveCamera {
-    fn next(&mut self) -> Result<Option<Frame>, SourceError> {
+    fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
         let (count, picture) = self.newest().map_err(|reason| SourceError::CameraGone {
             number: self.number,
             reason,
         })?;
         let original = picture.original();
-        Ok(Some(Frame {
+        Ok(Some(SourceFrame {
             name: format!("camera {} picture {count}", self.number),
             taken: None,
             original: original.unwrap_or_else(|reason| Original::Unreadable(reason.into())),
@@ -166,32 +168,36 @@ impl Drop for LiveCamera {
     }
 }
 
-impl Shared {
+impl SharedState {
     /// A thread that failed leaves the state whole: every change is one assignment.
-    fn locked(&self) -> MutexGuard<'_, State> {
+    fn locked(&self) -> MutexGuard<'_, ReaderState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The state once it has changed; `None` when the time is over.
-    fn changed_before<'a>(&'a self, state: MutexGuard<'a, State>, until: Instant) -> Option<MutexGuard<'a, State>> {
+    fn changed_before<'a>(
+        &'a self,
+        state: MutexGuard<'a, ReaderState>,
+        until: Instant,
+    ) -> Option<MutexGuard<'a, ReaderState>> {
         let left = until.saturating_duration_since(Instant::now());
         let waited = (!left.is_zero()).then(|| self.changed.wait_timeout(state, left));
         Some(waited?.unwrap_or_else(PoisonError::into_inner).0)
     }
 
-    fn change(&self, change: impl FnOnce(&mut State)) {
+    fn change(&self, change: impl FnOnce(&mut ReaderState)) {
         change(&mut self.locked());
         self.changed.notify_all();
     }
 }
 
 /// The thread's side. However it ends, the other side hears of it.
-struct Reading(Arc<Shared>);
+struct ReaderThread(Arc<SharedState>);
 
-impl Reading {
-    fn read(self, open: impl FnOnce() -> Result<Box<dyn Device>, String>) {
+impl ReaderThread {
+    fn read(self, open: impl FnOnce() -> Result<Box<dyn Device>, LiveCameraError>) {
         let shared = &self.0;
-        let end = |reason: String| shared.change(|state| state.ended = Some(reason));
+        let end = |reason: LiveCameraError| shared.change(|state| state.ended = Some(reason));
         let mut device = match open() {
             Ok(device) => device,
             Err(reason) => return end(reason),
@@ -200,7 +206,7 @@ impl Reading {
         let (since, mut is_locked) = (Instant::now(), false);
         let (mut count, mut failures) = (0, 0);
         while !shared.is_left.load(Ordering::Relaxed) {
-            match device.picture() {
+            match device.image() {
                 Ok(picture) => {
                     (count, failures) = (count + 1, 0);
                     if !is_locked && since.elapsed() >= SETTLING {
@@ -221,11 +227,11 @@ impl Reading {
     }
 }
 
-impl Drop for Reading {
+impl Drop for ReaderThread {
     fn drop(&mut self) {
         // Only a driver's panic leaves it open.
         self.0.change(|state| {
-            state.ended.get_or_insert_with(|| "its driver failed".into());
+            state.ended.get_or_insert(LiveCameraError::DriverPanicked);
         });
     }
 }

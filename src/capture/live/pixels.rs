@@ -1,4 +1,4 @@
-//! What cameras send, as pictures: a motion JPEG becomes the JPEG file it almost is, raw pixels become colours.
+//! What cameras send, as images: a motion JPEG becomes the JPEG file it almost is, raw pixels become colours.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{GrayImage, RgbImage};
@@ -10,7 +10,7 @@ use crate::capture::Original;
 /// How a camera packs its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelFormat {
-    /// One JPEG a picture, often without the Huffman tables that all of them share.
+    /// One JPEG an image, often without the Huffman tables that all of them share.
     Mjpeg,
     /// Y'CbCr 4:2:2 of BT.601, video range, as Y U Y V.
     Yuyv,
@@ -21,9 +21,9 @@ pub enum PixelFormat {
     Bgr,
 }
 
-/// A picture as the camera sent it. The bytes may go on behind it: drivers hand out whole buffers.
+/// An image as the camera sent it. The bytes may go on behind it: drivers hand out whole buffers.
 #[derive(Debug, Clone)]
-pub struct RawPicture {
+pub struct RawImage {
     pub format: PixelFormat,
     pub width: u32,
     pub height: u32,
@@ -32,11 +32,11 @@ pub struct RawPicture {
 
 const BROKEN: &str = "the camera sent half a picture: check its cable";
 
-impl RawPicture {
+impl RawImage {
     /// The file or the pixels to keep of it.
     ///
     /// # Errors
-    /// A sentence, for a picture that is not whole.
+    /// A sentence, for an image that is not whole.
     pub fn original(self) -> Result<Original, &'static str> {
         if self.format == PixelFormat::Mjpeg {
             return Ok(Original::Encoded(jpeg_file(&self.bytes).ok_or(BROKEN)?));
@@ -76,7 +76,7 @@ impl RawPicture {
     }
 }
 
-/// Colours of `CHANNELS` bytes a pixel by OpenCV; an exception of it is a picture that is not whole.
+/// Colours of `CHANNELS` bytes a pixel by OpenCV; an exception of it is an image that is not whole.
 fn converted<const CHANNELS: usize>(bytes: &[u8], [columns, rows]: [u32; 2], code: i32) -> Option<RgbImage> {
     let channels = i32::try_from(CHANNELS).ok()?;
     let raw = Mat::from_slice(bytes).ok()?;
@@ -91,7 +91,7 @@ fn converted<const CHANNELS: usize>(bytes: &[u8], [columns, rows]: [u32; 2], cod
 /// `None` when it is not whole.
 fn jpeg_file(buffer: &[u8]) -> Option<Vec<u8>> {
     let segments = Segments::of(buffer)?;
-    // In the scan, 0xFF is followed by 0 or a restart marker; so the first end marker is the picture's own.
+    // In the scan, 0xFF is followed by 0 or a restart marker; so the first end marker is the image's own.
     let scan = &buffer[segments.scan..];
     let end = segments.scan + 2 + scan.windows(2).position(|pair| pair == [0xFF, END])?;
     let mut file = buffer[..segments.scan].to_vec();

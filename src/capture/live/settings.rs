@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct CameraSettings {
     /// As the camera calls itself.
     pub device: String,
-    /// Pixel format, size and pictures a second, as the camera gives them.
+    /// Pixel format, size and images a second, as the camera gives them.
     pub format: String,
     pub exposure: Setting,
     pub focus: Setting,

@@ -236,8 +236,8 @@ fn painted(setup: &Setup, view: usize, patches: &[PlacedPatch], base: [u8; 3]) -
 fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {
     let asked = patch::asked(places)?;
     asked.iter().try_for_each(crate::print::patch::check)?;
-    let of = |patch: crate::print::patch::Patch| PlacedPatch {
-        image: patch.picture.pixels().clone(),
+    let of = |patch: crate::print::patch::PanelPatch| PlacedPatch {
+        image: patch.image.pixels().clone(),
         side: patch.side,
         at_mm: patch.at_mm,
         size_mm: patch.size_mm.into(),

@@ -2,29 +2,29 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use crate::capture::{CameraSettings, Frame, FrameSource, SourceError};
+use crate::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
 
 /// What a source gave, and what its camera is set to.
-type Given = Result<Option<(Frame, Option<CameraSettings>)>, SourceError>;
+type SourceItem = Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>;
 
-enum Event {
-    Given(Box<Given>),
+enum InterruptEvent {
+    SourceItem(Box<SourceItem>),
     Interrupted,
 }
 
-/// Says that there will be no more when the source's thread ends, by a panic too, which was told by then.
-struct Last(Sender<Event>);
+/// Says that there will be no more when the source's thread ends, by a panic too, which was reported by then.
+struct EndNotice(Sender<InterruptEvent>);
 
-impl Drop for Last {
+impl Drop for EndNotice {
     fn drop(&mut self) {
-        let _ = self.0.send(Event::Given(Box::new(Ok(None))));
+        let _ = self.0.send(InterruptEvent::SourceItem(Box::new(Ok(None))));
     }
 }
 
 /// A source that is asked from a thread of its own, so that Ctrl-C is heard while it waits.
 pub(super) struct Interruptible {
     ask: Sender<()>,
-    events: Receiver<Event>,
+    events: Receiver<InterruptEvent>,
     was_interrupted: bool,
 }
 
@@ -35,10 +35,10 @@ impl Interruptible {
         let (tell, events) = channel();
         let interrupt = tell.clone();
         std::thread::spawn(move || {
-            let tell = Last(tell);
+            let tell = EndNotice(tell);
             while asked.recv().is_ok() {
                 let given = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
-                if tell.0.send(Event::Given(Box::new(given))).is_err() {
+                if tell.0.send(InterruptEvent::SourceItem(Box::new(given))).is_err() {
                     break;
                 }
             }
@@ -55,13 +55,13 @@ impl Interruptible {
     ///
     /// # Errors
     /// The source is gone.
-    pub(super) fn next(&mut self) -> Given {
+    pub(super) fn next(&mut self) -> SourceItem {
         if self.was_interrupted || self.ask.send(()).is_err() {
             return Ok(None);
         }
         match self.events.recv() {
-            Ok(Event::Given(given)) => *given,
-            Ok(Event::Interrupted) => {
+            Ok(InterruptEvent::SourceItem(given)) => *given,
+            Ok(InterruptEvent::Interrupted) => {
                 self.was_interrupted = true;
                 Ok(None)
             }
@@ -76,13 +76,13 @@ impl Interruptible {
 }
 
 /// Waits for Ctrl-C; without a runtime for that, Ctrl-C ends the program as it always does.
-fn listen(events: &Sender<Event>) {
+fn listen(events: &Sender<InterruptEvent>) {
     let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_all().build() else {
         return;
     };
     runtime.block_on(async {
         if tokio::signal::ctrl_c().await.is_ok() {
-            let _ = events.send(Event::Interrupted);
+            let _ = events.send(InterruptEvent::Interrupted);
             if tokio::signal::ctrl_c().await.is_ok() {
                 std::process::exit(130);
             }

@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
-use super::teller::Teller;
+use super::terminal::TerminalLog;
 use crate::capture::{Capture, FrameSource};
-use crate::page::{About, Lan, News, Page, PageError};
+use crate::page::{CaptureInfo, CaptureNotice, Lan, Page, PageError};
 use crate::scene::Scene;
 
 /// The page in a browser.
@@ -57,23 +57,32 @@ pub(super) fn follow(
     capture: &mut Capture,
     scene: &Scene,
     source: Option<Box<dyn FrameSource + Send>>,
-    about: &About,
-    mut teller: Teller,
+    about: &CaptureInfo,
+    mut terminal: TerminalLog,
 ) -> Result<(), Box<dyn Error>> {
     let followed = page.follow(capture, scene, source, about, &mut |news| match news {
-        News::Seen {
+        CaptureNotice::Seen {
             frame,
             answer,
             guidance,
-        } => teller.seen(frame, answer, guidance),
-        News::TakenBack { photo } => teller.taken_back(photo),
-        News::Set(settings) => {
-            teller.set(settings);
+        } => terminal.seen(frame, answer, guidance),
+        CaptureNotice::TakenBack { photo } => terminal.taken_back(photo),
+        CaptureNotice::Set(settings) => {
+            terminal.set(settings);
             Ok(())
         }
     });
-    followed.map_err(|e| match e {
-        PageError::Output(e) => e.into(),
-        e => e.into(),
-    })
+    followed.map_err(advised)
+}
+
+/// The error with the option that helps.
+pub(super) fn advised(e: PageError) -> Box<dyn Error> {
+    let advice = match e {
+        PageError::Output(e) => return e.into(),
+        PageError::Port { .. } => "name another with --port",
+        PageError::Server { .. } => "capture without --page",
+        PageError::NoNetwork => "join one, or leave --lan out",
+        e => return e.into(),
+    };
+    format!("{e}: {advice}").into()
 }

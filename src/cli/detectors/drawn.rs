@@ -6,7 +6,7 @@ use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 
 use crate::cli::copies::{self, CopiesError};
-use crate::draw::{self, Anchor, Lettering, Pen};
+use crate::draw::{self, LabelAnchor, Lettering, Pen};
 use crate::geometry::BoxPx;
 
 const JPEG_QUALITY: u8 = 90;
@@ -37,7 +37,7 @@ pub fn draw_box(image: &mut RgbImage, box_px: BoxPx, text: &str, colour: [u8; 3]
         ground: colour,
         size_px,
     };
-    draw::label(image, [left, top], Anchor::BottomLeft, text, lettering);
+    draw::label(image, [left, top], LabelAnchor::BottomLeft, text, lettering);
 }
 
 /// A image as the bytes of a JPEG file.

@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use super::words;
 use crate::camera::Camera;
 use crate::cli::copies::{self, CopiesError};
-use crate::draw::{self, Anchor, Colour, Lettering, Pen};
+use crate::draw::{self, DrawColour, LabelAnchor, Lettering, Pen};
 use crate::envelope::EnvelopeShape;
 use crate::files::{self, FileError};
 use crate::geometry::Rigid;
@@ -24,19 +24,19 @@ const LONGEST_SIDE_PX: u32 = 2000;
 
 const QUALITY: u8 = 90;
 
-const USED: Colour = [0, 210, 90];
-const LEFT_OUT: Colour = [255, 140, 0];
-const UNKNOWN: Colour = [160, 160, 160];
-const MODEL: Colour = [255, 225, 60];
-const TRUTH: Colour = [255, 60, 200];
-const AXES: [(Colour, &str); 3] = [
+const USED: DrawColour = [0, 210, 90];
+const LEFT_OUT: DrawColour = [255, 140, 0];
+const UNKNOWN: DrawColour = [160, 160, 160];
+const MODEL: DrawColour = [255, 225, 60];
+const TRUTH: DrawColour = [255, 60, 200];
+const AXES: [(DrawColour, &str); 3] = [
     ([255, 70, 60], "x front"),
     ([70, 230, 70], "y left"),
     ([90, 150, 255], "z up"),
 ];
-const WORDS: Colour = [255; 3];
-const GROUND: Colour = [25, 25, 30];
-const NO_POSE: Colour = [150, 20, 20];
+const WORDS: DrawColour = [255; 3];
+const GROUND: DrawColour = [25, 25, 30];
+const NO_POSE: DrawColour = [150, 20, 20];
 
 /// Why there is no overlay.
 #[derive(Debug, thiserror::Error)]
@@ -70,7 +70,7 @@ pub fn write(
 ) -> Result<(), OverlayError> {
     let file = Photo::open(photo)?;
     let (mut picture, scale) = reduced(&file)?;
-    Sheet {
+    Overlay {
         picture: &mut picture,
         scale,
         examined,
@@ -101,7 +101,7 @@ fn reduced(file: &Photo) -> Result<(RgbImage, [f64; 2]), PhotoError> {
 }
 
 /// A copy that is drawn on; places are in pixels of the photo.
-struct Sheet<'a> {
+struct Overlay<'a> {
     picture: &'a mut RgbImage,
     scale: [f64; 2],
     examined: &'a LocatedPhoto,
@@ -109,7 +109,7 @@ struct Sheet<'a> {
     outline: &'a EnvelopeShape,
 }
 
-impl Sheet<'_> {
+impl Overlay<'_> {
     fn draw(&mut self, photo: &Path) {
         if let (Ok(located), Ok(fitted)) = (&self.examined.result, &self.examined.fitted) {
             let (located, camera) = (located.clone(), fitted.camera.clone());
@@ -147,7 +147,7 @@ impl Sheet<'_> {
             }
         }
         if let Ok(truth) = self.outline.box_in_photo(pose, camera) {
-            // It counts from the picture's corner, drawing from the first pixel's centre.
+            // It counts from the image's corner, drawing from the first pixel's centre.
             let [left, top, right, bottom] = [truth.x1, truth.y1, truth.x2, truth.y2].map(|v| v - 0.5);
             let pen = Pen {
                 colour: TRUTH,
@@ -181,7 +181,7 @@ impl Sheet<'_> {
                     size_px,
                 };
                 let at = self.at(pixel);
-                draw::label(self.picture, at, Anchor::Centre, name, letters);
+                draw::label(self.picture, at, LabelAnchor::Centre, name, letters);
             }
         }
     }
@@ -215,12 +215,18 @@ impl Sheet<'_> {
                 ground: colour,
                 size_px,
             };
-            draw::label(self.picture, [middle(0), middle(1)], Anchor::Centre, &text, letters);
+            draw::label(
+                self.picture,
+                [middle(0), middle(1)],
+                LabelAnchor::Centre,
+                &text,
+                letters,
+            );
         }
     }
 
     /// What became of a tag: its colour and label.
-    fn fate(&self, tag: &SeenTag) -> (Colour, String) {
+    fn fate(&self, tag: &SeenTag) -> (DrawColour, String) {
         if self.scene.tag(tag.family, tag.id).is_none() {
             return (UNKNOWN, format!("{}: not in the scene", tag.id));
         }
@@ -245,7 +251,7 @@ impl Sheet<'_> {
     }
 
     /// Text in the top-left corner, broken into lines that fit.
-    fn words(&mut self, text: &str, ground: Colour) {
+    fn words(&mut self, text: &str, ground: DrawColour) {
         let (_, size_px) = self.sizes();
         let size_px = 1.15 * size_px;
         let widest = 0.96 * f64::from(self.picture.width());
@@ -255,7 +261,13 @@ impl Sheet<'_> {
             ground,
             size_px,
         };
-        draw::label(self.picture, [0.0, 0.0], Anchor::TopLeft, &lines.join("\n"), letters);
+        draw::label(
+            self.picture,
+            [0.0, 0.0],
+            LabelAnchor::TopLeft,
+            &lines.join("\n"),
+            letters,
+        );
     }
 }
 

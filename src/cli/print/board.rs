@@ -3,19 +3,18 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use clap::ValueEnum;
 use serde_json::json;
 
-use super::{CutSheetArgs, write_files, write_json};
+use super::{CutSheetArgs, value_names, write_files, write_json};
 use crate::cli::{CommandResult, Outcome, units};
 use crate::files;
 use crate::print::board::{BoardError, BoardKind, BoardRequest, board};
 
 #[derive(clap::Args)]
-pub struct BoardArgs {
+pub(crate) struct BoardArgs {
     /// The kind of board
     #[arg(long = "type", value_enum)]
-    kind: Kind,
+    kind: BoardKind,
     /// Columns and rows, as in 9x7; of an AprilGrid, of tags
     #[arg(long, value_name = "CxR", value_parser = columns_and_rows)]
     squares: (u32, u32),
@@ -38,24 +37,10 @@ pub struct BoardArgs {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Kind {
-    /// Chessboard with markers in its white squares, as OpenCV 4.6 and later lay it out
-    Charuco,
-    Chessboard,
-    /// Kalibr's grid of tag36h11
-    Aprilgrid,
-}
-
-impl From<Kind> for BoardKind {
-    fn from(kind: Kind) -> Self {
-        match kind {
-            Kind::Charuco => Self::Charuco,
-            Kind::Chessboard => Self::Chessboard,
-            Kind::Aprilgrid => Self::Aprilgrid,
-        }
-    }
-}
+value_names!(BoardKind:
+    Charuco "charuco" "Chessboard with markers in its white squares, as OpenCV 4.6 and later lay it out",
+    Chessboard "chessboard",
+    Aprilgrid "aprilgrid" "Kalibr's grid of tag36h11");
 
 fn columns_and_rows(text: &str) -> Result<(u32, u32), String> {
     let read = |part: &str| part.trim().parse().ok();
@@ -66,7 +51,7 @@ fn columns_and_rows(text: &str) -> Result<(u32, u32), String> {
 }
 
 /// Runs `scaleproof print board`.
-pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let definition_path = match &args.definition {
         Some(path) => path.clone(),
         None if files::is_standard_output(&args.sheets.output) => {
@@ -75,7 +60,7 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
         None => args.sheets.output.with_extension("toml"),
     };
     let made = board(&BoardRequest {
-        kind: args.kind.into(),
+        kind: args.kind,
         squares: args.squares,
         square_mm: args.square_mm,
         marker_mm: args.marker_mm,
@@ -84,7 +69,7 @@ pub fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     })
     .map_err(advised)?;
     let line = made.definition.line();
-    let mut files = args.sheets.files(&line, std::slice::from_ref(&made.sheet))?;
+    let mut files = args.sheets.file(&line, &made.sheet)?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
     write_files(&files, &[args.sheets.printer.as_deref()])?;
     units::note(units::board(args.squares, args.square_mm));

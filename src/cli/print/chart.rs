@@ -9,7 +9,7 @@ use crate::cli::{CommandResult, Outcome};
 use crate::print::chart::chart;
 
 #[derive(clap::Args)]
-pub struct ChartArgs {
+pub(crate) struct ChartArgs {
     #[command(flatten)]
     sheets: CutSheetArgs,
     /// One JSON object instead of text
@@ -18,10 +18,10 @@ pub struct ChartArgs {
 }
 
 /// Runs `scaleproof print chart`.
-pub fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let made = chart(args.sheets.media()?)?;
     let title = format!("Colour chart {}", made.layout.kind.name());
-    let files = args.sheets.files(&title, std::slice::from_ref(&made.sheet))?;
+    let files = args.sheets.file(&title, &made.sheet)?;
     write_files(&files, &[args.sheets.printer.as_deref()])?;
     let (path, levels, patches) = (
         files[0].0.display(),

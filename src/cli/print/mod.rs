@@ -5,11 +5,11 @@ mod board;
 mod chart;
 mod check;
 mod paint;
-pub mod patch;
+pub(crate) mod patch;
 mod tags;
 mod template;
 mod verify;
-pub mod wrap;
+pub(crate) mod wrap;
 
 use std::error::Error;
 use std::io::Write;
@@ -22,17 +22,18 @@ use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::Pattern;
 use crate::pattern::card::{self, CardError};
+use crate::print::SheetError;
+use crate::print::date::Date;
+use crate::print::output::{OutputError, SheetFormat, SheetOutput};
 use crate::print::page::Media;
-use crate::print::paper::Stock;
 use crate::print::printer::Printer;
 use crate::print::sheet::Sheet;
-use crate::print::{pdf, svg};
 
-pub use template::{summary, write_template};
+pub(crate) use template::{summary, write_template};
 
 /// Print sheets in true millimetres
 #[derive(clap::Args)]
-pub struct Args {
+pub(crate) struct Args {
     #[command(subcommand)]
     what: What,
 }
@@ -59,7 +60,7 @@ enum What {
 }
 
 /// Runs `scaleproof print …`.
-pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Template(args) => template::run(&args, out),
         What::Wrap(args) => wrap::run(&args, out),
@@ -73,49 +74,38 @@ pub fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// What the sheets are written as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
-    /// One file with all pages
-    Pdf,
-    /// One file a page, named OUTPUT-PAGE.svg
-    Svg,
-}
+/// Makes choices of the library values of options: each with its name, and what the help says of it.
+macro_rules! value_names {
+    ($choice:ty: $($variant:ident $name:literal $($help:literal)?),+) => {
+        impl clap::ValueEnum for $choice {
+            fn value_variants<'a>() -> &'a [Self] {
+                &[$(Self::$variant),+]
+            }
 
-impl Format {
-    /// The one asked for, or the one the file's name asks for.
-    fn of(asked: Option<Self>, output: &Path) -> Self {
-        let is_svg = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
-        asked.unwrap_or(if is_svg { Self::Svg } else { Self::Pdf })
-    }
+            fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+                match self {
+                    $(Self::$variant => Some(clap::builder::PossibleValue::new($name)$(.help($help))?),)+
+                    #[allow(unreachable_patterns)]
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+use value_names;
+
+value_names!(SheetFormat: Pdf "pdf" "One file with all pages", Svg "svg" "One file a page, named OUTPUT-PAGE.svg");
+
+/// Where the sheets go.
+fn sheet_output(path: &Path, format: Option<SheetFormat>) -> Result<SheetOutput, String> {
+    SheetOutput::named(path, format).map_err(|error| match error {
+        OutputError::UnknownEnding { .. } => format!("{error}, or give --format"),
+        _ => error.to_string(),
+    })
 }
 
 /// A file to be written: where, and its bytes.
 pub(super) type NewFile = (PathBuf, Vec<u8>);
-
-/// The pages as files: one PDF, or an SVG a page.
-fn as_files(
-    format: Format,
-    output: &Path,
-    title: &str,
-    pages: (&[String], &[Sheet]),
-) -> Result<Vec<NewFile>, Box<dyn Error>> {
-    let (names, sheets) = pages;
-    if format == Format::Svg && files::is_standard_output(output) {
-        return Err("SVG makes one file per page, so it cannot go to standard output: name a file".into());
-    }
-    Ok(match format {
-        Format::Pdf => vec![(output.to_owned(), pdf::write(title, sheets)?)],
-        Format::Svg => {
-            let named = names.iter().zip(sheets);
-            let file = |(name, sheet): (&String, &Sheet)| {
-                let text = svg::write(&format!("{title}: {name}"), sheet);
-                (svg_path(output, name), text.into_bytes())
-            };
-            named.map(file).collect()
-        }
-    })
-}
 
 /// Prints one JSON object whose `files` are those that were written.
 pub(super) fn write_json(files: &[NewFile], mut facts: Value, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
@@ -158,12 +148,6 @@ fn same_place(a: &Path, b: &Path) -> bool {
     a == b || matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }
 
-/// `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
-fn svg_path(output: &Path, name: &str) -> PathBuf {
-    let stem = output.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    output.with_file_name(format!("{}-{name}.svg", stem.unwrap_or_default()))
-}
-
 /// What is printed on cut paper, not tiled, and where it is written.
 #[derive(clap::Args)]
 struct CutSheetArgs {
@@ -176,41 +160,28 @@ struct CutSheetArgs {
     /// The file to write
     #[arg(short, long, alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
+    /// pdf, or svg (one file a page); without it, what the file's name ends in
     #[arg(long, value_enum)]
-    format: Option<Format>,
+    format: Option<SheetFormat>,
 }
 
 impl CutSheetArgs {
-    /// Cut paper.
     fn media(&self) -> Result<Media, Box<dyn Error>> {
-        let media = self.any_media()?;
-        if let Stock::Roll { .. } = media.paper {
-            return Err(
-                "boards and charts are printed on sheets: give a4, a3, letter, tabloid or WIDTHxHEIGHT in mm".into(),
-            );
-        }
-        Ok(media)
-    }
-
-    /// Cut paper or a roll.
-    fn any_media(&self) -> Result<Media, Box<dyn Error>> {
         Ok(Media {
             paper: self.paper.parse()?,
             printer: printer(self.printer.as_deref())?,
         })
     }
 
-    /// The sheets as files to write: one PDF, or numbered SVGs.
-    fn files(&self, title: &str, sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
-        let names: Vec<String> = (1..=sheets.len()).map(|n| n.to_string()).collect();
-        self.named_files(title, &names, sheets)
+    /// One sheet as the file to write.
+    fn file(&self, title: &str, sheet: &Sheet) -> Result<Vec<NewFile>, Box<dyn Error>> {
+        Ok(self
+            .output()?
+            .files(title, &["1".to_owned()], std::slice::from_ref(sheet))?)
     }
 
-    /// The sheets as files to write: one PDF, or SVGs with these names.
-    fn named_files(&self, title: &str, names: &[String], sheets: &[Sheet]) -> Result<Vec<NewFile>, Box<dyn Error>> {
-        let format = Format::of(self.format, &self.output);
-        as_files(format, &self.output, title, (names, sheets))
+    fn output(&self) -> Result<SheetOutput, String> {
+        sheet_output(&self.output, self.format)
     }
 }
 
@@ -223,6 +194,43 @@ fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, St
         }
         _ => error.to_string(),
     })
+}
+
+/// What tiled sheets and the check page are printed on, and where they are written.
+#[derive(clap::Args)]
+pub(crate) struct PaperArgs {
+    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
+    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
+    paper: String,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// pdf, or svg (one file a page); without it, what the file's name ends in
+    #[arg(long, value_enum)]
+    format: Option<SheetFormat>,
+    /// Border of the paper that the printer cannot reach, in mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
+    margin_mm: f64,
+    /// Correct the sizes by this file of `print verify`
+    #[arg(long, value_name = "TOML")]
+    printer: Option<PathBuf>,
+    /// A day for the caption, as YYYY-MM-DD
+    #[arg(long, value_name = "DATE")]
+    date: Option<String>,
+}
+
+impl PaperArgs {
+    fn output(&self) -> Result<SheetOutput, String> {
+        sheet_output(&self.output, self.format)
+    }
+
+    fn printer(&self) -> Result<Printer, Box<dyn Error>> {
+        printer(self.printer.as_deref())
+    }
+
+    fn date(&self) -> Result<Option<Date>, SheetError> {
+        self.date.as_deref().map(str::parse).transpose()
+    }
 }
 
 fn printer(file: Option<&Path>) -> Result<Printer, Box<dyn Error>> {

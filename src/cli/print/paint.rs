@@ -6,16 +6,17 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::{CommandResult, Format, Outcome, as_files, write_files, write_json};
+use super::{CommandResult, Outcome, write_files, write_json};
 use crate::cli::progress;
 use crate::pattern::Pattern;
 use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
-use crate::print::lettering::{counted, number};
+use crate::print::lettering::counted;
+use crate::print::output::SheetOutput;
 use crate::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
 use crate::print::template::TemplateRequest;
 
 #[derive(clap::Args)]
-pub struct PaintArgs {
+pub(crate) struct PaintArgs {
     /// Paint instead of paper: reduce the pattern to this many paints, with a stencil for each
     #[arg(long, value_name = "N", group = "paint", allow_negative_numbers = true)]
     paints: Option<i64>,
@@ -37,7 +38,7 @@ pub struct PaintArgs {
 }
 
 /// How the paints are found, and what their stencils must hold.
-pub struct Paints {
+pub(crate) struct Paints {
     source: Source,
     min_feature_mm: f64,
     mirror: bool,
@@ -50,7 +51,7 @@ enum Source {
 
 impl PaintArgs {
     /// `None`: paper.
-    pub fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
+    pub(crate) fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
         let source = match (self.paints, &self.palette) {
             (Some(asked), _) => Source::Count(usize::try_from(asked).map_err(|_| PaletteError::BadCount { asked })?),
             (None, Some(file)) => Source::Palette(Palette::load(file)?),
@@ -63,16 +64,16 @@ impl PaintArgs {
         }))
     }
 
-    pub fn palette_file(&self) -> Option<&Path> {
+    pub(crate) fn palette_file(&self) -> Option<&Path> {
         self.palette.as_deref()
     }
 }
 
-pub fn run(
+pub(crate) fn run(
     pattern: &Pattern,
     template: TemplateRequest,
     paints: &Paints,
-    (format, output): (Format, &Path),
+    output: &SheetOutput,
     inputs: &[Option<&Path>],
     (is_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
@@ -81,26 +82,20 @@ pub fn run(
         Source::Count(count) => Painted::by_count(pattern, *count)?,
         Source::Palette(palette) => Painted::by_palette(pattern, palette)?,
     };
-    let title = format!(
-        "Paint sheets of {}, tile {} mm",
-        template.pattern_name,
-        number(template.tile_mm)
-    );
     let request = PaintRequest {
         template,
         min_feature_mm: paints.min_feature_mm,
         mirror: paints.mirror,
     };
     let made = paint_sheets(pattern, &painted, &request).map_err(advised)?;
-    let files = as_files(format, output, &title, (&made.names, &made.pages))?;
+    let files = output.files(&request.title(), &made.names, &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
     if is_json {
         write_json(&files, facts(&painted, &made), out)?;
         return Ok(Outcome::Done);
     }
-    let first = files.first().map_or(output, |(path, _)| path);
-    report(first, &painted, &made, out)?;
+    report(&files[0].0, &painted, &made, out)?;
     Ok(Outcome::Done)
 }
 
@@ -139,17 +134,12 @@ fn facts(painted: &Painted, made: &PaintSheets) -> serde_json::Value {
 
 fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Write) -> std::io::Result<()> {
     let (paints, sheets) = (painted.paints.len(), made.layout.sheets.len());
-    let stencils = made
-        .names
-        .iter()
-        .filter(|name| name.starts_with("paint") && name.contains('-'))
-        .count();
     writeln!(
         out,
         "{}: {paints} paints, {} to paint by number, {}; print at 100 %",
         file.display(),
         counted(sheets, "sheet"),
-        counted(stencils, "stencil")
+        counted(made.stencils(), "stencil")
     )?;
     let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
         let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);
@@ -172,11 +162,6 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
         let name = format!("{:>2} {hex}{name}", i + 1);
         writeln!(out, "{}", row(&name, *area, used.mean_delta_e, used.max_delta_e))?;
     }
-    let all = made.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {
-        cells_mm2: sum.cells_mm2 + area.cells_mm2,
-        openings_mm2: sum.openings_mm2 + area.openings_mm2,
-        bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
-    });
     let (mean, max) = painted.delta_e();
-    writeln!(out, "{}", row("panel", all, mean, max))
+    writeln!(out, "{}", row("panel", made.whole(), mean, max))
 }

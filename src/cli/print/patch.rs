@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::wrap::{ModelArgs, SheetArgs};
-use super::{CommandResult, Format, Outcome, as_files, write_files, write_json};
+use super::{CommandResult, Outcome, value_names, write_files, write_json};
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::counted;
-use crate::print::patch::{Patch, Picture, patches};
+use crate::print::patch::{PanelPatch, PatchImage, patches};
 use crate::print::{paper, wrap};
 
 #[derive(clap::Args)]
-pub struct PatchArgs {
+pub(crate) struct PatchArgs {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
@@ -29,13 +29,13 @@ pub struct PatchArgs {
 
 /// Patches in their places.
 #[derive(clap::Args)]
-pub struct PlaceArgs {
+pub(crate) struct PlaceArgs {
     /// A finished texture, PNG or JPEG; for several patches repeat this and the next three options
     #[arg(long, value_name = "FILE", required = true)]
     patch: Vec<PathBuf>,
     /// The panel it goes on
     #[arg(long, value_enum, required = true)]
-    panel: Vec<PanelName>,
+    panel: Vec<Side>,
     /// The patch's middle as the panel is seen from outside: to the right of the model's middle and above the ground (on the
     /// roof: before the middle), in mm, as in -40,65
     #[arg(long, value_name = "X,Y", required = true, allow_hyphen_values = true)]
@@ -45,43 +45,23 @@ pub struct PlaceArgs {
     size_mm: Vec<String>,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum PanelName {
-    Left,
-    Right,
-    Roof,
-    Front,
-    Rear,
-}
-
-impl From<PanelName> for Side {
-    fn from(name: PanelName) -> Self {
-        match name {
-            PanelName::Left => Self::Left,
-            PanelName::Right => Self::Right,
-            PanelName::Roof => Self::Roof,
-            PanelName::Front => Self::Front,
-            PanelName::Rear => Self::Rear,
-        }
-    }
-}
+value_names!(Side: Left "left", Right "right", Roof "roof", Front "front", Rear "rear");
 
 /// Runs `scaleproof print patch`.
-pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let wanted = asked(&args.places)?;
     let model = args.model.load()?;
-    let panels = wrap::Paint::of_materials(&model.mesh, &model.materials).panels();
+    let panels = wrap::PaintedSurface::of_materials(&model.mesh, &model.materials).panels();
     let sheets = &args.sheets;
     let request = sheets.request(1.0, model.scale, Path::new(""))?;
     let made = patches(&panels, &wanted, &request)?;
-    let format = Format::of(sheets.format, &sheets.output);
     let title = format!("Patches of {}", wanted[0].name);
-    let files = as_files(format, &sheets.output, &title, (&made.page_names, &made.pages))?;
+    let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
     let mut inputs: Vec<Option<&Path>> = args.places.patch.iter().map(|path| Some(path.as_path())).collect();
     inputs.extend([
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
-        sheets.printer.as_deref(),
+        sheets.paper.printer.as_deref(),
     ]);
     write_files(&files, &inputs)?;
     if args.model.mesh.is_some() {
@@ -114,23 +94,23 @@ pub fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The patches as they were asked for: the options belong together in order.
-pub fn asked(args: &PlaceArgs) -> Result<Vec<Patch>, Box<dyn Error>> {
+pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
     let count = args.patch.len();
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
     }
-    let one = |i: usize| -> Result<Patch, Box<dyn Error>> {
-        let picture = Picture::load(&args.patch[i])?;
+    let one = |i: usize| -> Result<PanelPatch, Box<dyn Error>> {
+        let image = PatchImage::load(&args.patch[i])?;
         let size = args.size_mm[i].trim();
         let size_mm = match size.parse::<f64>() {
-            Ok(width) => (width, picture.height_for(width)),
+            Ok(width) => (width, image.height_for(width)),
             Err(_) => paper::size_mm(size)?,
         };
         let name = args.patch[i].file_name().map(|n| n.to_string_lossy().into_owned());
-        Ok(Patch {
+        Ok(PanelPatch {
             name: name.unwrap_or_default(),
-            picture,
-            side: args.panel[i].into(),
+            image,
+            side: args.panel[i],
             at_mm: place(&args.at_mm[i])?,
             size_mm,
         })

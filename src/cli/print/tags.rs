@@ -12,7 +12,7 @@ use crate::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, Ta
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
-pub struct TagsArgs {
+pub(crate) struct TagsArgs {
     /// The scene whose tags to print
     #[arg(long, value_name = "TOML")]
     scene: PathBuf,
@@ -30,8 +30,8 @@ pub struct TagsArgs {
 }
 
 /// Runs `scaleproof print tags`.
-pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
-    let media = args.sheets.any_media()?;
+pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
+    let media = args.sheets.media()?;
     let scene = Scene::open(&args.scene)?;
     let made = tag_sheets(
         &scene,
@@ -43,9 +43,7 @@ pub fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     )
     .map_err(advised)?;
     let title = format!("Tags of {}", scene.model.name);
-    // In a file's name, `cards 1` is `cards-1`.
-    let names: Vec<String> = made.names.iter().map(|name| name.replace(' ', "-")).collect();
-    let files = args.sheets.named_files(&title, &names, &made.sheets)?;
+    let files = args.sheets.output()?.files(&title, &made.names, &made.sheets)?;
     write_files(&files, &[Some(&args.scene), args.sheets.printer.as_deref()])?;
     if args.json {
         writeln!(out, "{}", json(&made, &files))?;

@@ -4,18 +4,19 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use serde_json::json;
 
 use super::paint::{self, PaintArgs};
-use super::{CommandResult, Format, NewFile, Outcome, as_files, printer, write_files, write_json};
+use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::pattern::Pattern;
-use crate::print::template::{LayoutRequest, Template, TemplateRequest, template};
-use crate::print::{lettering, paper};
+use crate::print::lettering;
+use crate::print::output::{SheetFormat, SheetOutput};
+use crate::print::paper::{self, Orientation};
+use crate::print::template::{Front, LayoutRequest, Template, TemplateRequest, template};
 
 #[derive(clap::Args)]
-pub struct TemplateArgs {
+pub(crate) struct TemplateArgs {
     /// The pattern: a PNG with one pixel per cell
     #[arg(long, value_name = "PNG")]
     pattern: PathBuf,
@@ -25,15 +26,8 @@ pub struct TemplateArgs {
     /// Width and height of the whole template, in mm, as in 600x300
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size_mm: String,
-    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
-    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
-    /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
-    #[arg(long, value_enum)]
-    format: Option<Format>,
+    #[command(flatten)]
+    paper: PaperArgs,
     /// The model is 1:SCALE (named in the captions)
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     scale: f64,
@@ -55,21 +49,12 @@ pub struct TemplateArgs {
         conflicts_with = "paint"
     )]
     bleed_mm: f64,
-    /// Border of the paper that the printer cannot reach, in mm
-    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
-    margin_mm: f64,
     /// Which way round the paper is used; auto needs the fewest sheets
     #[arg(long, value_enum, default_value_t = Orientation::Auto)]
     orientation: Orientation,
     /// Which edge of the template points to the model's front
     #[arg(long, value_enum, default_value_t = Front::Left)]
     front: Front,
-    /// Take back the stretch of this printer: a file of `print verify`
-    #[arg(long, value_name = "TOML")]
-    printer: Option<PathBuf>,
-    /// A day for the caption, as YYYY-MM-DD
-    #[arg(long, value_name = "DATE")]
-    date: Option<String>,
     #[command(flatten)]
     paint: PaintArgs,
     /// One JSON object instead of text
@@ -77,64 +62,32 @@ pub struct TemplateArgs {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Orientation {
-    Auto,
-    Portrait,
-    Landscape,
-}
+value_names!(Orientation: Auto "auto", Portrait "portrait", Landscape "landscape");
+value_names!(Front: Left "left", Right "right", Up "up", Down "down", None "none");
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Front {
-    Left,
-    Right,
-    Up,
-    Down,
-    None,
-}
-
-impl From<Front> for crate::print::template::Front {
-    fn from(choice: Front) -> Self {
-        match choice {
-            Front::Left => Self::Left,
-            Front::Right => Self::Right,
-            Front::Up => Self::Up,
-            Front::Down => Self::Down,
-            Front::None => Self::None,
-        }
-    }
-}
-
-impl From<Orientation> for paper::Orientation {
-    fn from(choice: Orientation) -> Self {
-        match choice {
-            Orientation::Auto => Self::Auto,
-            Orientation::Portrait => Self::Portrait,
-            Orientation::Landscape => Self::Landscape,
-        }
-    }
-}
-
-pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let request = request(args, &pattern)?;
     let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
-    let place = (Format::of(args.format, &args.output), args.output.as_path());
+    let output = args.paper.output()?;
     if let Some(paints) = args.paint.paints()? {
-        let inputs = [Some(&*args.pattern), args.printer.as_deref(), args.paint.palette_file()];
-        paint::run(&pattern, request, &paints, place, &inputs, (args.json, out))?;
+        let inputs = [
+            Some(&*args.pattern),
+            args.paper.printer.as_deref(),
+            args.paint.palette_file(),
+        ];
+        paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
     } else {
         let (made, files) = write(
             &pattern,
             &request,
-            place,
-            &[Some(&args.pattern), args.printer.as_deref()],
+            &output,
+            &[Some(&args.pattern), args.paper.printer.as_deref()],
         )?;
         if args.json {
             write_json(&files, facts(&made), out)?;
         } else {
-            let first = files.first().map_or(args.output.as_path(), |(path, _)| path);
-            writeln!(out, "{}", summary(first, &made))?;
+            writeln!(out, "{}", summary(&files[0].0, &made))?;
         }
     }
     units::note(doubt);
@@ -142,25 +95,30 @@ pub fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Draws a template and writes it to a PDF.
-pub fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template, Box<dyn Error>> {
-    Ok(write(pattern, request, (Format::Pdf, output), &[])?.0)
+pub(crate) fn write_template(
+    pattern: &Pattern,
+    request: &TemplateRequest,
+    output: &Path,
+) -> Result<Template, Box<dyn Error>> {
+    Ok(write(
+        pattern,
+        request,
+        &SheetOutput::named(output, Some(SheetFormat::Pdf))?,
+        &[],
+    )?
+    .0)
 }
 
 /// Gives the files as well.
 fn write(
     pattern: &Pattern,
     request: &TemplateRequest,
-    (format, output): (Format, &Path),
+    output: &SheetOutput,
     inputs: &[Option<&Path>],
 ) -> Result<(Template, Vec<NewFile>), Box<dyn Error>> {
     let busy = progress::busy("drawing");
     let made = template(pattern, request)?;
-    let title = format!(
-        "Template of {}, tile {} mm",
-        request.pattern_name,
-        lettering::number(request.tile_mm)
-    );
-    let files = as_files(format, output, &title, (&made.page_names(), &made.pages))?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
     Ok((made, files))
@@ -169,12 +127,12 @@ fn write(
 fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Box<dyn Error>> {
     let layout = LayoutRequest {
         size_mm: paper::size_mm(&args.size_mm)?,
-        paper: args.paper.parse()?,
-        orientation: args.orientation.into(),
+        paper: args.paper.paper.parse()?,
+        orientation: args.orientation,
         overlap_mm: args.overlap_mm,
         bleed_mm: args.bleed_mm,
-        margin_mm: args.margin_mm,
-        printer: printer(args.printer.as_deref())?,
+        margin_mm: args.paper.margin_mm,
+        printer: args.paper.printer()?,
     };
     let pattern_name = args
         .pattern
@@ -185,8 +143,8 @@ fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Bo
         tile_mm: super::tile_mm(args.tile_mm, &args.pattern, pattern)?,
         scale: args.scale,
         pattern_name,
-        front: args.front.into(),
-        date: args.date.as_deref().map(str::parse).transpose()?,
+        front: args.front,
+        date: args.paper.date()?,
         layout,
     })
 }
@@ -204,7 +162,7 @@ fn facts(made: &Template) -> serde_json::Value {
     })
 }
 
-pub fn summary(output: &Path, made: &Template) -> String {
+pub(crate) fn summary(output: &Path, made: &Template) -> String {
     let layout = &made.layout;
     let count = match layout.sheets.len() {
         1 => "1 sheet".to_owned(),

@@ -10,7 +10,7 @@ use crate::files;
 use crate::print::printer::{Printer, PrinterFile};
 
 #[derive(clap::Args)]
-pub struct VerifyArgs {
+pub(crate) struct VerifyArgs {
     /// What the 100 mm along the paper's short side (across a roll) measure, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     x_mm: f64,
@@ -28,7 +28,7 @@ pub struct VerifyArgs {
     json: bool,
 }
 
-pub fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &VerifyArgs, out: &mut dyn Write) -> CommandResult {
     // A page printed with a correction measures true; without naming it here, the correction would be taken for none.
     let there = args.output.exists().then(|| PrinterFile::load(&args.output));
     let only_colours = matches!(&there, Some(Ok(file)) if file.printer == Printer::EXACT);

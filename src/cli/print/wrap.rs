@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{CommandResult, Format, Outcome, as_files, printer, write_files, write_json};
+use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::mesh::{Mesh, MeshError, MeshPlacement};
 use crate::pattern::Pattern;
@@ -16,7 +16,7 @@ use crate::print::wrap::{Kept, Wrap, WrapError, WrapRequest, check_size, wrap};
 use crate::scene::Scene;
 
 #[derive(clap::Args)]
-pub struct WrapArgs {
+pub(crate) struct WrapArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// The pattern: a PNG with one pixel per cell
@@ -46,7 +46,7 @@ pub struct WrapArgs {
 
 /// What is wrapped.
 #[derive(clap::Args)]
-pub struct ModelArgs {
+pub(crate) struct ModelArgs {
     /// The model's surface: .glb, .obj, .stl or .ply; without it, the box of the scene's model
     #[arg(long, value_name = "FILE", required_unless_present = "scene")]
     pub mesh: Option<PathBuf>,
@@ -72,39 +72,23 @@ pub struct ModelArgs {
 
 /// What it is printed on.
 #[derive(clap::Args)]
-pub struct SheetArgs {
-    /// a4, a3, letter, tabloid, WxH in mm, or a roll by its width in mm, as in roll610
-    #[arg(long, default_value = "a4", allow_hyphen_values = true)]
-    paper: String,
-    /// The file to write
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// pdf, or svg (one file a page); without it, what the file's name ends in, else pdf
-    #[arg(long, value_enum)]
-    pub format: Option<Format>,
+pub(crate) struct SheetArgs {
+    #[command(flatten)]
+    pub(super) paper: PaperArgs,
     /// Strip that neighbouring sheets share for gluing, in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
     overlap_mm: f64,
-    /// Border of the paper that the printer cannot reach, in mm
-    #[arg(long, value_name = "MM", default_value_t = 5.0, allow_negative_numbers = true)]
-    margin_mm: f64,
-    /// Take back the stretch of this printer: a file of `print verify`
-    #[arg(long, value_name = "TOML")]
-    pub printer: Option<PathBuf>,
-    /// A day for the caption, as YYYY-MM-DD
-    #[arg(long, value_name = "DATE")]
-    date: Option<String>,
 }
 
 /// A model ready to be printed on: its surface in the model frame, which materials are paint, its scale.
-pub struct Model {
+pub(crate) struct Model {
     pub mesh: Mesh,
     pub materials: Vec<usize>,
     pub scale: f64,
 }
 
 impl ModelArgs {
-    pub fn load(&self) -> Result<Model, Box<dyn Error>> {
+    pub(crate) fn load(&self) -> Result<Model, Box<dyn Error>> {
         let scene = self.scene.as_deref().map(Scene::open).transpose()?;
         let mesh = match (&self.mesh, &scene) {
             (Some(file), _) => Mesh::load(file, &self.placement()?)?,
@@ -128,7 +112,7 @@ impl ModelArgs {
     }
 
     /// How the mesh file lies in the model frame.
-    pub fn placement(&self) -> Result<MeshPlacement, MeshError> {
+    pub(crate) fn placement(&self) -> Result<MeshPlacement, MeshError> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
         Ok(MeshPlacement {
             front: axis(&self.mesh_front)?,
@@ -138,7 +122,7 @@ impl ModelArgs {
     }
 
     /// What was said about the mesh besides its file, as arguments again.
-    pub fn described(&self) -> String {
+    pub(crate) fn described(&self) -> String {
         let mut text = String::new();
         if !self.material.is_empty() {
             text += &format!(" --material {}", self.material.join(" "));
@@ -156,7 +140,12 @@ impl ModelArgs {
 }
 
 impl SheetArgs {
-    pub fn request(&self, tile_mm: f64, scale: f64, name: &std::path::Path) -> Result<WrapRequest, Box<dyn Error>> {
+    pub(crate) fn request(
+        &self,
+        tile_mm: f64,
+        scale: f64,
+        name: &std::path::Path,
+    ) -> Result<WrapRequest, Box<dyn Error>> {
         Ok(WrapRequest {
             tile_mm,
             scale,
@@ -164,11 +153,11 @@ impl SheetArgs {
                 .file_name()
                 .map(|n| n.to_string_lossy().into_owned())
                 .unwrap_or_default(),
-            date: self.date.as_deref().map(str::parse).transpose()?,
-            paper: self.paper.parse()?,
+            date: self.paper.date()?,
+            paper: self.paper.paper.parse()?,
             overlap_mm: self.overlap_mm,
-            margin_mm: self.margin_mm,
-            printer: printer(self.printer.as_deref())?,
+            margin_mm: self.paper.margin_mm,
+            printer: self.paper.printer()?,
             max_stretch: None,
         })
     }
@@ -183,7 +172,7 @@ pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     }
 }
 
-pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
+pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let model = args.model.load()?;
     let sheets = &args.sheets;
@@ -195,20 +184,15 @@ pub fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
             &args.pattern,
         )?
     };
+    let output = sheets.paper.output()?;
     let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &pattern, &request).map_err(advised)?;
-    let title = format!(
-        "Panels of {}, tile {} mm",
-        request.pattern_name,
-        lettering::number(request.tile_mm)
-    );
-    let format = Format::of(sheets.format, &sheets.output);
-    let files = as_files(format, &sheets.output, &title, (&made.page_names(), &made.pages))?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     let inputs = [
         Some(args.pattern.as_path()),
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
-        sheets.printer.as_deref(),
+        sheets.paper.printer.as_deref(),
     ];
     write_files(&files, &inputs)?;
     busy.finish_and_clear();

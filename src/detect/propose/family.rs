@@ -37,79 +37,56 @@ pub enum Family {
 /// Mean and standard deviation of ImageNet, red first, on values 0–255.
 const IMAGENET: ([f32; 3], [f32; 3]) = ([123.675, 116.28, 103.53], [58.395, 57.12, 57.375]);
 
+/// The families, in the order of the enum: how users write them, and what people call them.
+const NAMES: [(Family, &str, &str); 16] = [
+    (Family::Yolov4, "yolov4", "YOLOv4 of the ONNX zoo"),
+    (Family::Yolov5, "yolov5", "YOLOv5, v6 or v7"),
+    (Family::Yolov8, "yolov8", "YOLOv8, v9, 11 or 12"),
+    (Family::Yolov10, "yolov10", "YOLOv10 or YOLO26"),
+    (Family::Yolox, "yolox", "YOLOX"),
+    (
+        Family::YoloxDecoded,
+        "yolox_decoded",
+        "YOLOX exported with its decoding",
+    ),
+    (Family::Nanodet, "nanodet", "NanoDet"),
+    (Family::NanodetPlus, "nanodet_plus", "NanoDet-Plus"),
+    (Family::Fastestdet, "fastestdet", "FastestDet"),
+    (
+        Family::Deim,
+        "deim",
+        "DEIM, D-FINE or RT-DETR with the photo's size as an input",
+    ),
+    (Family::Rtdetr, "rtdetr", "RT-DETR as Ultralytics exports it"),
+    (Family::Rfdetr, "rfdetr", "RF-DETR"),
+    (Family::TfOd, "tf_od", "TensorFlow Object Detection"),
+    (Family::SsdResnet34, "ssd_resnet34", "SSD-ResNet34 of the ONNX zoo"),
+    (Family::ZooRcnn, "zoo_rcnn", "Faster or Mask R-CNN of the ONNX zoo"),
+    (Family::Torchvision, "torchvision", "a detector of torchvision"),
+];
+
 /// A name that no family has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no family `{0}`: choose one of {names}", names = Family::ALL.map(Family::name).join(", "))]
+#[error("there is no family `{0}`: choose one of {names}", names = NAMES.map(|(_, name, _)| name).join(", "))]
 pub struct NoSuchFamily(String);
 
 impl Family {
-    pub const ALL: [Family; 16] = [
-        Family::Yolov4,
-        Family::Yolov5,
-        Family::Yolov8,
-        Family::Yolov10,
-        Family::Yolox,
-        Family::YoloxDecoded,
-        Family::Nanodet,
-        Family::NanodetPlus,
-        Family::Fastestdet,
-        Family::Deim,
-        Family::Rtdetr,
-        Family::Rfdetr,
-        Family::TfOd,
-        Family::SsdResnet34,
-        Family::ZooRcnn,
-        Family::Torchvision,
-    ];
-
     /// Its name, as users write it.
     pub fn name(self) -> &'static str {
-        match self {
-            Family::Yolov4 => "yolov4",
-            Family::Yolov5 => "yolov5",
-            Family::Yolov8 => "yolov8",
-            Family::Yolov10 => "yolov10",
-            Family::Yolox => "yolox",
-            Family::YoloxDecoded => "yolox_decoded",
-            Family::Nanodet => "nanodet",
-            Family::NanodetPlus => "nanodet_plus",
-            Family::Fastestdet => "fastestdet",
-            Family::Deim => "deim",
-            Family::Rtdetr => "rtdetr",
-            Family::Rfdetr => "rfdetr",
-            Family::TfOd => "tf_od",
-            Family::SsdResnet34 => "ssd_resnet34",
-            Family::ZooRcnn => "zoo_rcnn",
-            Family::Torchvision => "torchvision",
-        }
+        NAMES[self as usize].1
     }
 
     /// The family of that name; the error lists the names.
     pub fn from_name(name: &str) -> Result<Family, NoSuchFamily> {
-        let named = Family::ALL.into_iter().find(|f| f.name() == name);
-        named.ok_or_else(|| NoSuchFamily(name.to_owned()))
+        let named = NAMES.into_iter().find(|(_, known, _)| *known == name);
+        named
+            .map(|(family, ..)| family)
+            .ok_or_else(|| NoSuchFamily(name.to_owned()))
     }
 
     /// What people call it.
     pub fn title(self) -> &'static str {
-        match self {
-            Family::Yolov4 => "YOLOv4 of the ONNX zoo",
-            Family::Yolov5 => "YOLOv5, v6 or v7",
-            Family::Yolov8 => "YOLOv8, v9, 11 or 12",
-            Family::Yolov10 => "YOLOv10 or YOLO26",
-            Family::Yolox => "YOLOX",
-            Family::YoloxDecoded => "YOLOX exported with its decoding",
-            Family::Nanodet => "NanoDet",
-            Family::NanodetPlus => "NanoDet-Plus",
-            Family::Fastestdet => "FastestDet",
-            Family::Deim => "DEIM, D-FINE or RT-DETR with the photo's size as an input",
-            Family::Rtdetr => "RT-DETR as Ultralytics exports it",
-            Family::Rfdetr => "RF-DETR",
-            Family::TfOd => "TensorFlow Object Detection",
-            Family::SsdResnet34 => "SSD-ResNet34 of the ONNX zoo",
-            Family::ZooRcnn => "Faster or Mask R-CNN of the ONNX zoo",
-            Family::Torchvision => "a detector of torchvision",
-        }
+        NAMES[self as usize].2
     }
 
     /// How the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.

@@ -1,13 +1,13 @@
 //! The black parts of a board.
 
 use super::{BoardError, Definition};
-use crate::print::shapes::{Outline, Placement, black_modules};
-use crate::print::sheet::PointMm;
+use crate::print::shapes::{OutlineMm, TagPlacement, black_modules};
+use crate::print::sheet::{PointMm, RectMm};
 use crate::scene::TagFamily;
 use crate::tags::{MarkerDictionary, Modules, TagImage};
 
 /// The black of a board whose upper left corner is at `corner` (page frame).
-pub fn black(definition: &Definition, corner: PointMm) -> Result<Vec<Outline>, BoardError> {
+pub(crate) fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>, BoardError> {
     match definition {
         Definition::Chessboard { squares, square_mm, .. } => Ok(black_squares(*squares, *square_mm, corner)),
         Definition::Charuco {
@@ -53,29 +53,15 @@ fn square_centre((row, column): (u32, u32), square_mm: f64, corner: PointMm) -> 
     )
 }
 
-fn black_squares(squares: [u32; 2], square_mm: f64, corner: PointMm) -> Vec<Outline> {
-    let edge = |(row, column): (u32, u32)| {
-        PointMm::new(
-            corner.x_mm + f64::from(column) * square_mm,
-            corner.y_mm - f64::from(row) * square_mm,
-        )
-    };
-    let square = |(row, column): (u32, u32)| {
-        let (upper_left, lower_right) = (edge((row, column)), edge((row + 1, column + 1)));
-        rectangle(upper_left, lower_right)
-    };
+fn black_squares(squares: [u32; 2], square_mm: f64, corner: PointMm) -> Vec<OutlineMm> {
+    let x = |column: u32| corner.x_mm + f64::from(column) * square_mm;
+    let y = |row: u32| corner.y_mm - f64::from(row) * square_mm;
+    let square = |(row, column): (u32, u32)| RectMm::new(x(column), y(row + 1), x(column + 1), y(row)).outline();
     places(squares).filter(|place| is_black(*place)).map(square).collect()
 }
 
-fn rectangle(upper_left: PointMm, lower_right: PointMm) -> Outline {
-    let ((l, t), (r, b)) = ((upper_left.x_mm, upper_left.y_mm), (lower_right.x_mm, lower_right.y_mm));
-    [(l, b), (r, b), (r, t), (l, t)]
-        .map(|(x, y)| PointMm::new(x, y))
-        .to_vec()
-}
-
-fn square_of(modules: &Modules, centre: PointMm, side_mm: f64) -> Vec<Outline> {
-    let place = Placement {
+fn square_of(modules: &Modules, centre: PointMm, side_mm: f64) -> Vec<OutlineMm> {
+    let place = TagPlacement {
         centre,
         right: [1.0, 0.0],
         module_mm: side_mm / modules.side() as f64,
@@ -90,7 +76,7 @@ fn aprilgrid(
     gap_mm: f64,
     border_modules: usize,
     corner: PointMm,
-) -> Result<Vec<Outline>, BoardError> {
+) -> Result<Vec<OutlineMm>, BoardError> {
     let pitch = tag_mm + gap_mm;
     let at = |column: u32, row: u32| {
         (
@@ -101,7 +87,7 @@ fn aprilgrid(
     let mut outlines = Vec::new();
     for (row, column) in places([columns + 1, rows + 1]) {
         let (x, y) = at(column, row);
-        outlines.push(rectangle(PointMm::new(x, y), PointMm::new(x + gap_mm, y - gap_mm)));
+        outlines.push(RectMm::new(x, y - gap_mm, x + gap_mm, y).outline());
     }
     for (row, column) in places([columns, rows]) {
         let id = (rows - 1 - row) * columns + column;

@@ -6,10 +6,10 @@ mod draw;
 pub use crate::board::Definition;
 
 use super::SheetError;
-use super::lettering::number;
-use super::page::{Media, Page};
+use super::lettering::size;
+use super::page::{FreePage, Media};
 use super::printer::Printer;
-use super::shapes::Outline;
+use super::shapes::OutlineMm;
 use super::sheet::{BLACK, Mark, PointMm, RectMm, Sheet};
 use crate::board::DefinitionError;
 use crate::geometry::length::BadLength;
@@ -91,13 +91,14 @@ pub struct Board {
 /// Draws a board in the middle of one sheet.
 ///
 /// # Errors
-/// Numbers that make no board, too few markers in the dictionary, a board larger than the paper.
+/// A roll, numbers that make no board, too few markers in the dictionary, a board larger than the paper.
 pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
+    request.media.check_is_cut()?;
     let definition = definition::definition(request)?;
     let (width, height) = definition.size_mm();
     let (page, area) = placed(request.media, width, height)?;
     let corner = PointMm::new(area.left_mm, area.top_mm);
-    let outlines: Vec<Outline> = draw::black(&definition, corner)?;
+    let outlines: Vec<OutlineMm> = draw::black(&definition, corner)?;
     let marks = vec![Mark::Area {
         outlines,
         colour: BLACK,
@@ -111,25 +112,22 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
 }
 
 /// The middle of the paper, upright or across.
-fn placed(media: Media, width: f64, height: f64) -> Result<(Page, RectMm), BoardError> {
-    let pages = Page::both_ways(media)?;
-    let room = |page: &Page| {
+fn placed(media: Media, width: f64, height: f64) -> Result<(FreePage, RectMm), BoardError> {
+    let pages = FreePage::both_ways(media)?;
+    let room = |page: &FreePage| {
         (
             page.0.usable.width_mm() - 2.0 * QUIET_MM,
             page.0.usable.height_mm() - 2.0 * QUIET_MM,
         )
     };
-    let fits = |page: &&Page| width <= room(page).0 && height <= room(page).1;
+    let fits = |page: &&FreePage| width <= room(page).0 && height <= room(page).1;
     let Some(page) = pages.iter().find(fits) else {
-        let (across, down) = pages.last().map(room).unwrap_or_default();
         return Err(BoardError::TooLarge {
-            board_mm: format!("{} × {}", number(width), number(height)),
-            free_mm: format!("{} × {}", number(across), number(down)),
+            board_mm: size((width, height)),
+            free_mm: size(pages.last().map(room).unwrap_or_default()),
         });
     };
-    let left = page.0.usable.left_mm + (page.0.usable.width_mm() - width) / 2.0;
-    let bottom = page.0.usable.bottom_mm + (page.0.usable.height_mm() - height) / 2.0;
-    Ok((*page, RectMm::new(left, bottom, left + width, bottom + height)))
+    Ok((*page, page.0.centred((width, height))))
 }
 
 fn captions(definition: &Definition, printer: &Printer) -> Vec<String> {

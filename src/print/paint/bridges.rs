@@ -1,17 +1,17 @@
 //! Where a stencil's material has to be joined. All of it works on the *core*: the places for the centre of the square that
 //! measures widths. What is joined in the core is joined by the square's full width.
 
-use super::plane::{Area, Point, edges};
+use super::plane::{Area, PlanePoint, edges};
 
 /// A bridge: the square is swept along it.
-pub type Link = (Point, Point);
+pub(crate) type Link = (PlanePoint, PlanePoint);
 
 /// Slanted cuts are rounded to the unit: places this close are looked at as well.
 const ROUNDING: i64 = 3;
 
 /// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
 /// the material between them is narrower than the square.
-pub fn necks(core: &Area, side: i32) -> Vec<Link> {
+pub(crate) fn necks(core: &Area, side: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
     let ways: Vec<Link> = core.edges().collect();
     let mut found: Vec<Link> = Vec::new();
@@ -35,7 +35,7 @@ pub fn necks(core: &Area, side: i32) -> Vec<Link> {
 
 /// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close
 /// a circle are left out; pieces that this does not join yet are joined in the next round (Borůvka 1926).
-pub fn nearest(core: &Area) -> Vec<Link> {
+pub(crate) fn nearest(core: &Area) -> Vec<Link> {
     let count = core.pieces.len();
     if count < 2 {
         return Vec::new();
@@ -84,7 +84,7 @@ fn without_circles(best: &[Option<(f64, usize, Link)>]) -> Vec<Link> {
 }
 
 /// Whether a way is certainly farther from a place than `reach`, along x or y.
-fn out_of_reach(place: Point, (a, b): Link, reach: i64) -> bool {
+fn out_of_reach(place: PlanePoint, (a, b): Link, reach: i64) -> bool {
     let beyond = |p: i32, a: i32, b: i32| {
         let (low, high) = (i64::from(a.min(b)), i64::from(a.max(b)));
         i64::from(p) < low - reach || i64::from(p) > high + reach
@@ -92,20 +92,20 @@ fn out_of_reach(place: Point, (a, b): Link, reach: i64) -> bool {
     beyond(place.x, a.x, b.x) || beyond(place.y, a.y, b.y)
 }
 
-fn nearest_on((a, b): Link, to: Point) -> Point {
+fn nearest_on((a, b): Link, to: PlanePoint) -> PlanePoint {
     let (dx, dy) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
     let along = (f64::from(to.x - a.x) * dx + f64::from(to.y - a.y) * dy) / (dx * dx + dy * dy).max(1.0);
     let along = along.clamp(0.0, 1.0);
-    Point::new(a.x + (along * dx).round() as i32, a.y + (along * dy).round() as i32)
+    PlanePoint::new(a.x + (along * dx).round() as i32, a.y + (along * dy).round() as i32)
 }
 
 /// Whether the middle between two places is inside the edges or on them, by the crossings of a ray to the right (in doubled
 /// coordinates, so that the middle is whole).
-fn holds_middle(ways: &[Link], p: Point, q: Point) -> bool {
+fn holds_middle(ways: &[Link], p: PlanePoint, q: PlanePoint) -> bool {
     let (x, y) = (i64::from(p.x) + i64::from(q.x), i64::from(p.y) + i64::from(q.y));
     let mut inside = false;
     for (a, b) in ways {
-        let doubled = |p: &Point| (2 * i64::from(p.x), 2 * i64::from(p.y));
+        let doubled = |p: &PlanePoint| (2 * i64::from(p.x), 2 * i64::from(p.y));
         let ((ax, ay), (bx, by)) = (doubled(a), doubled(b));
         let side = i128::from(bx - ax) * i128::from(y - ay) - i128::from(by - ay) * i128::from(x - ax);
         let between = x >= ax.min(bx) && x <= ax.max(bx) && y >= ay.min(by) && y <= ay.max(by);

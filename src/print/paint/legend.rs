@@ -2,9 +2,9 @@
 
 use super::{PaintArea, PaintRequest};
 use crate::pattern::palette::{Painted, UsedPaint};
-use crate::print::frame::Frame;
+use crate::print::frame::PageFrame;
 use crate::print::lettering::{CAP_HEIGHT, number, printable, shortened};
-use crate::print::sheet::{Anchor, BLACK, Fill, Mark, RectMm, Sheet};
+use crate::print::sheet::{BLACK, Fill, Mark, RectMm, Sheet, TextAnchor};
 use crate::print::template::{Captions, rulers};
 
 const TEXT_MM: f64 = 2.8;
@@ -25,7 +25,7 @@ const NUMBERS_AT_MM: [f64; 5] = [98.0, 118.0, 138.0, 156.0, TABLE_MM];
 const NUMBER_HEADS: [&str; 5] = ["area cm²", "stencil", "touch up", "ΔE mean", "max"];
 
 /// The steps from printed sheets to a painted model.
-pub fn steps(request: &PaintRequest) -> Vec<String> {
+pub(crate) fn steps(request: &PaintRequest) -> Vec<String> {
     let feature = number(request.min_feature_mm);
     let mut steps = vec![
         "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.".to_owned(),
@@ -53,18 +53,18 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
 }
 
 /// A paint, counted from 0, and its area.
-type Line<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
+type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
 /// The pages of the table.
-pub fn sheets(frame: &Frame, painted: &Painted, areas: &[PaintArea], captions: &Captions) -> Vec<Sheet> {
+pub(crate) fn sheets(frame: &PageFrame, painted: &Painted, areas: &[PaintArea], captions: &Captions) -> Vec<Sheet> {
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
     // Heading, column heads and the two lines below the table.
     let rows = ((frame.usable.height_mm() / (ROW_MM * factor)).floor() as usize)
         .saturating_sub(5)
         .max(1);
-    let lines: Vec<Line> = painted.paints.iter().zip(areas).enumerate().collect();
+    let lines: Vec<LegendLine> = painted.paints.iter().zip(areas).enumerate().collect();
     let last = lines.len().div_ceil(rows).saturating_sub(1);
-    let page = |(i, lines): (usize, &[Line])| {
+    let page = |(i, lines): (usize, &[LegendLine])| {
         let mut table = Table {
             frame,
             factor,
@@ -81,21 +81,14 @@ pub fn sheets(frame: &Frame, painted: &Painted, areas: &[PaintArea], captions: &
         let mut marks = table.marks;
         marks.extend(rulers(frame));
         marks.extend(captions.marks(frame.printable));
-        let whole = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
-        Sheet {
-            width_mm: whole.right_mm,
-            height_mm: whole.top_mm,
-            trim: whole,
-            bleed: whole,
-            marks,
-        }
+        frame.sheet(frame.whole(), frame.whole(), marks)
     };
     lines.chunks(rows).enumerate().map(page).collect()
 }
 
 /// A table on its way down a page.
 struct Table<'a> {
-    frame: &'a Frame,
+    frame: &'a PageFrame,
     factor: f64,
     row: usize,
     marks: Vec<Mark>,
@@ -103,28 +96,28 @@ struct Table<'a> {
 
 impl Table<'_> {
     fn heads(&mut self) {
-        self.text(0.0, Anchor::Left, "Paints".to_owned());
+        self.text(0.0, TextAnchor::Left, "Paints".to_owned());
         self.row += 1;
-        self.text(NO_MM, Anchor::Right, "no.".to_owned());
-        self.text(NAME_AT_MM, Anchor::Left, "name".to_owned());
-        self.text(HEX_AT_MM, Anchor::Left, "sRGB".to_owned());
+        self.text(NO_MM, TextAnchor::Right, "no.".to_owned());
+        self.text(NAME_AT_MM, TextAnchor::Left, "name".to_owned());
+        self.text(HEX_AT_MM, TextAnchor::Left, "sRGB".to_owned());
         for (x, head) in NUMBERS_AT_MM.into_iter().zip(NUMBER_HEADS) {
             // The font of the sheets is Latin-1.
-            self.text(x, Anchor::Right, head.replace('Δ', "d"));
+            self.text(x, TextAnchor::Right, head.replace('Δ', "d"));
         }
         self.row += 1;
     }
 
     fn paint(&mut self, number: usize, used: &UsedPaint, area: &PaintArea) {
-        self.text(NO_MM, Anchor::Right, number.to_string());
+        self.text(NO_MM, TextAnchor::Right, number.to_string());
         self.swatch(used.paint.rgb);
         let name = shortened(&printable(&used.paint.name), TEXT_MM, NAME_MM);
-        self.text(NAME_AT_MM, Anchor::Left, name);
-        self.text(HEX_AT_MM, Anchor::Left, used.paint.hex());
+        self.text(NAME_AT_MM, TextAnchor::Left, name);
+        self.text(HEX_AT_MM, TextAnchor::Left, used.paint.hex());
         let cm2 = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| format!("{:.2}", mm2 / CM2));
         let off = [used.mean_delta_e, used.max_delta_e].map(|off| format!("{off:.1}"));
         for (x, value) in NUMBERS_AT_MM.into_iter().zip(cm2.into_iter().chain(off)) {
-            self.text(x, Anchor::Right, value);
+            self.text(x, TextAnchor::Right, value);
         }
         self.row += 1;
     }
@@ -142,13 +135,13 @@ impl Table<'_> {
         let y = self.baseline() + 0.75 * ROW_MM * self.factor;
         self.marks
             .push(Mark::line((self.x(0.0), y), (self.x(TABLE_MM), y), RULE_MM));
-        self.text(NAME_AT_MM, Anchor::Left, "panel".to_owned());
+        self.text(NAME_AT_MM, TextAnchor::Left, "panel".to_owned());
         for (x, value) in NUMBERS_AT_MM.into_iter().zip(values) {
-            self.text(x, Anchor::Right, value);
+            self.text(x, TextAnchor::Right, value);
         }
         self.row += 1;
         let note = "dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area.";
-        self.text(0.0, Anchor::Left, note.to_owned());
+        self.text(0.0, TextAnchor::Left, note.to_owned());
     }
 
     fn x(&self, mm: f64) -> f64 {
@@ -159,7 +152,7 @@ impl Table<'_> {
         self.frame.usable.top_mm - (self.row as f64 + 0.7) * ROW_MM * self.factor
     }
 
-    fn text(&mut self, at_mm: f64, anchor: Anchor, text: String) {
+    fn text(&mut self, at_mm: f64, anchor: TextAnchor, text: String) {
         let place = (self.x(at_mm), self.baseline());
         self.marks.push(Mark::text(place, TEXT_MM * self.factor, anchor, text));
     }

@@ -6,7 +6,7 @@ mod bridges;
 mod legend;
 mod numbers;
 mod pieces;
-pub mod plane;
+pub(crate) mod plane;
 mod regions;
 mod stencil;
 mod stencil_sheet;
@@ -18,7 +18,7 @@ use super::lettering::number;
 use super::printer;
 use super::sheet::Sheet;
 use super::template::cover::cover;
-use super::template::{Captions, Layout, MAX_SHEETS, SheetPlan, TemplateError, TemplateRequest, cell_mm};
+use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
 use crate::geometry::length::shown;
 use crate::pattern::Pattern;
 use crate::pattern::palette::Painted;
@@ -77,6 +77,16 @@ pub struct PaintRequest {
     pub mirror: bool,
 }
 
+impl PaintRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        let TemplateRequest {
+            pattern_name, tile_mm, ..
+        } = &self.template;
+        format!("Paint sheets of {pattern_name}, tile {} mm", number(*tile_mm))
+    }
+}
+
 /// What becomes of a paint's area. `openings_mm2` and `bridges_mm2` make up `cells_mm2`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PaintArea {
@@ -89,7 +99,7 @@ pub struct PaintArea {
 /// The pages, and what is on them.
 #[derive(Debug, Clone)]
 pub struct PaintSheets {
-    pub layout: Layout,
+    pub layout: SheetLayout,
     pub cell_mm: f64,
     /// For each of the paints.
     pub areas: Vec<PaintArea>,
@@ -100,8 +110,19 @@ pub struct PaintSheets {
 }
 
 impl PaintSheets {
-    pub fn panel_mm2(&self) -> f64 {
-        self.areas.iter().map(|area| area.cells_mm2).sum()
+    /// What becomes of the area of all paints.
+    pub fn whole(&self) -> PaintArea {
+        self.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {
+            cells_mm2: sum.cells_mm2 + area.cells_mm2,
+            openings_mm2: sum.openings_mm2 + area.openings_mm2,
+            bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
+        })
+    }
+
+    /// How many of the pages are stencils: those of one paint on one sheet.
+    pub fn stencils(&self) -> usize {
+        let is_stencil = |name: &&String| name.starts_with("paint") && name.contains('-');
+        self.names.iter().filter(is_stencil).count()
     }
 
     fn add(&mut self, name: String, sheet: Sheet, stretch: (f64, f64)) {
@@ -142,7 +163,7 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
         let sheet = numbers::sheet(&layout, plan, &grid, &captions);
         made.add(format!("numbers-{}", plan.id()), sheet, stretch);
     }
-    let pen = stencil_sheet::Pen::new(&layout, pattern, request, cell_mm);
+    let pen = stencil_sheet::StencilPen::new(&layout, pattern, request, cell_mm);
     for Cut { paint, plan, stencil } in &stencils {
         let sheet = pen.sheet(plan, *paint + 1, &painted.paints[*paint].paint, stencil);
         made.add(format!("paint{}-{}", paint + 1, plan.id()), sheet, stretch);
@@ -208,7 +229,7 @@ struct Cut {
 }
 
 /// All stencils with an opening, paint by paint, and what becomes of each paint's area.
-fn cut(grid: &CellGrid, layout: &Layout, rules: Rules) -> Result<(Vec<Cut>, Vec<PaintArea>), PaintError> {
+fn cut(grid: &CellGrid, layout: &SheetLayout, rules: Rules) -> Result<(Vec<Cut>, Vec<PaintArea>), PaintError> {
     let mut stencils = Vec::new();
     let mut areas = Vec::new();
     for paint in 0..grid.painted.paints.len() {

@@ -4,8 +4,8 @@ use super::plane::mm;
 use super::regions::CellGrid;
 use super::stencil_sheet::registration;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
-use crate::print::sheet::{Anchor, Mark, RectMm, Sheet};
-use crate::print::template::{Captions, Layout, SheetPlan, around, guides};
+use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
+use crate::print::template::{Captions, SheetLayout, SheetPlan, around, guides};
 
 const BORDER_MM: f64 = 0.2;
 const NUMBER_MM: f64 = 4.0;
@@ -13,7 +13,7 @@ const NUMBER_MM: f64 = 4.0;
 const NUMBER_SHARE: f64 = 0.6;
 
 /// One sheet, cut at its part of the panel; the part lies on the page where the stencils of this sheet have it.
-pub fn sheet(layout: &Layout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
+pub(crate) fn sheet(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
     let outer = plan.trim;
     let rim = plan.own.left_mm - plan.carried.left_mm;
     let part = RectMm::new(
@@ -40,7 +40,7 @@ pub fn sheet(layout: &Layout, plan: &SheetPlan, grid: &CellGrid, captions: &Capt
         marks.push(Mark::text(
             (x, y - 0.5 * CAP_HEIGHT * size_mm),
             size_mm,
-            Anchor::Centre,
+            TextAnchor::Centre,
             text,
         ));
     }
@@ -52,11 +52,5 @@ pub fn sheet(layout: &Layout, plan: &SheetPlan, grid: &CellGrid, captions: &Capt
     marks.extend(guides(layout, &cut_here));
     marks.extend(registration(outer, rim, 0.0));
     marks.extend(around(layout, plan, captions));
-    Sheet {
-        width_mm: layout.frame.page.width_mm,
-        height_mm: layout.frame.page.height_mm,
-        trim: part,
-        bleed: part,
-        marks,
-    }
+    layout.frame.sheet(part, part, marks)
 }

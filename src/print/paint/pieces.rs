@@ -2,13 +2,13 @@
 //! so that no cell is cut into slivers.
 
 use crate::print::SheetError;
-use crate::print::frame::Frame;
+use crate::print::frame::PageFrame;
 use crate::print::sheet::RectMm;
-use crate::print::template::{Layout, LayoutRequest, MAX_SHEETS, Region, SheetPlan, layout};
+use crate::print::template::{LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
 
 /// The sheets: of each, `own` is its part of the panel, `carried` that and the rim. `trim` and `printed` are the rim's
 /// outer edge. Overlap and bleed of the request do not matter.
-pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layout, SheetError> {
+pub(crate) fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLayout, SheetError> {
     // A strip of two rims between sheets and one around them leaves each sheet its part and its own rim.
     let spread = layout(&LayoutRequest {
         overlap_mm: 2.0 * rim_mm,
@@ -34,7 +34,7 @@ pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layo
     }
     let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
     let sheet = |(row, column): (usize, usize)| {
-        let own = Region {
+        let own = TemplateRect {
             left_mm: x[column],
             top_mm: y[row],
             right_mm: x[column + 1],
@@ -43,7 +43,7 @@ pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layo
         on_page(&spread.frame, row, column, own, rim_mm)
     };
     let sheets = places.map(sheet).collect();
-    Ok(Layout {
+    Ok(SheetLayout {
         sheets,
         rows,
         columns,
@@ -51,8 +51,8 @@ pub fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<Layo
     })
 }
 
-fn on_page(frame: &Frame, row: usize, column: usize, own: Region, rim_mm: f64) -> SheetPlan {
-    let carried = Region {
+fn on_page(frame: &PageFrame, row: usize, column: usize, own: TemplateRect, rim_mm: f64) -> SheetPlan {
+    let carried = TemplateRect {
         left_mm: own.left_mm - rim_mm,
         top_mm: own.top_mm - rim_mm,
         right_mm: own.right_mm + rim_mm,

@@ -8,19 +8,19 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 /// Units in a millimetre.
-pub const PER_MM: f64 = 10_000.0;
+pub(crate) const PER_MM: f64 = 10_000.0;
 
 /// A corner, in units.
-pub type Point = IntPoint<i32>;
+pub(crate) type PlanePoint = IntPoint<i32>;
 /// A closed outline.
-pub type Outline = Vec<Point>;
+pub(crate) type PlaneOutline = Vec<PlanePoint>;
 
 /// Millimetres to the nearest unit. Beyond 100 m, where nothing is printed, the value is held.
-pub fn units(mm: f64) -> i32 {
+pub(crate) fn units(mm: f64) -> i32 {
     (mm * PER_MM).round().clamp(-1e9, 1e9) as i32
 }
 
-pub fn mm(units: i32) -> f64 {
+pub(crate) fn mm(units: i32) -> f64 {
     f64::from(units) / PER_MM
 }
 
@@ -28,7 +28,7 @@ pub fn mm(units: i32) -> f64 {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Area {
     /// Each a connected piece: its outline counter-clockwise, then its holes clockwise.
-    pub pieces: Vec<Vec<Outline>>,
+    pub pieces: Vec<Vec<PlaneOutline>>,
 }
 
 /// An upright rectangle by its edges, y up.
@@ -50,7 +50,7 @@ impl Bounds {
         }
     }
 
-    pub fn outline(self) -> Outline {
+    pub fn outline(self) -> PlaneOutline {
         let Self {
             left,
             bottom,
@@ -58,14 +58,14 @@ impl Bounds {
             top,
         } = self;
         [(left, bottom), (right, bottom), (right, top), (left, top)]
-            .map(|(x, y)| Point::new(x, y))
+            .map(|(x, y)| PlanePoint::new(x, y))
             .to_vec()
     }
 }
 
 impl Area {
     /// What any of the outlines encloses; they may overlap, and all run counter-clockwise.
-    pub fn of(outlines: &[Outline]) -> Self {
+    pub fn of(outlines: &[PlaneOutline]) -> Self {
         operation(outlines, &[], OverlayRule::Subject)
     }
 
@@ -73,12 +73,12 @@ impl Area {
         self.pieces.is_empty()
     }
 
-    pub fn outlines(&self) -> impl Iterator<Item = &Outline> {
+    pub fn outlines(&self) -> impl Iterator<Item = &PlaneOutline> {
         self.pieces.iter().flatten()
     }
 
     /// The corners of every piece, each with the one that follows.
-    pub fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
+    pub fn edges(&self) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
         self.outlines().flat_map(edges)
     }
 
@@ -108,13 +108,13 @@ impl Area {
     }
 
     /// With more outlines, which run counter-clockwise.
-    pub fn with(&self, more: &[Outline]) -> Self {
+    pub fn with(&self, more: &[PlaneOutline]) -> Self {
         operation(&self.flat(), more, OverlayRule::Union)
     }
 
     /// Everything a square of half side `half` covers while its centre is in this area: the Minkowski sum.
     pub fn grown(&self, half: i32) -> Self {
-        let sweeps: Vec<Outline> = self.edges().map(|(a, b)| swept(a, b, half)).collect();
+        let sweeps: Vec<PlaneOutline> = self.edges().map(|(a, b)| swept(a, b, half)).collect();
         self.with(&sweeps)
     }
 
@@ -134,7 +134,8 @@ impl Area {
 
     /// In square units; exact.
     pub fn doubled_area(&self) -> i128 {
-        let cross = |(a, b): (Point, Point)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
+        let cross =
+            |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
         self.edges().map(cross).sum()
     }
 
@@ -142,18 +143,18 @@ impl Area {
         self.doubled_area() as f64 / (2.0 * PER_MM * PER_MM)
     }
 
-    fn flat(&self) -> Vec<Outline> {
+    fn flat(&self) -> Vec<PlaneOutline> {
         self.outlines().cloned().collect()
     }
 }
 
 /// Each corner of an outline and the next.
-pub fn edges(outline: &Outline) -> impl Iterator<Item = (Point, Point)> {
+pub(crate) fn edges(outline: &PlaneOutline) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
     outline.iter().copied().zip(outline.iter().copied().cycle().skip(1))
 }
 
 /// What a square of half side `half` covers while its centre goes straight from `a` to `b`: a hexagon, or a rectangle.
-pub fn swept(a: Point, b: Point, half: i32) -> Outline {
+pub(crate) fn swept(a: PlanePoint, b: PlanePoint, half: i32) -> PlaneOutline {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
     let corners = if a.y <= b.y {
         [(a, -1, -1), (a, 1, -1), (b, 1, -1), (b, 1, 1), (b, -1, 1), (a, -1, 1)]
@@ -161,11 +162,11 @@ pub fn swept(a: Point, b: Point, half: i32) -> Outline {
         [(a, -1, -1), (b, -1, -1), (b, 1, -1), (b, 1, 1), (a, 1, 1), (a, -1, 1)]
     };
     corners
-        .map(|(p, x, y)| Point::new(p.x + x * half, p.y + y * half))
+        .map(|(p, x, y)| PlanePoint::new(p.x + x * half, p.y + y * half))
         .to_vec()
 }
 
-fn operation(subject: &[Outline], clip: &[Outline], rule: OverlayRule) -> Area {
+fn operation(subject: &[PlaneOutline], clip: &[PlaneOutline], rule: OverlayRule) -> Area {
     // Pieces that touch in a point are pieces of their own.
     let options = IntOverlayOptions {
         ogc: true,
@@ -181,7 +182,7 @@ fn operation(subject: &[Outline], clip: &[Outline], rule: OverlayRule) -> Area {
 mod tests {
     use super::*;
 
-    fn square(left: i32, bottom: i32, side: i32) -> Outline {
+    fn square(left: i32, bottom: i32, side: i32) -> PlaneOutline {
         Bounds {
             left,
             bottom,
@@ -219,11 +220,11 @@ mod tests {
     #[test]
     fn a_slanted_sweep_has_the_area_of_its_hexagon() {
         for (b, _) in [
-            (Point::new(30, 40), 0),
-            (Point::new(30, -40), 0),
-            (Point::new(-30, 40), 0),
+            (PlanePoint::new(30, 40), 0),
+            (PlanePoint::new(30, -40), 0),
+            (PlanePoint::new(-30, 40), 0),
         ] {
-            let made = Area::of(&[swept(Point::new(0, 0), b, 5)]);
+            let made = Area::of(&[swept(PlanePoint::new(0, 0), b, 5)]);
             // The square, and its width and height times the way.
             assert_eq!(made.doubled_area(), 2 * (100 + 10 * 30 + 10 * 40));
         }

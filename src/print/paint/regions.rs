@@ -1,30 +1,30 @@
 //! The cells of a panel as rectangles, runs and connected regions. Areas are in the template's frame with y turned up:
-//! (x, -y) of [`Region`], in [`plane`](super::plane) units.
+//! (x, -y) of [`TemplateRect`], in [`plane`](super::plane) units.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::plane::{Bounds, Outline, Point, mm, units};
+use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
 use crate::pattern::palette::Painted;
-use crate::print::template::Region;
+use crate::print::template::TemplateRect;
 
 /// A pattern in paints, repeated over a panel from its top-left corner.
 #[derive(Debug, Clone, Copy)]
-pub struct CellGrid<'a> {
+pub(crate) struct CellGrid<'a> {
     pub painted: &'a Painted,
     pub cell_mm: f64,
 }
 
 /// Neighbouring cells of one paint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
+pub(crate) struct PaintPatch {
     pub paint: usize,
     /// The middle and the size of the part of a cell that is farthest from the patch's border.
     pub at_mm: (f64, f64),
     pub room_mm: (f64, f64),
 }
 
-pub fn bounds(region: Region) -> Bounds {
+pub(crate) fn bounds(region: TemplateRect) -> Bounds {
     Bounds {
         left: units(region.left_mm),
         bottom: units(-region.bottom_mm),
@@ -33,7 +33,7 @@ pub fn bounds(region: Region) -> Bounds {
     }
 }
 
-pub fn rectangle_mm2(corners: &Outline) -> f64 {
+pub(crate) fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
     match corners[..] {
         [a, _, b, _] => mm(b.x - a.x) * mm(b.y - a.y),
         _ => 0.0,
@@ -42,7 +42,7 @@ pub fn rectangle_mm2(corners: &Outline) -> f64 {
 
 impl CellGrid<'_> {
     /// The columns, and the rows, that reach into a region.
-    pub fn cells(&self, region: Region) -> (Range<usize>, Range<usize>) {
+    pub(crate) fn cells(&self, region: TemplateRect) -> (Range<usize>, Range<usize>) {
         // What is left of a cell must be a unit at least: seams on borders of cells are rounded.
         let range = |from: f64, to: f64| {
             let first = (from.max(0.0) / self.cell_mm).floor() as usize;
@@ -72,7 +72,7 @@ impl CellGrid<'_> {
     }
 
     /// What a paint takes of a region: a rectangle for each run of its cells in a row. They share borders and nothing else.
-    pub fn runs(&self, paint: usize, region: Region) -> Vec<Outline> {
+    pub(crate) fn runs(&self, paint: usize, region: TemplateRect) -> Vec<PlaneOutline> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
         let mut runs = Vec::new();
@@ -93,7 +93,7 @@ impl CellGrid<'_> {
     }
 
     /// The lines between cells of different paints, and around the region.
-    pub fn borders(&self, region: Region) -> Vec<(Point, Point)> {
+    pub(crate) fn borders(&self, region: TemplateRect) -> Vec<(PlanePoint, PlanePoint)> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
         let paint = |column: usize, row: usize| self.painted.paint_at(column, row);
@@ -102,21 +102,27 @@ impl CellGrid<'_> {
             let differ = |column: &usize| paint(*column, row) != paint(*column, row - 1);
             for run in stretches(columns.clone(), differ) {
                 let part = self.part(whole, run, row..row + 1);
-                lines.push((Point::new(part.left, part.top), Point::new(part.right, part.top)));
+                lines.push((
+                    PlanePoint::new(part.left, part.top),
+                    PlanePoint::new(part.right, part.top),
+                ));
             }
         }
         for column in columns.skip(1) {
             let differ = |row: &usize| paint(column, *row) != paint(column - 1, *row);
             for run in stretches(rows.clone(), differ) {
                 let part = self.part(whole, column..column + 1, run);
-                lines.push((Point::new(part.left, part.top), Point::new(part.left, part.bottom)));
+                lines.push((
+                    PlanePoint::new(part.left, part.top),
+                    PlanePoint::new(part.left, part.bottom),
+                ));
             }
         }
         lines
     }
 
     /// The patches of a region, cells that share a side taken together, row by row of their first cells.
-    pub fn patches(&self, region: Region) -> Vec<Patch> {
+    pub(crate) fn patches(&self, region: TemplateRect) -> Vec<PaintPatch> {
         let (columns, rows) = self.cells(region);
         let (wide, high) = (columns.len(), rows.len());
         let paint = |i: usize| self.painted.paint_at(columns.start + i % wide, rows.start + i / wide);
@@ -141,7 +147,7 @@ impl CellGrid<'_> {
                 }
             }
             let room = part(best);
-            patches.push(Patch {
+            patches.push(PaintPatch {
                 paint: paint(first),
                 at_mm: (mm(room.left + room.right) / 2.0, mm(room.bottom + room.top) / 2.0),
                 room_mm: (mm(room.right - room.left), mm(room.top - room.bottom)),

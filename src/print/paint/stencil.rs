@@ -14,7 +14,7 @@
 //! what is bridged is touched up with a brush.
 
 use super::bridges;
-use super::plane::{Area, Bounds, Outline, units};
+use super::plane::{Area, Bounds, PlaneOutline, units};
 
 /// Rounds until all rules hold; real patterns take two to six.
 const MOST_ROUNDS: usize = 100;
@@ -55,7 +55,7 @@ pub struct NoStencil {
 ///
 /// # Errors
 /// [`NoStencil`], which bounds the search.
-pub fn stencil(openings: &[Outline], region: &[Outline], rules: Rules) -> Result<Stencil, NoStencil> {
+pub fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules) -> Result<Stencil, NoStencil> {
     let half = units(0.5 * rules.min_feature_mm);
     let region = Area::of(region);
     let nowhere = Bounds {
@@ -88,7 +88,7 @@ pub fn stencil(openings: &[Outline], region: &[Outline], rules: Rules) -> Result
 }
 
 /// What must be added to the material by the first of the rules that is broken.
-fn missing(material: &Area, half: i32) -> Vec<Outline> {
+fn missing(material: &Area, half: i32) -> Vec<PlaneOutline> {
     let core = material.shrunk(half);
     let thin = material.without(&core.grown(half)).shrunk(ROUNDING);
     if !thin.is_empty() {
@@ -119,7 +119,7 @@ mod tests {
         rim_mm: 10.0,
     };
 
-    fn cell(column: i32, row: i32, mm: f64) -> Outline {
+    fn cell(column: i32, row: i32, mm: f64) -> PlaneOutline {
         let edge = |i: i32| units(f64::from(i) * mm);
         Bounds {
             left: edge(column),
@@ -133,7 +133,7 @@ mod tests {
     /// A stencil of the cells of a square that `paint` says, all of them `mm` wide.
     fn of_cells(side: i32, mm: f64, paint: impl Fn(i32, i32) -> bool) -> Stencil {
         let all = (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
-        let cells: Vec<Outline> = all
+        let cells: Vec<PlaneOutline> = all
             .filter(|(c, r)| paint(*c, *r))
             .map(|(c, r)| cell(c, r, mm))
             .collect();
@@ -195,13 +195,13 @@ mod tests {
 
     #[test]
     fn outlines_may_be_slanted_and_regions_have_holes() {
-        let ngon = |n: u32, mm: f64| -> Outline {
+        let ngon = |n: u32, mm: f64| -> PlaneOutline {
             let corner = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
             (0..n)
-                .map(|i| super::super::plane::Point::new(units(mm * corner(i).cos()), units(mm * corner(i).sin())))
+                .map(|i| super::super::plane::PlanePoint::new(units(mm * corner(i).cos()), units(mm * corner(i).sin())))
                 .collect()
         };
-        let hole: Outline = ngon(7, 12.0).into_iter().rev().collect();
+        let hole: PlaneOutline = ngon(7, 12.0).into_iter().rev().collect();
         let made = stencil(&[ngon(5, 60.0)], &[ngon(11, 50.0), hole], RULES).unwrap();
         assert_sound(&made);
         assert!(made.openings.mm2() > 4000.0 && made.bridges.mm2() > 40.0);

@@ -1,16 +1,16 @@
 //! A stencil on its sheet: openings tinted, to be cut out; the rim with its label, and registration holes at the same place for every
 //! paint.
 
-use super::plane::{Outline, mm};
+use super::plane::{PlaneOutline, mm};
 use super::{PaintRequest, Stencil};
 use crate::pattern::Pattern;
 use crate::pattern::palette::Paint;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
-use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
-use crate::print::template::{Captions, Front, Layout, SheetPlan, TemplateRequest, around, guides};
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
+use crate::print::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
 
 /// What is to be cut out: light, to spare ink, and no colour of lines and text.
-const OPENING: Rgb = [255, 214, 140];
+const OPENING: Srgb8 = [255, 214, 140];
 const LINE_MM: f64 = 0.15;
 const LABEL_MM: f64 = 3.5;
 const HOLE_MM: f64 = 3.0;
@@ -18,12 +18,12 @@ const HOLE_MM: f64 = 3.0;
 const HOLE_CORNERS: u32 = 24;
 
 /// Width of a registration hole.
-pub fn hole_mm(min_feature_mm: f64) -> f64 {
+pub(crate) fn hole_mm(min_feature_mm: f64) -> f64 {
     HOLE_MM.max(min_feature_mm)
 }
 
 /// Crosses in the corners of a rim; with a hole, only the arms beside it.
-pub fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
+pub(crate) fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     let (near, far) = (0.5 * hole_mm, 0.5 * rim_mm - 0.5);
     let arms = |(x, y): (f64, f64)| {
         [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
@@ -40,15 +40,15 @@ fn corners(outer: RectMm, rim_mm: f64) -> [(f64, f64); 4] {
 }
 
 /// Draws the stencils of one request.
-pub struct Pen<'a> {
-    layout: &'a Layout,
+pub(crate) struct StencilPen<'a> {
+    layout: &'a SheetLayout,
     captions: Captions,
     min_feature_mm: f64,
     mirror: bool,
 }
 
-impl<'a> Pen<'a> {
-    pub fn new(layout: &'a Layout, pattern: &Pattern, request: &PaintRequest, cell_mm: f64) -> Self {
+impl<'a> StencilPen<'a> {
+    pub(crate) fn new(layout: &'a SheetLayout, pattern: &Pattern, request: &PaintRequest, cell_mm: f64) -> Self {
         let template = &request.template;
         let front = match (request.mirror, template.front) {
             (true, Front::Left) => Front::Right,
@@ -68,7 +68,7 @@ impl<'a> Pen<'a> {
     }
 
     /// The page of one paint and one part of the panel. `number`: the paint's in the legend.
-    pub fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
+    pub(crate) fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
         let outer = plan.trim;
         let rim = plan.own.left_mm - plan.carried.left_mm;
         let openings = self.openings(plan, rim, stencil);
@@ -88,20 +88,14 @@ impl<'a> Pen<'a> {
             marks = marks.into_iter().map(|mark| mirrored(mark, outer)).collect();
         }
         marks.extend(around(self.layout, plan, &self.captions));
-        Sheet {
-            width_mm: self.layout.frame.page.width_mm,
-            height_mm: self.layout.frame.page.height_mm,
-            trim: outer,
-            bleed: outer,
-            marks,
-        }
+        self.layout.frame.sheet(outer, outer, marks)
     }
 
     /// Those of the paint, and the registration holes.
     fn openings(&self, plan: &SheetPlan, rim: f64, stencil: &Stencil) -> Vec<Vec<PointMm>> {
         let outer = plan.trim;
-        let place = |outline: &Outline| -> Vec<PointMm> {
-            let corner = |p: &super::plane::Point| {
+        let place = |outline: &PlaneOutline| -> Vec<PointMm> {
+            let corner = |p: &super::plane::PlanePoint| {
                 PointMm::new(
                     outer.left_mm + mm(p.x) - plan.carried.left_mm,
                     outer.top_mm + mm(p.y) + plan.carried.top_mm,
@@ -135,7 +129,12 @@ impl<'a> Pen<'a> {
         let size_mm = fitting_size_mm(&text, LABEL_MM, outer.width_mm() - 2.0 * rim);
         let middle = outer.top_mm - 0.5 * rim;
         let x = 0.5 * (outer.left_mm + outer.right_mm);
-        Mark::text((x, middle - 0.5 * CAP_HEIGHT * size_mm), size_mm, Anchor::Centre, text)
+        Mark::text(
+            (x, middle - 0.5 * CAP_HEIGHT * size_mm),
+            size_mm,
+            TextAnchor::Centre,
+            text,
+        )
     }
 }
 
@@ -182,9 +181,9 @@ fn mirrored(mark: Mark, piece: RectMm) -> Mark {
             at: over(at),
             size_mm,
             anchor: match anchor {
-                Anchor::Left => Anchor::Right,
-                Anchor::Centre => Anchor::Centre,
-                Anchor::Right => Anchor::Left,
+                TextAnchor::Left => TextAnchor::Right,
+                TextAnchor::Centre => TextAnchor::Centre,
+                TextAnchor::Right => TextAnchor::Left,
             },
             text,
             colour,

@@ -12,10 +12,10 @@ const FILE: &[u8] = include_bytes!("../fonts/DejaVuSans-latin1.ttf");
 const NAME: &str = "LATINA+DejaVuSans";
 /// What the pages call their font until [`embed`] exchanges it. printpdf encodes the text of its built-in fonts in WinAnsi,
 /// one byte a letter, which is all a Latin-1 font needs; its own embedding would number the glyphs anew for every file.
-pub const STAND_IN: BuiltinFont = BuiltinFont::Helvetica;
+pub(crate) const STAND_IN: BuiltinFont = BuiltinFont::Helvetica;
 
 /// Exchanges the stand-in for the embedded font.
-pub fn embed(document: &mut Document) {
+pub(crate) fn embed(document: &mut Document) {
     let is_stand_in = |object: &Object| {
         let base_font = object
             .as_dict()

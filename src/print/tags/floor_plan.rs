@@ -5,16 +5,16 @@
 
 use nalgebra::Vector3;
 
-use super::view::{View, bounds, grown, union};
+use super::window::{GroundWindow, bounds, grown, union};
 use super::{TagPrintError, captions, family_name};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
-use crate::print::page::{Media, Page};
+use crate::print::page::{FreePage, Media};
 use crate::print::paper::Orientation;
-use crate::print::shapes::{Outline, stroke, stroked};
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, RectMm, Rgb, Sheet};
+use crate::print::shapes::{OutlineMm, stroke, stroked};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::scene::{Scene, Tag};
 
-const GREY: Rgb = [110, 110, 110];
+const GREY: Srgb8 = [110, 110, 110];
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.6;
 const LEADING_MM: f64 = 4.0;
@@ -56,7 +56,7 @@ const LEGEND: [&str; 3] = [
 
 /// A card's place in words of a ruler and a protractor.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct FloorPlace {
     /// Where the card faces, or where its top points when it lies flat.
     pub heading_deg: f64,
     pub lies_flat: bool,
@@ -66,7 +66,7 @@ pub struct Place {
     pub turned_deg: f64,
 }
 
-impl Place {
+impl FloorPlace {
     /// Of a tag.
     pub fn of(tag: &Tag) -> Self {
         let normal = tag.right.cross(&tag.up);
@@ -92,20 +92,20 @@ impl Place {
 ///
 /// # Errors
 /// Paper too small for the rulers.
-pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
+pub(crate) fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     if tags.is_empty() {
         return Ok(Vec::new());
     }
-    let page = match Page::new(media, Orientation::Portrait) {
+    let page = match FreePage::new(media, Orientation::Portrait) {
         Ok(page) => page,
-        Err(_) => Page::new(media, Orientation::Landscape)?,
+        Err(_) => FreePage::new(media, Orientation::Landscape)?,
     };
     let page = page.shortened(media, ROLL_MM)?;
     let area = page.0.usable;
     let title = format!("Floor plan of {}", printable(&scene.model.name));
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
     let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
-    let head = Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title);
+    let head = Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title);
     let body = RectMm {
         top_mm: title_y - GAP_MM,
         ..area
@@ -139,7 +139,7 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
 }
 
 /// What page `i` (from 0) is called.
-pub fn name(i: usize) -> String {
+pub(crate) fn name(i: usize) -> String {
     format!("floor plan {}", i + 1)
 }
 
@@ -158,7 +158,7 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     );
     let fits = |n: &&f64| shown.width_mm() / **n <= wide && shown.height_mm() / **n <= high;
     let one_to = SCALES.iter().find(fits).copied().unwrap_or(1000.0);
-    let view = View {
+    let window = GroundWindow {
         centre: PointMm::new(shown.left_mm, shown.top_mm),
         at: PointMm::new(
             (room.left_mm + room.right_mm - shown.width_mm() / one_to) / 2.0,
@@ -167,32 +167,32 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
         right: [1.0, 0.0],
         scale: 1.0 / one_to,
     };
-    let mut marks = model_marks(model, &view);
+    let mut marks = model_marks(model, &window);
     for tag in tags {
-        marks.extend(card(tag, &view));
+        marks.extend(card(tag, &window));
     }
-    let below = view.at.y_mm - shown.height_mm() / one_to - edge;
+    let below = window.at.y_mm - shown.height_mm() / one_to - edge;
     marks.extend(scale_bar(one_to, (room.left_mm, below)));
     (marks, below - LEADING_MM)
 }
 
 /// The model's outline with an arrow at its front and a cross in its middle, and the two axes.
-fn model_marks(model: RectMm, view: &View) -> Vec<Mark> {
-    let on_page = |x: f64, y: f64| view.on_page(PointMm::new(x, y));
+fn model_marks(model: RectMm, window: &GroundWindow) -> Vec<Mark> {
+    let on_page = |x: f64, y: f64| window.on_page(PointMm::new(x, y));
     let front = model.right_mm + 2.0;
-    let arrow: Outline = [
+    let arrow: OutlineMm = [
         (front, -ARROW_MM / 3.0),
         (front + ARROW_MM, 0.0),
         (front, ARROW_MM / 3.0),
     ]
     .map(|(x, y)| on_page(x, y))
     .to_vec();
-    let mut outlines = stroked(&view.outline(&model.outline()), LINE_MM);
+    let mut outlines = stroked(&window.outline(&model.outline()), LINE_MM);
     outlines.push(arrow);
     let (x, y) = (model.right_mm / 3.0, model.top_mm / 2.0);
     outlines.push(stroke(on_page(0.0, 0.0), on_page(x, 0.0), LINE_MM));
     outlines.push(stroke(on_page(0.0, 0.0), on_page(0.0, y), LINE_MM));
-    let text = |at: PointMm, text: &str| Mark::text((at.x_mm + 0.8, at.y_mm - 0.8), ID_MM, Anchor::Left, text);
+    let text = |at: PointMm, text: &str| Mark::text((at.x_mm + 0.8, at.y_mm - 0.8), ID_MM, TextAnchor::Left, text);
     let corner = on_page(model.right_mm, model.top_mm);
     outlines.push(stroke(
         PointMm::new(corner.x_mm - 1.5, corner.y_mm + 1.5),
@@ -206,19 +206,19 @@ fn model_marks(model: RectMm, view: &View) -> Vec<Mark> {
         Mark::text(
             (corner.x_mm - 2.0, corner.y_mm - 3.0),
             2.0,
-            Anchor::Right,
+            TextAnchor::Right,
             "front left corner",
         ),
     ]
 }
 
 /// A card from above, a line to the side it faces, and its id there.
-fn card(tag: &Tag, view: &View) -> Vec<Mark> {
-    let heading = Place::of(tag).heading_deg.to_radians();
+fn card(tag: &Tag, window: &GroundWindow) -> Vec<Mark> {
+    let heading = FloorPlace::of(tag).heading_deg.to_radians();
     let (dx, dy) = (heading.cos(), heading.sin());
-    let at = view.on_page(PointMm::new(tag.centre_mm.x, tag.centre_mm.y));
+    let at = window.on_page(PointMm::new(tag.centre_mm.x, tag.centre_mm.y));
     let end = PointMm::new(at.x_mm + POINTER_MM * dx, at.y_mm + POINTER_MM * dy);
-    let mut outlines = stroked(&view.outline(&foot(tag)), LINE_MM);
+    let mut outlines = stroked(&window.outline(&foot(tag)), LINE_MM);
     outlines.push(stroke(at, end, LINE_MM));
     let label = (end.x_mm + ID_MM * dx, end.y_mm + ID_MM * dy - 0.5 * CAP_HEIGHT * ID_MM);
     vec![
@@ -226,12 +226,12 @@ fn card(tag: &Tag, view: &View) -> Vec<Mark> {
             outlines,
             colour: BLACK,
         },
-        Mark::text(label, ID_MM, Anchor::Centre, tag.id.to_string()),
+        Mark::text(label, ID_MM, TextAnchor::Centre, tag.id.to_string()),
     ]
 }
 
 /// A tag's black square on the ground, seen from above.
-fn foot(tag: &Tag) -> Outline {
+fn foot(tag: &Tag) -> OutlineMm {
     tag.corners_mm().map(|p| PointMm::new(p.x, p.y)).to_vec()
 }
 
@@ -249,7 +249,7 @@ fn scale_bar(one_to: f64, (x, y): (f64, f64)) -> Vec<Mark> {
         Mark::text(
             (end + 2.0, y - 0.5 * CAP_HEIGHT * TEXT_MM),
             TEXT_MM,
-            Anchor::Left,
+            TextAnchor::Left,
             format!("{} mm · drawn 1:{} of the set-up", number(length), number(one_to)),
         ),
     ]
@@ -261,7 +261,7 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
     let mut y = room.top_mm - CAP_HEIGHT * TEXT_MM;
     for line in LEGEND {
         let size_mm = fitting_size_mm(line, TEXT_MM, room.width_mm());
-        marks.push(Mark::text((room.left_mm, y), size_mm, Anchor::Left, line));
+        marks.push(Mark::text((room.left_mm, y), size_mm, TextAnchor::Left, line));
         y -= LEADING_MM;
     }
     y -= 0.5 * LEADING_MM;
@@ -271,7 +271,7 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
         let cell = |((_, to), text): (&(&str, f64), String)| {
             let size_mm = fitting_size_mm(&text, TEXT_MM, factor * (to - from) - 1.5);
             from = *to;
-            Mark::text((room.left_mm + factor * to, y), size_mm, Anchor::Right, text)
+            Mark::text((room.left_mm + factor * to, y), size_mm, TextAnchor::Right, text)
         };
         COLUMNS.iter().zip(cells).map(cell).collect::<Vec<_>>()
     };
@@ -292,7 +292,7 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
 
 fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
     let [length, width, _] = scene.model.size_mm;
-    let (c, place) = (tag.centre_mm, Place::of(tag));
+    let (c, place) = (tag.centre_mm, FloorPlace::of(tag));
     let many = scene.families().len() > 1;
     let family = if many {
         format!("{} ", family_name(tag.family))

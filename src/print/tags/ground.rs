@@ -5,16 +5,16 @@
 use super::arrange::Arrangement;
 use super::mat::Mat;
 use super::piece;
-use super::seams::Axis;
-use super::strip::{Standing, Strip};
-use super::view::{bounds, union, within};
+use super::seams::SeamAxis;
+use super::strip::{PlaceStrip, Standing};
+use super::window::{bounds, union, within};
 use super::{TagPrintError, TagRequest};
 use crate::print::SheetError;
-use crate::print::page::{Media, Page};
+use crate::print::page::{FreePage, Media};
 use crate::print::paper::Stock;
 use crate::print::shapes::{clipped, stroked};
 use crate::print::sheet::RectMm;
-use crate::print::template::{Layout, MAX_SHEETS, Region, SheetPlan};
+use crate::print::template::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect};
 
 /// What neighbouring sheets share for gluing.
 const OVERLAP_MM: f64 = 8.0;
@@ -25,10 +25,10 @@ const SHORT_MM: f64 = 178.0;
 #[derive(Debug, Clone)]
 pub struct Ground {
     pub mat: Mat,
-    pub layout: Layout,
+    pub layout: SheetLayout,
     /// All sheets together, left out ones too (ground frame).
     pub paper: RectMm,
-    pub strips: Vec<Strip>,
+    pub strips: Vec<PlaceStrip>,
     /// Ids of the flat tags that a seam runs through.
     pub cut_tags: Vec<u32>,
 }
@@ -47,7 +47,7 @@ impl Ground {
         let media = request.media;
         let mut best: Option<(Cost, Ground)> = None;
         let mut refused = None;
-        for page in Page::both_ways(media)? {
+        for page in FreePage::both_ways(media)? {
             for with_strips in [false, true] {
                 if with_strips && (request.whole_mat || matches!(media.paper, Stock::Roll { .. })) {
                     continue;
@@ -70,7 +70,7 @@ impl Ground {
 
     /// On one paper, used one way round. Tent cards that no strip reaches stand on the mat, which grows for them.
     fn on(
-        page: Page,
+        page: FreePage,
         mat: &Mat,
         arrangement: &Arrangement,
         media: Media,
@@ -156,12 +156,12 @@ impl Ground {
     }
 
     /// A region of the layout on the ground.
-    pub fn ground(&self, region: Region) -> RectMm {
+    pub fn ground(&self, region: TemplateRect) -> RectMm {
         on_ground(self.paper, region)
     }
 }
 
-fn on_ground(paper: RectMm, region: Region) -> RectMm {
+fn on_ground(paper: RectMm, region: TemplateRect) -> RectMm {
     RectMm::new(
         paper.left_mm + region.left_mm,
         paper.top_mm - region.bottom_mm,
@@ -171,10 +171,10 @@ fn on_ground(paper: RectMm, region: Region) -> RectMm {
 }
 
 /// The sheets for some content of the mat, and where all of them together lie on the ground.
-fn tiled(page: Page, media: Media, mat: &Mat, content: RectMm) -> Result<(Layout, RectMm), TagPrintError> {
+fn tiled(page: FreePage, media: Media, mat: &Mat, content: RectMm) -> Result<(SheetLayout, RectMm), TagPrintError> {
     let tags: Vec<RectMm> = mat.tags.iter().map(|(_, tag)| bounds(tag)).collect();
     let usable = page.0.usable;
-    let across = Axis {
+    let across = SeamAxis {
         low_mm: content.left_mm,
         high_mm: content.right_mm,
         usable_mm: usable.width_mm(),
@@ -182,7 +182,7 @@ fn tiled(page: Page, media: Media, mat: &Mat, content: RectMm) -> Result<(Layout
         keep: tags.iter().map(|tag| (tag.left_mm, tag.right_mm)).collect(),
     };
     // Rows count from the top.
-    let down = Axis {
+    let down = SeamAxis {
         low_mm: -content.top_mm,
         high_mm: -content.bottom_mm,
         usable_mm: usable.height_mm(),
@@ -215,12 +215,12 @@ fn tiled(page: Page, media: Media, mat: &Mat, content: RectMm) -> Result<(Layout
     let ends = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
     let ((left, right), (top, bottom)) = (ends(&x), ends(&y));
     let from = |edges: &[f64], zero: f64| edges.iter().map(|edge| edge - zero).collect::<Vec<_>>();
-    let layout = Layout::cut_at(page.0, &from(&x, left), &from(&y, top), OVERLAP_MM);
+    let layout = SheetLayout::cut_at(page.0, &from(&x, left), &from(&y, top), OVERLAP_MM);
     Ok((layout, RectMm::new(left, -bottom, right, -top)))
 }
 
 /// The flat tags that lie on no sheet wholly.
-fn cut_tags(mat: &Mat, layout: &Layout, paper: RectMm) -> Vec<u32> {
+fn cut_tags(mat: &Mat, layout: &SheetLayout, paper: RectMm) -> Vec<u32> {
     let is_whole = |tag: RectMm| layout.sheets.iter().any(|plan| within(tag, on_ground(paper, plan.own)));
     let cut = mat.tags.iter().filter(|(_, tag)| !is_whole(bounds(tag)));
     cut.map(|(id, _)| *id).collect()

@@ -3,13 +3,13 @@
 use super::ground::Ground;
 use super::mat::GREY;
 use super::piece::PiecePage;
-use super::view::{View, bounds, union};
+use super::window::{GroundWindow, bounds, union};
 use super::{Arrangement, TagPrintError, captions};
 use crate::print::lettering::{CAP_HEIGHT, counted, fitting_size_mm, printable};
-use crate::print::page::{Media, Page};
+use crate::print::page::{FreePage, Media};
 use crate::print::paper::Orientation;
-use crate::print::shapes::{Outline, stroked};
-use crate::print::sheet::{Anchor, BLACK, Fill, Mark, PointMm, RectMm, Rgb, Sheet};
+use crate::print::shapes::{OutlineMm, stroked};
+use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::cover::{CHECK_MM, scale_check, steps};
 use crate::print::template::layout::ROLL_COVER_MM;
 use crate::scene::Scene;
@@ -22,8 +22,8 @@ const SHEET_ID_MM: f64 = 5.0;
 const NAME_MM: f64 = 2.6;
 const LINE_MM: f64 = 0.25;
 const THIN_MM: f64 = 0.12;
-const PAPER: Rgb = [238, 238, 238];
-/// Small pictures of the pages with cards: their height, at most and at least.
+const PAPER: Srgb8 = [238, 238, 238];
+/// Small images of the pages with cards: their height, at most and at least.
 const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
 /// What of the page's height they may take.
 const THUMBNAIL_SHARE: f64 = 0.45;
@@ -31,7 +31,7 @@ const THUMBNAIL_SHARE: f64 = 0.45;
 const BODY_MOST_MM: f64 = 320.0;
 
 /// What the map shows.
-pub struct Map<'a> {
+pub(crate) struct TagMap<'a> {
     pub scene: &'a Scene,
     pub media: Media,
     pub arrangement: &'a Arrangement<'a>,
@@ -42,22 +42,22 @@ pub struct Map<'a> {
     pub card_names: &'a [String],
 }
 
-impl Map<'_> {
+impl TagMap<'_> {
     /// Draws the page.
     ///
     /// # Errors
     /// Paper too small for the rulers.
-    pub fn sheet(&self) -> Result<Sheet, TagPrintError> {
-        let upright = Page::new(self.media, Orientation::Portrait);
+    pub(crate) fn sheet(&self) -> Result<Sheet, TagPrintError> {
+        let upright = FreePage::new(self.media, Orientation::Portrait);
         let page = match upright {
             Ok(page) => page.shortened(self.media, ROLL_COVER_MM)?,
-            Err(_) => Page::new(self.media, Orientation::Landscape)?,
+            Err(_) => FreePage::new(self.media, Orientation::Landscape)?,
         };
         let area = page.0.usable;
         let title = format!("Tags of {}: how to set them up", printable(&self.scene.model.name));
         let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
         let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
-        let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title)];
+        let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
         let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
         let body = RectMm::new(area.left_mm, area.bottom_mm + CHECK_MM, right, title_y - GAP_MM);
         marks.extend(self.body(body));
@@ -69,7 +69,7 @@ impl Map<'_> {
         Ok(page.sheet(marks, &captions(self.scene, self.media, how_to), "map"))
     }
 
-    /// Steps above the pictures, or beside them where the page is wide.
+    /// Steps above the images, or beside them where the page is wide.
     fn body(&self, body: RectMm) -> Vec<Mark> {
         let wide = body.width_mm() > 1.2 * body.height_mm();
         let steps_mm = if wide {
@@ -160,7 +160,7 @@ impl Map<'_> {
 
     /// The ground with the sheets of the mat behind it.
     fn ground_map(&self, ground: &Ground, room: RectMm) -> Vec<Mark> {
-        let strips: Vec<Outline> = ground.strips.iter().map(super::strip::Strip::outline).collect();
+        let strips: Vec<OutlineMm> = ground.strips.iter().map(super::strip::PlaceStrip::outline).collect();
         let shown = strips
             .iter()
             .fold(union(ground.paper, ground.mat.whole()), |all, strip| {
@@ -172,7 +172,7 @@ impl Map<'_> {
             return Vec::new();
         }
         let left = room.left_mm + (room.width_mm() - scale * shown.width_mm()) / 2.0;
-        let view = View {
+        let window = GroundWindow {
             centre: PointMm::new(shown.left_mm, shown.top_mm),
             at: PointMm::new(left, room.top_mm),
             right: [1.0, 0.0],
@@ -180,7 +180,7 @@ impl Map<'_> {
         };
         let mut marks = Vec::new();
         for plan in &ground.layout.sheets {
-            let cell = bounds(&view.outline(&ground.ground(plan.own).outline()));
+            let cell = bounds(&window.outline(&ground.ground(plan.own).outline()));
             marks.push(Mark::Fill(Fill {
                 area: cell,
                 colour: PAPER,
@@ -188,17 +188,17 @@ impl Map<'_> {
             marks.push(area(stroked(&cell.outline(), THIN_MM), BLACK));
             let size_mm = SHEET_ID_MM.min(0.3 * cell.height_mm()).min(0.3 * cell.width_mm());
             let at = (cell.left_mm + 1.0, cell.top_mm - 1.0 - CAP_HEIGHT * size_mm);
-            marks.push(Mark::text(at, size_mm, Anchor::Left, plan.id()));
+            marks.push(Mark::text(at, size_mm, TextAnchor::Left, plan.id()));
         }
-        marks.extend(self.things(ground, &view, &strips));
+        marks.extend(self.things(ground, &window, &strips));
         marks
     }
 
     /// Model, tags, tent cards and strips.
-    fn things(&self, ground: &Ground, view: &View, strips: &[Outline]) -> Vec<Mark> {
-        let mut marks = vec![area(view_all(view, &ground.mat.model), GREY)];
-        let mut named = |outline: &Outline, colour: Rgb, name: String| {
-            let outline = view.outline(outline);
+    fn things(&self, ground: &Ground, window: &GroundWindow, strips: &[OutlineMm]) -> Vec<Mark> {
+        let mut marks = vec![area(window_all(window, &ground.mat.model), GREY)];
+        let mut named = |outline: &OutlineMm, colour: Srgb8, name: String| {
+            let outline = window.outline(outline);
             let around = bounds(&outline);
             marks.push(area(stroked(&outline, LINE_MM), colour));
             let size_mm = fitting_size_mm(&name, NAME_MM, 0.9 * around.width_mm().max(around.height_mm()));
@@ -206,7 +206,7 @@ impl Map<'_> {
                 (around.left_mm + around.right_mm) / 2.0,
                 (around.bottom_mm + around.top_mm - CAP_HEIGHT * size_mm) / 2.0,
             );
-            marks.push(Mark::text(at, size_mm, Anchor::Centre, name));
+            marks.push(Mark::text(at, size_mm, TextAnchor::Centre, name));
         };
         for strip in strips {
             named(strip, GREY, String::new());
@@ -246,7 +246,7 @@ impl Map<'_> {
             let x = room.left_mm + (i % a_row) as f64 * (high * ratio + GAP_MM);
             let y = top - (i / a_row) as f64 * (high + NAME_MM + GAP_MM);
             let size_mm = fitting_size_mm(name, NAME_MM, high * ratio + GAP_MM - 1.0);
-            marks.push(Mark::text((x, y - NAME_MM), size_mm, Anchor::Left, (*name).clone()));
+            marks.push(Mark::text((x, y - NAME_MM), size_mm, TextAnchor::Left, (*name).clone()));
             let cell = RectMm::new(x, y - NAME_MM - 1.0 - high, x + high * ratio, y - NAME_MM - 1.0);
             marks.push(Mark::Fill(Fill {
                 area: cell,
@@ -273,16 +273,16 @@ fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
         marks.push(area(stroked(&card.outline(), THIN_MM), BLACK));
         let size_mm = fitting_size_mm(name, NAME_MM, 0.9 * card.width_mm()).min(0.8 * card.height_mm());
         let middle = ((left + right) / 2.0, (bottom + top - CAP_HEIGHT * size_mm) / 2.0);
-        marks.push(Mark::text(middle, size_mm, Anchor::Centre, name.clone()));
+        marks.push(Mark::text(middle, size_mm, TextAnchor::Centre, name.clone()));
     }
     marks
 }
 
-fn view_all(view: &View, outlines: &[Outline]) -> Vec<Outline> {
-    outlines.iter().map(|outline| view.outline(outline)).collect()
+fn window_all(window: &GroundWindow, outlines: &[OutlineMm]) -> Vec<OutlineMm> {
+    outlines.iter().map(|outline| window.outline(outline)).collect()
 }
 
-fn area(outlines: Vec<Outline>, colour: Rgb) -> Mark {
+fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {
     Mark::Area { outlines, colour }
 }
 

@@ -1,21 +1,21 @@
-//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame of [`super::view`];
+//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame of [`super::window`];
 //! [`super::ground`] spreads it over paper.
 
 use nalgebra::Point3;
 
 use super::arrange::Arrangement;
 use super::tent::Tent;
-use super::view::{View, bounds, grown, union};
+use super::window::{GroundWindow, bounds, grown, union};
 use super::{TagPrintError, image_of};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
-use crate::print::shapes::{Outline, Placement, black_modules, overlap, stroke, stroked};
-use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Rgb};
+use crate::print::shapes::{OutlineMm, TagPlacement, black_modules, overlap, stroke, stroked};
+use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
 use crate::scene::{ScaleModel, Scene, Tag};
 
-pub const GREY: Rgb = [110, 110, 110];
+pub(crate) const GREY: Srgb8 = [110, 110, 110];
 /// Free paper around everything.
 const BORDER_MM: f64 = 8.0;
-pub const LINE_MM: f64 = 0.4;
+pub(crate) const LINE_MM: f64 = 0.4;
 const TEXT_MM: f64 = 4.0;
 const TITLE_MM: f64 = 8.0;
 const UP_MM: f64 = 4.0;
@@ -25,25 +25,25 @@ const ARROW_MM: f64 = 18.0;
 /// Everything on the mat, in painting order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mat {
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<GroundShape>,
     pub labels: Vec<Label>,
     /// What each thing is called and the ground it needs: tags with their white ring.
-    footprints: Vec<(String, Outline)>,
+    footprints: Vec<(String, OutlineMm)>,
     /// The model's outline, cross and arrow.
-    pub model: Vec<Outline>,
+    pub model: Vec<OutlineMm>,
     /// The model and the flat tags, with a border.
     pub core: RectMm,
     /// The ground of each tent card.
     pub tents: Vec<RectMm>,
     /// The flat tags with their white rings, by id.
-    pub tags: Vec<(u32, Outline)>,
+    pub tags: Vec<(u32, OutlineMm)>,
 }
 
 /// Convex outlines of one colour.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
-    pub outlines: Vec<Outline>,
-    pub colour: Rgb,
+pub struct GroundShape {
+    pub outlines: Vec<OutlineMm>,
+    pub colour: Srgb8,
 }
 
 /// Centred text; `at` is the middle of its capitals.
@@ -91,7 +91,7 @@ impl Mat {
 
     fn add_model(&mut self, model: &ScaleModel) {
         let [length, width, _] = model.size_mm;
-        let level = Placement {
+        let level = TagPlacement {
             centre: PointMm::new(0.0, 0.0),
             right: [1.0, 0.0],
             module_mm: 1.0,
@@ -109,7 +109,7 @@ impl Mat {
         ];
         outlines.push(arrow.map(|(x, y)| PointMm::new(x, y)).to_vec());
         self.model.clone_from(&outlines);
-        self.shapes.push(Shape { outlines, colour: GREY });
+        self.shapes.push(GroundShape { outlines, colour: GREY });
         let size = format!("{} × {} mm", number(length), number(width));
         let text_mm = TITLE_MM.min(width / 8.0);
         let name = printable(&model.name);
@@ -122,7 +122,7 @@ impl Mat {
     fn add_flat_tag(&mut self, tag: &Tag) -> Result<(), TagPrintError> {
         let image = image_of(tag)?;
         let half = image.width_mm(tag.size_mm) / 2.0;
-        let place = Placement {
+        let place = TagPlacement {
             centre: on_mat(&tag.centre_mm),
             right: level_unit(tag.right.x, tag.right.y),
             module_mm: tag.size_mm / image.border_modules() as f64,
@@ -132,7 +132,7 @@ impl Mat {
         self.footprints.push((format!("tag {}", tag.id), ground));
         let mut outlines = black_modules(image.modules(), &place);
         outlines.push(place.up_mark(0.0, half, UP_MM));
-        self.shapes.push(Shape {
+        self.shapes.push(GroundShape {
             outlines,
             colour: BLACK,
         });
@@ -147,7 +147,7 @@ impl Mat {
         self.footprints.push((format!("tent card T{number}"), outline.to_vec()));
         let mut outlines = stroked(&outline, LINE_MM);
         outlines.extend(tent.middle_marks());
-        self.shapes.push(Shape { outlines, colour: GREY });
+        self.shapes.push(GroundShape { outlines, colour: GREY });
         self.tents.push(grown(bounds(&outline), BORDER_MM));
         let [a_left, a_right, b_right, b_left] = feet;
         let middle = nalgebra::center(&a_left, &b_right);
@@ -177,9 +177,9 @@ impl Mat {
     }
 
     /// What is seen of the shapes through a window, inside a rectangle of the page.
-    pub fn marks(&self, view: &View, to: RectMm) -> Vec<Mark> {
+    pub fn marks(&self, window: &GroundWindow, to: RectMm) -> Vec<Mark> {
         let seen = self.shapes.iter().map(|shape| Mark::Area {
-            outlines: view.clipped(&shape.outlines, to),
+            outlines: window.clipped(&shape.outlines, to),
             colour: shape.colour,
         });
         seen.filter(|mark| !matches!(mark, Mark::Area { outlines, .. } if outlines.is_empty()))
@@ -188,7 +188,7 @@ impl Mat {
 
     /// Adds grey lines around an outline, and its name in the middle.
     pub fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
-        self.shapes.push(Shape {
+        self.shapes.push(GroundShape {
             outlines: stroked(outline, LINE_MM),
             colour: GREY,
         });
@@ -196,7 +196,7 @@ impl Mat {
     }
 }
 
-pub fn on_mat(point: &Point3<f64>) -> PointMm {
+pub(crate) fn on_mat(point: &Point3<f64>) -> PointMm {
     PointMm::new(point.x, point.y)
 }
 

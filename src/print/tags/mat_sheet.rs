@@ -3,16 +3,16 @@
 
 use super::captions;
 use super::ground::Ground;
-use super::view::View;
+use super::window::GroundWindow;
 use crate::print::lettering::width_mm;
-use crate::print::page::{Media, Page};
-use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Sheet};
+use crate::print::page::{FreePage, Media};
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
 use crate::print::template::{SheetPlan, guides};
 use crate::scene::Scene;
 
 /// The pages of the mat, row by row from the top left.
-pub fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
-    let page = Page(ground.layout.frame);
+pub(crate) fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
+    let page = FreePage(ground.layout.frame);
     let how_to = [
         "Cut at the crop marks. A strip beyond a dashed line goes under the next sheet; seams that meet have the same letter.",
         "Ground mat seen from above, the model's front to the right; stand the model and the tent cards on their outlines.",
@@ -25,20 +25,25 @@ pub fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
 
 fn marks(ground: &Ground, plan: &SheetPlan) -> Vec<Mark> {
     let carried = ground.ground(plan.carried);
-    let view = View {
+    let window = GroundWindow {
         centre: PointMm::new(carried.left_mm, carried.top_mm),
         at: PointMm::new(plan.printed.left_mm, plan.printed.top_mm),
         right: [1.0, 0.0],
         scale: 1.0,
     };
-    let mut marks = ground.mat.marks(&view, plan.printed);
+    let mut marks = ground.mat.marks(&window, plan.printed);
     for label in &ground.mat.labels {
-        let at = view.on_page(label.at);
+        let at = window.on_page(label.at);
         let half = 0.5 * width_mm(&label.text, label.size_mm);
         let room = RectMm::new(at.x_mm - half, at.y_mm, at.x_mm + half, at.y_mm + label.size_mm);
         // A text across a cut stands on both sheets, so that it is whole once they are glued.
         if overlap(&room, &plan.trim) {
-            let text = Mark::text((at.x_mm, at.y_mm), label.size_mm, Anchor::Centre, label.text.clone());
+            let text = Mark::text(
+                (at.x_mm, at.y_mm),
+                label.size_mm,
+                TextAnchor::Centre,
+                label.text.clone(),
+            );
             marks.push(Mark::Clipped {
                 to: vec![plan.printed.outline()],
                 marks: vec![text],

@@ -15,13 +15,13 @@ mod strip;
 mod strip_sheet;
 mod tent;
 mod tent_sheet;
-mod view;
+mod window;
 
 pub use arrange::{Arrangement, FLAT_MM, arrange};
-pub use floor_plan::Place;
+pub use floor_plan::FloorPlace;
 pub use ground::Ground;
-pub use strip::Strip;
-pub use tent::{FlatTag, Fold, Net, Panel, TILT_DEG, Tent};
+pub use strip::PlaceStrip;
+pub use tent::{FlatTag, Fold, Net, TILT_DEG, Tent, TentPanel};
 
 use std::fmt;
 
@@ -172,7 +172,7 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
     let plans = floor_plan::sheets(&arrangement.cards, scene, media)?;
     let plan_names: Vec<String> = (0..plans.len()).map(floor_plan::name).collect();
     let card_names: Vec<String> = (1..=cards.len()).map(|n| format!("cards {n}")).collect();
-    let map = map::Map {
+    let map = map::TagMap {
         scene,
         media,
         arrangement: &arrangement,
@@ -212,7 +212,7 @@ pub fn tag_sheets(scene: &Scene, request: &TagRequest) -> Result<TagSheets, TagP
 fn pieces<'a>(
     arrangement: &'a Arrangement,
     ground: Option<&'a Ground>,
-) -> Result<Vec<piece::Piece<'a>>, TagPrintError> {
+) -> Result<Vec<piece::CutPiece<'a>>, TagPrintError> {
     let mut pieces = tent_sheet::pieces(&arrangement.tents);
     pieces.extend(card::pieces(&arrangement.cards)?);
     pieces.extend(ground.into_iter().flat_map(strip_sheet::pieces));
@@ -301,7 +301,7 @@ fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
     }
 }
 
-/// The picture of a tag, checked to be printable.
+/// The image of a tag, checked to be printable.
 fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
     let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
         family: family_name(tag.family),

@@ -1,16 +1,16 @@
 //! What is cut out of shared pages: tent cards, plain cards and place strips.
 
 use super::{Instead, LINE_MM, TagPrintError};
-use crate::print::lettering::number;
+use crate::print::lettering::size;
 use crate::print::pack::{self, Spot};
-use crate::print::page::{Media, Page};
+use crate::print::page::{FreePage, Media};
 use crate::print::paper::Stock;
 use crate::print::sheet::{Mark, PointMm, RectMm};
 
 type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 
 /// One thing to cut out.
-pub struct Piece<'a> {
+pub(crate) struct CutPiece<'a> {
     pub size_mm: (f64, f64),
     /// What the map calls it.
     pub name: String,
@@ -22,8 +22,8 @@ pub struct Piece<'a> {
 }
 
 /// A page with pieces.
-pub struct PiecePage {
-    pub page: Page,
+pub(crate) struct PiecePage {
+    pub page: FreePage,
     pub marks: Vec<Mark>,
     /// What lies where: name and area.
     pub names: Vec<(String, RectMm)>,
@@ -33,7 +33,7 @@ pub struct PiecePage {
 ///
 /// # Errors
 /// Paper too small for the rulers or for a piece, and whatever the drawing refuses.
-pub fn spread(pieces: &[Piece], media: Media) -> Result<Vec<PiecePage>, TagPrintError> {
+pub(crate) fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPrintError> {
     if pieces.is_empty() {
         return Ok(Vec::new());
     }
@@ -55,7 +55,7 @@ pub fn spread(pieces: &[Piece], media: Media) -> Result<Vec<PiecePage>, TagPrint
 }
 
 /// Where each piece lies.
-fn placed(pieces: &[Piece], media: Media) -> Result<(Page, Vec<Spot>), TagPrintError> {
+fn placed(pieces: &[CutPiece], media: Media) -> Result<(FreePage, Vec<Spot>), TagPrintError> {
     let sizes: Vec<_> = pieces.iter().map(|piece| piece.size_mm).collect();
     let name = |thing: usize| {
         pieces.get(thing).map_or((String::new(), Instead::Nothing), |piece| {
@@ -69,7 +69,7 @@ fn placed(pieces: &[Piece], media: Media) -> Result<(Page, Vec<Spot>), TagPrintE
 ///
 /// # Errors
 /// As [`spread`].
-pub fn check(pieces: &[Piece], media: Media) -> Result<(), TagPrintError> {
+pub(crate) fn check(pieces: &[CutPiece], media: Media) -> Result<(), TagPrintError> {
     placed(pieces, media).map(|_| ())
 }
 
@@ -77,7 +77,7 @@ pub fn check(pieces: &[Piece], media: Media) -> Result<(), TagPrintError> {
 ///
 /// # Errors
 /// As [`spread`].
-pub fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
+pub(crate) fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
     let unnamed = |_| ("a card".to_owned(), Instead::Nothing);
     if sizes.is_empty() {
         Ok(0)
@@ -91,7 +91,7 @@ fn count(spots: &[Spot]) -> usize {
 }
 
 /// One page, on a roll no longer than its pieces need.
-fn cut_off(page: Page, media: Media, number: usize, spots: &[Spot]) -> Result<PiecePage, TagPrintError> {
+fn cut_off(page: FreePage, media: Media, number: usize, spots: &[Spot]) -> Result<PiecePage, TagPrintError> {
     let bottoms = spots.iter().filter(|spot| spot.page == number).map(|spot| spot.at.y_mm);
     let lowest = bottoms.fold(page.0.usable.top_mm, f64::min);
     Ok(PiecePage {
@@ -105,10 +105,10 @@ fn packed(
     sizes: &[(f64, f64)],
     media: Media,
     name: impl Fn(usize) -> (String, Instead),
-) -> Result<(Page, Vec<Spot>), TagPrintError> {
-    let mut best: Option<(Page, Vec<Spot>)> = None;
+) -> Result<(FreePage, Vec<Spot>), TagPrintError> {
+    let mut best: Option<(FreePage, Vec<Spot>)> = None;
     let mut refused = None;
-    for page in Page::both_ways(media)? {
+    for page in FreePage::both_ways(media)? {
         // Things stand in rows across a roll, so that it can be cut off below the last one.
         if page.0.setup.turned && matches!(media.paper, Stock::Roll { .. }) {
             continue;
@@ -124,7 +124,6 @@ fn packed(
     }
     best.ok_or_else(|| {
         let (thing, area) = refused.unwrap_or((0, RectMm::new(0.0, 0.0, 0.0, 0.0)));
-        let size = |(width, height): (f64, f64)| format!("{} × {}", number(width), number(height));
         let (what, instead) = name(thing);
         TagPrintError::TooLarge {
             what,
@@ -136,7 +135,7 @@ fn packed(
 }
 
 /// Solid lines around what is cut out.
-pub fn cut_line(area: RectMm) -> [Mark; 4] {
+pub(crate) fn cut_line(area: RectMm) -> [Mark; 4] {
     let (l, b, r, t) = (area.left_mm, area.bottom_mm, area.right_mm, area.top_mm);
     [((l, b), (r, b)), ((r, b), (r, t)), ((r, t), (l, t)), ((l, t), (l, b))]
         .map(|(from, to)| Mark::line(from, to, LINE_MM))

@@ -13,7 +13,7 @@ const CLEAR_WEIGHT: f64 = 1e3;
 
 /// One axis of the mat: what must be on it, and what a sheet has room for. Millimetres; the overlap is on a sheet's far side.
 #[derive(Debug, Clone)]
-pub struct Axis {
+pub(crate) struct SeamAxis {
     pub low_mm: f64,
     pub high_mm: f64,
     /// Of one sheet.
@@ -23,11 +23,11 @@ pub struct Axis {
     pub keep: Vec<(f64, f64)>,
 }
 
-impl Axis {
+impl SeamAxis {
     /// The edges of the fewest sheets, the two outer ones among them, in rising order. Outer sheets reach as far as their paper does.
     /// Of all places for the seams the ones that cut the fewest spans are taken, then those with most clearance, then the most
     /// even ones.
-    pub fn edges(&self) -> Vec<f64> {
+    pub(crate) fn edges(&self) -> Vec<f64> {
         let sheets = self.sheets();
         if sheets == 1 {
             let spare = (self.usable_mm - (self.high_mm - self.low_mm)) / 2.0;
@@ -40,7 +40,7 @@ impl Axis {
     }
 
     /// The fewest sheets.
-    pub fn sheets(&self) -> usize {
+    pub(crate) fn sheets(&self) -> usize {
         let exact = (self.high_mm - self.low_mm - self.overlap_mm) / self.step();
         (exact - 1e-6 / self.usable_mm).ceil().max(1.0) as usize
     }
@@ -118,8 +118,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn axis(size: f64, keep: Vec<(f64, f64)>) -> Axis {
-        Axis {
+    fn axis(size: f64, keep: Vec<(f64, f64)>) -> SeamAxis {
+        SeamAxis {
             low_mm: -size / 2.0,
             high_mm: size / 2.0,
             usable_mm: 180.0,

@@ -1,14 +1,14 @@
 //! Place strips: where a tent card stands that is beyond the mat's paper. One end is glued onto its outline on the mat, the card
-//! stands on the other. A strip is a window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::view`].
+//! stands on the other. A strip is a window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::window`].
 
 use super::mat::{Mat, on_mat};
 use super::tent::Tent;
-use super::view::{View, bounds, grown, within};
-use crate::print::shapes::{Outline, Placement, overlap};
+use super::window::{GroundWindow, bounds, grown, within};
+use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 
 /// Across a strip.
-pub const WIDTH_MM: f64 = 36.0;
+pub(crate) const WIDTH_MM: f64 = 36.0;
 /// What of a strip lies beneath its card.
 const UNDER_MM: f64 = 18.0;
 /// What lies on the mat: a shorter root would let the strip turn.
@@ -21,7 +21,7 @@ const FOOT_MM: f64 = 2.0;
 
 /// The way from the mat to a tent card.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Strip {
+pub struct PlaceStrip {
     /// Of the tent card, from 0.
     pub tent: usize,
     pub length_mm: f64,
@@ -30,22 +30,22 @@ pub struct Strip {
     /// What lies beneath the card.
     pub under_mm: f64,
     /// Its middle, and the direction from its root to the card.
-    pub place: Placement,
+    pub place: TagPlacement,
 }
 
 /// How a tent card finds its place.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Standing {
+pub(crate) enum Standing {
     /// A whole foot of it is drawn on the mat.
     OnMat,
-    OnStrip(Strip),
+    OnStrip(PlaceStrip),
     /// No strip reaches it.
     OutOfReach,
 }
 
 impl Standing {
     /// Of a tent card around a mat on some paper; a strip is no longer than `most_mm`.
-    pub fn of(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
+    pub(crate) fn of(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
         let [a_left, a_right, b_right, b_left] = tent.foot_mm().each_ref().map(on_mat);
         let feet = [[a_left, a_right], [b_right, b_left]];
         if feet.iter().any(|foot| within(grown(bounds(foot), FOOT_MM), paper)) {
@@ -53,8 +53,8 @@ impl Standing {
         }
         let middles = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
         let [a, b] = middles;
-        let strips =
-            [(a, b), (b, a)].map(|(foot, other)| Strip::from_foot(number, tent, (foot, other), mat, paper, most_mm));
+        let strips = [(a, b), (b, a)]
+            .map(|(foot, other)| PlaceStrip::from_foot(number, tent, (foot, other), mat, paper, most_mm));
         let shortest = strips
             .into_iter()
             .flatten()
@@ -63,7 +63,7 @@ impl Standing {
     }
 }
 
-impl Strip {
+impl PlaceStrip {
     /// From the middle of a foot, away from the other one, until its root lies on the paper and on no tag.
     fn from_foot(
         number: usize,
@@ -72,18 +72,18 @@ impl Strip {
         mat: &Mat,
         paper: RectMm,
         most_mm: f64,
-    ) -> Option<Strip> {
+    ) -> Option<PlaceStrip> {
         let (x, y) = (other.x_mm - foot.x_mm, other.y_mm - foot.y_mm);
         let right = [x / tent.base_mm, y / tent.base_mm];
         let under = UNDER_MM.min(tent.base_mm / 2.0);
         let strip = |reach_mm: f64, root_mm: f64| {
             let middle = (under - reach_mm) / 2.0;
-            Strip {
+            PlaceStrip {
                 tent: number,
                 length_mm: reach_mm + under,
                 root_mm,
                 under_mm: under,
-                place: Placement {
+                place: TagPlacement {
                     centre: PointMm::new(foot.x_mm + middle * right[0], foot.y_mm + middle * right[1]),
                     right,
                     module_mm: 1.0,
@@ -106,13 +106,13 @@ impl Strip {
     }
 
     /// The strip's outline on the ground.
-    pub fn outline(&self) -> Outline {
+    pub fn outline(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, x, y)
     }
 
     /// The part that is glued onto the mat.
-    pub fn root(&self) -> Outline {
+    pub fn root(&self) -> OutlineMm {
         let (x, y) = (self.length_mm / 2.0, WIDTH_MM / 2.0);
         self.place.rectangle(-x, -y, -x + self.root_mm, y)
     }
@@ -129,8 +129,8 @@ impl Strip {
     }
 
     /// The window onto the ground of a strip that lies level on a page, its lower left corner at a place.
-    pub fn view(&self, at: PointMm) -> View {
-        View {
+    pub fn window(&self, at: PointMm) -> GroundWindow {
+        GroundWindow {
             centre: self.place.centre,
             at: PointMm::new(at.x_mm + self.length_mm / 2.0, at.y_mm + WIDTH_MM / 2.0),
             right: self.place.right,

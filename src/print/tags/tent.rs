@@ -7,7 +7,7 @@
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 
 use crate::geometry::{Rigid, rigid};
-use crate::print::shapes::{Outline, stroke};
+use crate::print::shapes::{OutlineMm, stroke};
 use crate::print::sheet::PointMm;
 use crate::scene::Tag;
 
@@ -19,7 +19,7 @@ pub const TILT_DEG: std::ops::RangeInclusive<f64> = 20.0..=80.0;
 /// What a rounded scene file may take from the room a tag needs.
 const FIT_MM: f64 = 0.05;
 /// Beside the tag: its id and up mark.
-pub const SIDE_MM: f64 = 12.0;
+pub(crate) const SIDE_MM: f64 = 12.0;
 const TAB_MM: f64 = 12.0;
 /// The tab's ends are cut back, so that it slides in.
 const TAB_SLANT_MM: f64 = 5.0;
@@ -50,7 +50,7 @@ impl Tent {
     /// from it and up, they are at the same height and at the same place along the ridge, and each fits with its white ring between
     /// the ground and the ridge, where the planes meet.
     pub fn of(a: &Tag, b: &Tag) -> Option<Tent> {
-        let shape = Shape::of(a, b)?;
+        let shape = TentShape::of(a, b)?;
         let mut width_mm = 0.0_f64;
         for (tag, out) in [(a, shape.out), (b, -shape.out)] {
             let slope = Vector3::z() * shape.sin - out * shape.cos;
@@ -102,7 +102,7 @@ impl Tent {
             tags: Vec::new(),
         };
         let panels = net.folded_panels(self);
-        for (tag, panel) in self.tags.iter().zip([Panel::FaceA, Panel::FaceB]) {
+        for (tag, panel) in self.tags.iter().zip([TentPanel::FaceA, TentPanel::FaceB]) {
             net.tags
                 .push(FlatTag::on(panel, tag, &(self.place * panels[panel as usize])));
         }
@@ -118,7 +118,7 @@ impl Tent {
 
 impl Tent {
     /// On the ground, at the middle of each foot: a short line away from the card, which the mark at the foot of its face meets.
-    pub fn middle_marks(&self) -> [Outline; 2] {
+    pub fn middle_marks(&self) -> [OutlineMm; 2] {
         let at = |y: f64| {
             let place = self.place * Point3::new(0.0, y, 0.0);
             PointMm::new(place.x, place.y)
@@ -135,7 +135,7 @@ fn half_along(tag: &Tag, axis: &Vector3<f64>) -> f64 {
 }
 
 /// What two mirrored tags say about their card.
-struct Shape {
+struct TentShape {
     /// Level unit vector out of face A.
     out: Vector3<f64>,
     /// Of the tilt.
@@ -148,8 +148,8 @@ struct Shape {
     above_mm: f64,
 }
 
-impl Shape {
-    fn of(a: &Tag, b: &Tag) -> Option<Shape> {
+impl TentShape {
+    fn of(a: &Tag, b: &Tag) -> Option<TentShape> {
         let [normal_a, normal_b] = [a, b].map(|tag| tag.right.cross(&tag.up));
         let level = Vector3::new(normal_a.x - normal_b.x, normal_a.y - normal_b.y, 0.0);
         let out = level.try_normalize(1e-6)?;
@@ -167,7 +167,7 @@ impl Shape {
             return None;
         }
         let middle = (a.centre_mm.coords + b.centre_mm.coords) / 2.0;
-        Some(Shape {
+        Some(TentShape {
             out,
             sin,
             cos,
@@ -185,7 +185,7 @@ impl Shape {
 
 /// The parts of a card, in the order of [`Net::outlines`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Panel {
+pub enum TentPanel {
     Tab = 0,
     FaceA = 1,
     FaceB = 2,
@@ -216,7 +216,7 @@ pub struct Fold {
 /// A tag on the flat card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatTag {
-    pub panel: Panel,
+    pub panel: TentPanel,
     pub tag: Tag,
     pub centre_mm: Point2<f64>,
     /// Unit vector to the upright tag's right.
@@ -225,7 +225,7 @@ pub struct FlatTag {
 
 impl FlatTag {
     /// Where a tag of the scene lies on a panel, of which `placed` says where it stands once folded (model ← flat).
-    fn on(panel: Panel, tag: &Tag, placed: &Rigid) -> Self {
+    fn on(panel: TentPanel, tag: &Tag, placed: &Rigid) -> Self {
         let centre = placed.inverse() * tag.centre_mm;
         let right = (placed.rotation.inverse() * tag.right).xy();
         Self {

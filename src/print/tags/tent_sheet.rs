@@ -1,11 +1,11 @@
 //! Draws tent cards: cut lines solid, fold lines dashed, a tag on each face.
 
-use super::piece::Piece;
+use super::piece::CutPiece;
 use super::tent::{FlatTag, Net, SIDE_MM, Tent};
 use super::{Instead, LINE_MM, TagPrintError, family_name, image_of};
 use crate::print::lettering::{fitting_size_mm, number};
-use crate::print::shapes::{Placement, black_modules};
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm};
+use crate::print::shapes::{TagPlacement, black_modules};
+use crate::print::sheet::{BLACK, Mark, PointMm, TextAnchor};
 
 const TEXT_MM: f64 = 3.0;
 const TITLE_MM: f64 = 7.0;
@@ -16,11 +16,11 @@ const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
 /// The cards of some tents; tent `i` is called T`i + 1`.
-pub fn pieces(tents: &[Tent]) -> Vec<Piece<'_>> {
+pub(crate) fn pieces(tents: &[Tent]) -> Vec<CutPiece<'_>> {
     let piece = |(i, tent): (usize, &'_ Tent)| {
         let (net, tent) = (tent.net(), tent.clone());
         let [a, b] = [tent.tags[0].id, tent.tags[1].id];
-        Piece {
+        CutPiece {
             size_mm: (net.width_mm, net.height_mm),
             name: format!("T{}", i + 1),
             what: format!("tent card T{} (tags {a} and {b})", i + 1),
@@ -43,21 +43,21 @@ fn marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>
     // The tab narrows towards its edge; its text keeps clear of the slants.
     let tab_mm = fitting_size_mm(tab, TEXT_MM, 0.7 * net.width_mm);
     let tab_at = (at.x_mm + net.width_mm / 2.0, at.y_mm + 0.5 * net.folds[0].y_mm - 1.0);
-    marks.push(Mark::text(tab_at, tab_mm, Anchor::Centre, tab));
+    marks.push(Mark::text(tab_at, tab_mm, TextAnchor::Centre, tab));
     marks.extend(lines(net, at));
     Ok(marks)
 }
 
 fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintError> {
     let image = image_of(&flat.tag)?;
-    let place = Placement {
+    let place = TagPlacement {
         centre: PointMm::new(at.x_mm + flat.centre_mm.x, at.y_mm + flat.centre_mm.y),
         right: flat.right.into(),
         module_mm: flat.tag.size_mm / image.border_modules() as f64,
     };
     let mut outlines = black_modules(image.modules(), &place);
     // The up mark stands beside the tag, half way into the free strip of the card.
-    let mark = Placement {
+    let mark = TagPlacement {
         centre: PointMm::new(at.x_mm + net.width_mm - SIDE_MM / 2.0, place.centre.y_mm),
         ..place
     };
@@ -78,7 +78,7 @@ fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
         Mark::text(
             (x, middle - i as f64 * LEADING_MM),
             size_mm,
-            Anchor::Centre,
+            TextAnchor::Centre,
             line.clone(),
         )
     };
@@ -108,7 +108,7 @@ fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
     let place = |(i, (size_mm, line)): (usize, (f64, String))| {
         let size_mm = fitting_size_mm(&line, size_mm, net.width_mm - 4.0).min(0.15 * tent.base_mm.max(7.0));
         let baseline = middle.1 + (1.0 - i as f64) * LEADING_MM.min(tent.base_mm / 5.0);
-        Mark::text((middle.0, baseline), size_mm, Anchor::Centre, line)
+        Mark::text((middle.0, baseline), size_mm, TextAnchor::Centre, line)
     };
     lines.into_iter().enumerate().map(place).collect()
 }

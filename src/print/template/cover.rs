@@ -1,17 +1,17 @@
 //! A template's first page: how to put the sheets together, their map, and the scale check that is filled in by hand.
 
 use super::furniture::{self, Captions};
-use super::layout::Layout;
-use crate::print::frame::Frame;
+use super::layout::SheetLayout;
+use crate::print::frame::PageFrame;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
-use crate::print::sheet::{Anchor, Mark, RectMm, Sheet};
+use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
 
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.8;
 const LEADING_MM: f64 = 4.0;
 const GAP_MM: f64 = 4.0;
 /// Height of the scale check above the horizontal ruler.
-pub const CHECK_MM: f64 = 20.0;
+pub(crate) const CHECK_MM: f64 = 20.0;
 /// Largest lettering on the map.
 const MAP_ID_MM: f64 = 6.0;
 const MAP_SEAM_MM: f64 = 3.2;
@@ -22,14 +22,14 @@ const MAP_MOST_MM: f64 = 150.0;
 const BODY_MOST_MM: f64 = 320.0;
 
 /// Draws the first page: a heading, numbered steps, the map and the scale check.
-pub fn cover(layout: &Layout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
+pub(crate) fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, instructions: &[&str]) -> Sheet {
     let frame = &layout.cover;
     let area = frame.usable;
     let title_size = TITLE_MM;
     let title = format!("{heading}: {}", captions.title(title_size, 0.5 * area.width_mm()));
     let title_y = area.top_mm - CAP_HEIGHT * title_size;
     let size_mm = fitting_size_mm(&title, title_size, area.width_mm());
-    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title)];
+    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
     let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
     let body = RectMm::new(area.left_mm, area.bottom_mm + CHECK_MM, right, title_y - GAP_MM);
     let (steps_width, beside) = if body.width_mm() > 1.2 * body.height_mm() {
@@ -52,32 +52,25 @@ pub fn cover(layout: &Layout, captions: &Captions, heading: &str, instructions: 
     marks.extend(scale_check(frame));
     marks.extend(furniture::rulers(frame));
     marks.extend(captions.marks(frame.printable));
-    let page = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
-    Sheet {
-        width_mm: page.right_mm,
-        height_mm: page.top_mm,
-        trim: page,
-        bleed: page,
-        marks,
-    }
+    frame.sheet(frame.whole(), frame.whole(), marks)
 }
 
 /// Numbered instructions, and where they end.
-pub fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
+pub(crate) fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mark>, f64) {
     let mut marks = Vec::new();
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
     for (i, step) in texts.iter().enumerate() {
         marks.push(Mark::text(
             (body.left_mm, y),
             TEXT_MM,
-            Anchor::Left,
+            TextAnchor::Left,
             format!("{}.", i + 1),
         ));
         for line in wrapped(step.as_ref(), TEXT_MM, width_mm - 2.0 * TEXT_MM) {
             marks.push(Mark::text(
                 (body.left_mm + 2.0 * TEXT_MM, y),
                 TEXT_MM,
-                Anchor::Left,
+                TextAnchor::Left,
                 line,
             ));
             y -= LEADING_MM;
@@ -88,7 +81,7 @@ pub fn steps(texts: &[impl AsRef<str>], body: RectMm, width_mm: f64) -> (Vec<Mar
 }
 
 /// The steps from printed sheets to a piece on the model.
-pub fn assembly(layout: &Layout) -> Vec<&'static str> {
+pub(crate) fn assembly(layout: &SheetLayout) -> Vec<&'static str> {
     let mut steps = vec!["Print at 100 %, without fit to page. Measure both rulers below before you cut anything."];
     if layout.sheets.len() == 1 {
         steps.push("Cut at the crop marks. The pattern runs on beyond them, so that no white edge is left.");
@@ -110,7 +103,7 @@ pub fn assembly(layout: &Layout) -> Vec<&'static str> {
 }
 
 /// All sheets with their ids and the letters of their seams.
-fn map(layout: &Layout, room: RectMm) -> Vec<Mark> {
+fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
     let (width, height) = layout.size_mm();
     let factor = (room.width_mm().min(MAP_MOST_MM) / width).min(room.height_mm().min(MAP_MOST_MM) / height);
     let (wide, high) = (width * factor, height * factor);
@@ -128,7 +121,7 @@ fn map(layout: &Layout, room: RectMm) -> Vec<Mark> {
             marks.push(Mark::text(
                 (at.0, at.1 - 0.5 * CAP_HEIGHT * size_mm),
                 size_mm,
-                Anchor::Centre,
+                TextAnchor::Centre,
                 text,
             ));
         };
@@ -151,7 +144,7 @@ fn map(layout: &Layout, room: RectMm) -> Vec<Mark> {
 }
 
 /// Two blanks, named as `print verify` names them: its x is the paper's short side, whichever way round the page is.
-pub fn scale_check(frame: &Frame) -> Vec<Mark> {
+pub(crate) fn scale_check(frame: &PageFrame) -> Vec<Mark> {
     let area = frame.usable;
     let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };
     let lines = [
@@ -170,7 +163,7 @@ pub fn scale_check(frame: &Frame) -> Vec<Mark> {
         Mark::text(
             (area.left_mm, top - i as f64 * 1.5 * LEADING_MM),
             size_mm,
-            Anchor::Left,
+            TextAnchor::Left,
             line,
         )
     };

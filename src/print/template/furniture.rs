@@ -1,13 +1,13 @@
 //! Everything on a template's page that is not pattern: crop and registration marks, seam letters, ghost lines, rulers,
 //! captions, arrows, sheet id and mini-map.
 
-use super::layout::{Layout, SheetPlan};
+use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
 use crate::pattern::Pattern;
-use crate::print::frame::{CROP_STRIP_MM, Frame, KEY_WIDTH_MM};
+use crate::print::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable, shortened, width_mm};
 use crate::print::ruler;
-use crate::print::sheet::{Anchor, BLACK, Fill, Mark, PointMm, RectMm, Rgb, WHITE};
+use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Srgb8, TextAnchor, WHITE};
 
 const CROP_LINE_MM: f64 = 0.15;
 /// Between the pattern and the near end of a crop mark, and between its far end and whatever comes next.
@@ -18,7 +18,7 @@ const CROSS_MM: f64 = 2.0;
 const SEAM_OFFSET_MM: f64 = 5.0;
 const SEAM_LETTER_MM: f64 = 4.2;
 const GHOST_LINE_MM: f64 = 0.4;
-const GREY: Rgb = [120, 120, 120];
+const GREY: Srgb8 = [120, 120, 120];
 
 const CAPTION_MM: f64 = 2.5;
 const CAPTION_LEADING_MM: f64 = 3.3;
@@ -37,14 +37,14 @@ const MAP_HEIGHT_MM: f64 = 11.0;
 const MAP_LEAST_MM: f64 = 1.5;
 
 /// All marks of one sheet besides the pattern.
-pub fn all(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
+pub(crate) fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let mut marks = guides(layout, plan);
     marks.extend(around(layout, plan, captions));
     marks
 }
 
 /// What stands around the content, whatever it is: rulers, captions, arrows, sheet id and mini-map.
-pub fn around(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
+pub fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let mut marks = rulers(&layout.frame);
     marks.extend(captions.marks(layout.frame.printable));
     marks.extend(captions.arrows(&layout.frame));
@@ -53,7 +53,7 @@ pub fn around(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mar
 }
 
 /// What leads the knife and the glue: ghost lines, crop marks, registration crosses, seam letters.
-pub fn guides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
+pub fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let mut marks = ghost_lines(layout, plan);
     marks.extend(crop_marks(plan));
     marks.extend(sides(layout, plan));
@@ -61,7 +61,7 @@ pub fn guides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
 }
 
 /// Both rulers of a page.
-pub fn rulers(frame: &Frame) -> Vec<Mark> {
+pub fn rulers(frame: &PageFrame) -> Vec<Mark> {
     let mut marks = ruler::horizontal(frame.horizontal_ruler);
     marks.extend(ruler::vertical(frame.vertical_ruler));
     marks
@@ -69,7 +69,7 @@ pub fn rulers(frame: &Frame) -> Vec<Mark> {
 
 /// Dashes where the neighbouring sheets begin. They lie wholly in the overlap, so that the cut sheet stays clean, and are
 /// black on white so that they show on any pattern.
-fn ghost_lines(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
+fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
     let mut marks = Vec::new();
@@ -123,7 +123,7 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
 
 /// Outside the middle of each side: a registration cross, and the letter of the seam if a neighbour follows. The crosses of
 /// both sheets of a seam are at the same place of the template.
-fn sides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
+fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
     let (x, y) = (
@@ -149,7 +149,7 @@ fn sides(layout: &Layout, plan: &SheetPlan) -> Vec<Mark> {
         if let Some(letter) = letter {
             let size_mm = fitting_size_mm(&letter, SEAM_LETTER_MM, CROP_STRIP_MM - 1.0);
             let baseline = letter_at.1 - 0.5 * CAP_HEIGHT * size_mm;
-            marks.push(Mark::text((letter_at.0, baseline), size_mm, Anchor::Centre, letter));
+            marks.push(Mark::text((letter_at.0, baseline), size_mm, TextAnchor::Centre, letter));
         }
     };
     for (at_x, letter) in [
@@ -179,26 +179,18 @@ pub struct Captions {
 
 impl Captions {
     pub fn new(pattern: &Pattern, request: &TemplateRequest, cell_mm: f64) -> Self {
-        let scale = request.scale;
         let short_hash = pattern.sha256().get(..12).unwrap_or_default();
         let facts = [
             format!("sha256 {short_hash}"),
             format!("tile {} mm", number(request.tile_mm)),
             format!("cell {} mm", number(cell_mm)),
-            format!("scale 1:{}", number(scale)),
+            format!("scale 1:{}", number(request.scale)),
         ];
-        Self {
-            piece: None,
-            name: printable(&request.pattern_name),
-            facts: facts.join(" · "),
-            making: making(request),
-            true_size: true_size(scale),
-            front: request.front,
-        }
+        Self::of_image(request, &facts.join(" · "))
     }
 
-    /// The captions of a picture that is printed as it is, with these facts about it.
-    pub fn of_picture(request: &TemplateRequest, facts: &str) -> Self {
+    /// The captions of an image that is printed as it is, with these facts about it.
+    pub fn of_image(request: &TemplateRequest, facts: &str) -> Self {
         Self {
             piece: None,
             name: printable(&request.pattern_name),
@@ -239,16 +231,16 @@ impl Captions {
         let place = |(i, line): (usize, String)| {
             let baseline = printable.bottom_mm + 0.8 + (last - i) as f64 * CAPTION_LEADING_MM;
             let size_mm = fitting_size_mm(&line, CAPTION_MM, most_mm);
-            Mark::text((printable.left_mm, baseline), size_mm, Anchor::Left, line)
+            Mark::text((printable.left_mm, baseline), size_mm, TextAnchor::Left, line)
         };
         lines.into_iter().enumerate().map(place).collect()
     }
 
     /// Which way up the piece goes on the model, and where the model's front is: at the top of the key block.
-    fn arrows(&self, frame: &Frame) -> Vec<Mark> {
+    fn arrows(&self, frame: &PageFrame) -> Vec<Mark> {
         let middle = frame.horizontal_ruler.y_mm - 0.5 * ARROW_MM - 0.3;
         let baseline = middle - 0.5 * CAP_HEIGHT * ARROW_LABEL_MM;
-        let label = |x: f64, text: &str| Mark::text((x, baseline), ARROW_LABEL_MM, Anchor::Left, text);
+        let label = |x: f64, text: &str| Mark::text((x, baseline), ARROW_LABEL_MM, TextAnchor::Left, text);
         let left = frame.printable.right_mm - KEY_WIDTH_MM;
         let mut marks = arrow((left + 1.0, middle), (0.0, 1.0));
         marks.push(label(left + 2.5, "UP"));
@@ -286,7 +278,7 @@ fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
 }
 
 /// The sheet's id above a tiny map of all sheets with this one filled.
-fn key(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
+fn key(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let map = map_area(layout);
     let mut marks = vec![Mark::Fill(Fill {
         area: map_cell(layout, map, plan),
@@ -299,12 +291,12 @@ fn key(layout: &Layout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
         .map_or(plan.id(), |piece| format!("{piece} {}", plan.id()));
     let size_mm = fitting_size_mm(&id, ID_MM, KEY_WIDTH_MM);
     let place = (map.right_mm, map.top_mm + ID_GAP_MM);
-    marks.push(Mark::text(place, size_mm, Anchor::Right, id));
+    marks.push(Mark::text(place, size_mm, TextAnchor::Right, id));
     marks
 }
 
 /// Where a sheet lies on a map of the template.
-pub fn map_cell(layout: &Layout, map: RectMm, plan: &SheetPlan) -> RectMm {
+pub(crate) fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
     let size = layout.size_mm();
     let x = |mm: f64| map.left_mm + map.width_mm() * mm / size.0;
     let y = |mm: f64| map.top_mm - map.height_mm() * mm / size.1;
@@ -313,7 +305,7 @@ pub fn map_cell(layout: &Layout, map: RectMm, plan: &SheetPlan) -> RectMm {
 }
 
 /// The lines of a map: the outline of every sheet, shared ones once.
-pub fn map_grid(layout: &Layout, map: RectMm) -> Vec<Mark> {
+pub(crate) fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
     let mut marks = vec![
         Mark::line((map.left_mm, map.bottom_mm), (map.left_mm, map.top_mm), CROP_LINE_MM),
         Mark::line((map.left_mm, map.top_mm), (map.right_mm, map.top_mm), CROP_LINE_MM),
@@ -330,7 +322,7 @@ pub fn map_grid(layout: &Layout, map: RectMm) -> Vec<Mark> {
 }
 
 /// The mini-map's place: bottom right, in the template's proportions.
-fn map_area(layout: &Layout) -> RectMm {
+fn map_area(layout: &SheetLayout) -> RectMm {
     let (width, height) = layout.size_mm();
     let inset = 0.5 * CROP_LINE_MM;
     let printable = layout.frame.printable;

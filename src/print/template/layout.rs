@@ -6,8 +6,8 @@
 use super::seams::letters;
 use crate::geometry::length;
 use crate::print::SheetError;
-use crate::print::frame::{Frame, Setup};
-use crate::print::lettering::number;
+use crate::print::frame::{PageFrame, Setup};
+use crate::print::lettering::size;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
 use crate::print::printer::Printer;
 use crate::print::sheet::RectMm;
@@ -39,7 +39,7 @@ pub struct LayoutRequest {
 
 /// A rectangle in the template frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
+pub struct TemplateRect {
     pub left_mm: f64,
     pub top_mm: f64,
     pub right_mm: f64,
@@ -55,9 +55,9 @@ pub struct SheetPlan {
     pub column: usize,
     /// The part of the template that only this sheet shows once all are glued. These tile the template exactly:
     /// neighbours have bit-equal edges.
-    pub own: Region,
+    pub own: TemplateRect,
     /// `own`, the overlap under the right and the lower neighbour, and the bleed beyond the template's edges.
-    pub carried: Region,
+    pub carried: TemplateRect,
     /// Where `own` sits on the paper (page frame): the sheet is cut here.
     pub trim: RectMm,
     /// Where `carried` sits on the paper (page frame).
@@ -66,11 +66,11 @@ pub struct SheetPlan {
 
 /// A template spread over sheets.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
+pub struct SheetLayout {
     /// What all sheets have in common.
-    pub frame: Frame,
+    pub frame: PageFrame,
     /// The page with the instructions: as the sheets, or a short piece of the roll.
-    pub cover: Frame,
+    pub cover: PageFrame,
     pub rows: usize,
     pub columns: usize,
     /// Row by row from the top left.
@@ -82,7 +82,7 @@ pub struct Layout {
 /// # Errors
 /// Lengths out of bounds, paper too small for the rulers, an overlap as large as the usable area, more than [`MAX_SHEETS`]
 /// sheets.
-pub fn layout(request: &LayoutRequest) -> Result<Layout, SheetError> {
+pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
     check(request)?;
     let plan = match request.orientation {
         Orientation::Portrait => plan(request, false)?,
@@ -106,13 +106,13 @@ fn check(request: &LayoutRequest) -> Result<(), SheetError> {
 }
 
 /// A page and the number of sheets along each axis.
-struct Plan {
-    frame: Frame,
+struct PaperPlan {
+    frame: PageFrame,
     columns: usize,
     rows: usize,
 }
 
-impl Plan {
+impl PaperPlan {
     /// The fewest sheets, and of those the least paper: on a roll both ways round may do with one.
     fn cost(&self) -> (usize, f64) {
         let sheets = self.columns * self.rows;
@@ -121,7 +121,10 @@ impl Plan {
     }
 }
 
-fn better(portrait: Result<Plan, SheetError>, landscape: Result<Plan, SheetError>) -> Result<Plan, SheetError> {
+fn better(
+    portrait: Result<PaperPlan, SheetError>,
+    landscape: Result<PaperPlan, SheetError>,
+) -> Result<PaperPlan, SheetError> {
     match (portrait, landscape) {
         (Ok(p), Ok(l)) => Ok(if l.cost() < p.cost() { l } else { p }),
         (Ok(plan), Err(_)) | (Err(_), Ok(plan)) => Ok(plan),
@@ -129,7 +132,7 @@ fn better(portrait: Result<Plan, SheetError>, landscape: Result<Plan, SheetError
     }
 }
 
-fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, SheetError> {
+fn plan(request: &LayoutRequest, turned: bool) -> Result<PaperPlan, SheetError> {
     let setup = Setup {
         margin_mm: request.margin_mm,
         printer: request.printer,
@@ -140,7 +143,7 @@ fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, SheetError> {
         Stock::Cut(paper) => paper.portrait(),
         Stock::Roll { width_mm } => roll_page(width_mm, MAX_SIDE_MM, turned),
     };
-    let frame = Frame::new(largest, setup)?;
+    let frame = PageFrame::new(largest, setup)?;
     let (columns, rows) = sheets(request, &frame)?;
     let frame = match request.paper {
         Stock::Cut(_) => frame,
@@ -151,14 +154,14 @@ fn plan(request: &LayoutRequest, turned: bool) -> Result<Plan, SheetError> {
                 (request.size_mm.1, rows)
             };
             let carried = carried_mm(total, count, request.overlap_mm, request.bleed_mm);
-            Frame::new(cut_from_roll(width_mm, carried, &setup), setup)?
+            PageFrame::new(cut_from_roll(width_mm, carried, &setup), setup)?
         }
     };
-    Ok(Plan { frame, columns, rows })
+    Ok(PaperPlan { frame, columns, rows })
 }
 
 /// How many sheets the template takes: (across, down).
-fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), SheetError> {
+fn sheets(request: &LayoutRequest, frame: &PageFrame) -> Result<(usize, usize), SheetError> {
     let (across, down) = (frame.usable.width_mm(), frame.usable.height_mm());
     let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
     // With both bleeds beside the overlap, every sheet is sure to have a piece of its own.
@@ -166,7 +169,7 @@ fn sheets(request: &LayoutRequest, frame: &Frame) -> Result<(usize, usize), Shee
         return Err(SheetError::OverlapTooLarge {
             overlap_mm,
             bleed_mm,
-            usable_mm: format!("{} × {}", number(across), number(down)),
+            usable_mm: size((across, down)),
         });
     }
     let columns = sheets_along(request.size_mm.0 + 2.0 * bleed_mm, across, overlap_mm);
@@ -201,8 +204,8 @@ fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
     (exact - 1e-6 / usable_mm).ceil().max(1.0)
 }
 
-impl Plan {
-    fn into_layout(self, request: &LayoutRequest) -> Result<Layout, SheetError> {
+impl PaperPlan {
+    fn into_layout(self, request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
         let cover = match request.paper {
             Stock::Cut(_) => self.frame,
             Stock::Roll { width_mm } => {
@@ -210,11 +213,11 @@ impl Plan {
                     turned: false,
                     ..self.frame.setup
                 };
-                Frame::new(cut_from_roll(width_mm, ROLL_COVER_MM, &setup), setup)?
+                PageFrame::new(cut_from_roll(width_mm, ROLL_COVER_MM, &setup), setup)?
             }
         };
         let Self { frame, columns, rows } = self;
-        Ok(Layout {
+        Ok(SheetLayout {
             sheets: self.sheets(request),
             frame,
             cover,
@@ -232,20 +235,20 @@ impl Plan {
 }
 
 /// The sheets between some cuts, the template's own edges among them, row by row.
-fn sheet_plans(frame: &Frame, x: &[f64], y: &[f64], overlap: f64, bleed: f64) -> Vec<SheetPlan> {
+fn sheet_plans(frame: &PageFrame, x: &[f64], y: &[f64], overlap: f64, bleed: f64) -> Vec<SheetPlan> {
     // A stretch of its own becomes what is printed: overlap towards a neighbour, bleed at the outer edge.
     let before = |i: usize, from: f64| if i == 0 { from - bleed } else { from };
     let after = |last: bool, to: f64| if last { to + bleed } else { to + overlap };
     let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
     let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
     let sheet = |(row, column): (usize, usize)| {
-        let own = Region {
+        let own = TemplateRect {
             left_mm: x[column],
             top_mm: y[row],
             right_mm: x[column + 1],
             bottom_mm: y[row + 1],
         };
-        let carried = Region {
+        let carried = TemplateRect {
             left_mm: before(column, own.left_mm),
             top_mm: before(row, own.top_mm),
             right_mm: after(column + 1 == columns, own.right_mm),
@@ -264,7 +267,7 @@ fn sheet_plans(frame: &Frame, x: &[f64], y: &[f64], overlap: f64, bleed: f64) ->
 }
 
 /// Where a region sits on the page of the sheet that carries `carried`: that one's top-left corner is the usable area's.
-fn on_page(frame: &Frame, carried: Region, region: Region) -> RectMm {
+fn on_page(frame: &PageFrame, carried: TemplateRect, region: TemplateRect) -> RectMm {
     let x = |template_mm: f64| frame.usable.left_mm + (template_mm - carried.left_mm);
     let y = |template_mm: f64| frame.usable.top_mm - (template_mm - carried.top_mm);
     RectMm::new(
@@ -287,10 +290,10 @@ fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64>
     [0.0].into_iter().chain(inner).chain([size_mm]).collect()
 }
 
-impl Layout {
+impl SheetLayout {
     /// Sheets cut at given edges, from 0 on, each along its axis in rising order; the first and the last are the template's own.
     /// Every sheet must have room for what it carries.
-    pub fn cut_at(frame: Frame, x: &[f64], y: &[f64], overlap_mm: f64) -> Self {
+    pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], overlap_mm: f64) -> Self {
         Self {
             frame,
             cover: frame,

@@ -1,14 +1,14 @@
 //! The first page: how to put the panels on the model, what each costs, and all of them small with their seam letters.
 
 use super::draw::moved;
-use super::seams::Seams;
+use super::seams::PanelSeams;
 use super::{Panel, Point, Region, Strip, Wrap, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::print::SheetError;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
 use crate::print::printer;
-use crate::print::sheet::{Anchor, Mark, PointMm, RectMm, Rgb, Sheet};
+use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{cover, furniture, layout};
 
 const TITLE_MM: f64 = 5.0;
@@ -17,8 +17,8 @@ const LEADING_MM: f64 = 3.5;
 const GAP_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.15;
 const LETTER_MM: f64 = 2.6;
-const GREY: Rgb = [215, 215, 215];
-const STRIP_GREY: Rgb = [170, 190, 215];
+const GREY: Srgb8 = [215, 215, 215];
+const STRIP_GREY: Srgb8 = [170, 190, 215];
 const NUMBER_MM: f64 = 1.6;
 /// The panels are shown no larger than it takes.
 const MOST_SCALE: f64 = 0.5;
@@ -38,7 +38,12 @@ const STEPS: [&str; 4] = [
 const STRIPS_STEP: &str = "The numbered strips are steep parts that were unrolled, seen from outside, with their upper end (on the roof: the front) up \
      unless they say otherwise. Cut them out, fold them at their dashes, and put each where this page shows its number.";
 
-pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapRequest) -> Result<Sheet, SheetError> {
+pub(crate) fn cover(
+    wrap: &Wrap,
+    seams: &PanelSeams,
+    pattern: &Pattern,
+    request: &WrapRequest,
+) -> Result<Sheet, SheetError> {
     let template = request.template(Side::Front, (100.0, 100.0));
     let frame = match wrap.pieces.first() {
         Some(piece) => piece.layout.cover,
@@ -50,7 +55,7 @@ pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapReques
     let title = format!("Panels of a model: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
     let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, Anchor::Left, title)];
+    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
     let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
     let bottom = area.bottom_mm + cover::CHECK_MM + 2.0;
     let beside = right - area.left_mm > 1.2 * (title_y - bottom);
@@ -74,14 +79,7 @@ pub fn cover(wrap: &Wrap, seams: &Seams, pattern: &Pattern, request: &WrapReques
     marks.extend(cover::scale_check(frame));
     marks.extend(furniture::rulers(frame));
     marks.extend(captions.marks(frame.printable));
-    let page = RectMm::new(0.0, 0.0, frame.page.width_mm, frame.page.height_mm);
-    let sheet = Sheet {
-        width_mm: page.right_mm,
-        height_mm: page.top_mm,
-        trim: page,
-        bleed: page,
-        marks,
-    };
+    let sheet = frame.sheet(frame.whole(), frame.whole(), marks);
     Ok(printer::corrected_one(sheet, frame.setup.stretch()))
 }
 
@@ -90,14 +88,14 @@ fn lines(texts: &[String], body: RectMm, top_mm: f64) -> (Vec<Mark>, f64) {
     let mut marks = Vec::new();
     let mut y = top_mm;
     for line in texts.iter().flat_map(|text| wrapped(text, TEXT_MM, body.width_mm())) {
-        marks.push(Mark::text((body.left_mm, y), TEXT_MM, Anchor::Left, line));
+        marks.push(Mark::text((body.left_mm, y), TEXT_MM, TextAnchor::Left, line));
         y -= LEADING_MM;
     }
     (marks, y)
 }
 
 /// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
-fn overview(wrap: &Wrap, seams: &Seams, room: RectMm) -> Vec<Mark> {
+fn overview(wrap: &Wrap, seams: &PanelSeams, room: RectMm) -> Vec<Mark> {
     let size = |side: Side| bounds(wrap, side).map_or([0.0; 2], |(low, high)| [high[0] - low[0], high[1] - low[1]]);
     let [left, right, roof, front, rear] = super::PRINTED.map(size);
     let wide = left[0].max(right[0]).max(front[0] + rear[0]);
@@ -159,7 +157,7 @@ fn small_strips(strips: &[Strip], side: Side, by: Point, scale: f64) -> Vec<Mark
         });
         let [x, y] = region.innermost();
         let place = (x + by[0], y + by[1] - 0.5 * CAP_HEIGHT * NUMBER_MM);
-        marks.push(Mark::text(place, NUMBER_MM, Anchor::Centre, (i + 1).to_string()));
+        marks.push(Mark::text(place, NUMBER_MM, TextAnchor::Centre, (i + 1).to_string()));
     }
     marks
 }
@@ -201,7 +199,12 @@ fn small<'a>(
         let (dx, dy) = (at[0] - seam[0], at[1] - seam[1]);
         let away = 0.8 * LETTER_MM / dx.hypot(dy).max(f64::MIN_POSITIVE);
         let baseline = y + away * dy - 0.5 * CAP_HEIGHT * LETTER_MM;
-        marks.push(Mark::text((x + away * dx, baseline), LETTER_MM, Anchor::Centre, letter));
+        marks.push(Mark::text(
+            (x + away * dx, baseline),
+            LETTER_MM,
+            TextAnchor::Centre,
+            letter,
+        ));
     }
     let [x, y] = to_page(panel.region.innermost());
     let name = panel.side.name();
@@ -209,7 +212,7 @@ fn small<'a>(
     marks.push(Mark::text(
         (x, y - 0.5 * CAP_HEIGHT * size_mm),
         size_mm,
-        Anchor::Centre,
+        TextAnchor::Centre,
         name,
     ));
     marks

@@ -2,31 +2,33 @@
 
 use super::region::{Contour, Region};
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{BLEED_MM, Paint, Panel, Piece, Point, Unrolling, Wrap, WrapError, WrapRequest, cover, strips};
+use super::{
+    BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Unrolling, Wrap, WrapError, WrapRequest, cover, strips,
+};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::print::SheetError;
 use crate::print::lettering::CAP_HEIGHT;
 use crate::print::printer;
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Rgb, Sheet};
+use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout};
 
 /// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
 const CUT_GAP_MM: f64 = 0.1;
 const CUT_LINE_MM: f64 = 0.15;
 /// Free paper that the line takes around a region, and a little more.
-pub const CUT_ROOM_MM: f64 = 1.0;
+pub(crate) const CUT_ROOM_MM: f64 = 1.0;
 /// Edges within a panel are marked lightly: they lie on the pattern.
-pub const EDGE_LINE_MM: f64 = 0.06;
-pub const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
+pub(crate) const EDGE_LINE_MM: f64 = 0.06;
+pub(crate) const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
 /// `unrolling` is what became of `paint`, and `panels` those of its rest.
-pub fn wrap(
-    paint: &Paint,
+pub(crate) fn wrap(
+    paint: &PaintedSurface,
     unrolling: Unrolling,
     panels: Vec<Panel>,
     pattern: &Pattern,
@@ -77,10 +79,10 @@ pub fn wrap(
 }
 
 /// Spreads a panel over sheets.
-pub fn piece(panel: Panel, request: &WrapRequest) -> Result<Piece, SheetError> {
+pub(crate) fn piece(panel: Panel, request: &WrapRequest) -> Result<SpreadPanel, SheetError> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
     let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
-    Ok(Piece {
+    Ok(SpreadPanel {
         layout: layout(&request.template(panel.side, (size[0], size[1])).layout)?,
         corner: [low[0] - ROOM_MM, high[1] + ROOM_MM],
         panel,
@@ -88,7 +90,7 @@ pub fn piece(panel: Panel, request: &WrapRequest) -> Result<Piece, SheetError> {
 }
 
 struct Drawing<'a> {
-    piece: &'a Piece,
+    piece: &'a SpreadPanel,
     grown: &'a Region,
     letters: &'a [SeamMark],
     stamp: &'a PatternStamp,
@@ -111,13 +113,7 @@ impl Drawing<'_> {
         marks.push(cutter_path(&self.piece.panel.region, by, plan));
         marks.extend(self.letters.iter().flat_map(|mark| letter(mark, by, plan)));
         marks.extend(furniture::all(layout, plan, &self.captions));
-        Sheet {
-            width_mm: layout.frame.page.width_mm,
-            height_mm: layout.frame.page.height_mm,
-            trim: plan.trim,
-            bleed: plan.printed,
-            marks,
-        }
+        layout.frame.sheet(plan.trim, plan.printed, marks)
     }
 
     fn lines(&self, by: Point) -> Vec<Mark> {
@@ -136,7 +132,7 @@ impl Drawing<'_> {
 }
 
 /// What a cutter follows on a sheet: the part of the region's border that the sheet shows.
-pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
+pub(crate) fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
     let sheet = plan.printed.outline();
     let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
     Mark::Cut {
@@ -146,7 +142,7 @@ pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
 }
 
 /// The line around a region, outside of it.
-pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
+pub(crate) fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     let around = region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM);
     let mut marks = Vec::new();
     for outline in moved(around.contours(), by) {
@@ -157,7 +153,7 @@ pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     marks
 }
 
-pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Rgb) -> Mark {
+pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Mark {
     Mark::Line {
         from,
         to,
@@ -183,7 +179,7 @@ fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     let text = Mark::text(
         (at.x_mm, at.y_mm - 0.5 * CAP_HEIGHT * LETTER_MM),
         LETTER_MM,
-        Anchor::Centre,
+        TextAnchor::Centre,
         mark.letter.clone(),
     );
     if length - 2.0 > BLEED_MM + 0.5 {
@@ -198,7 +194,7 @@ pub(super) fn place(p: Point, by: Point) -> PointMm {
 }
 
 /// Outlines of a plane, moved onto a page.
-pub fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
+pub(crate) fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
     outlines
         .map(|outline| outline.iter().map(|p| place(*p, by)).collect())
         .collect()

@@ -15,7 +15,7 @@ mod strips;
 mod unroll;
 
 pub(super) use draw::{cut_line, cutter_path, moved};
-pub use panel::{Face, PRINTED, Paint, Panel};
+pub use panel::{Face, PRINTED, PaintedSurface, Panel};
 pub use region::{Contour, Point, Region};
 pub use strips::StripPlace;
 pub use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
@@ -26,7 +26,7 @@ use super::lettering::{counted, number};
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::sheet::Sheet;
-use super::template::{Front, Layout, LayoutRequest, SheetPlan, TemplateError, TemplateRequest};
+use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest};
 use crate::geometry::length::shown;
 use crate::mesh::Mesh;
 use crate::pattern::Pattern;
@@ -86,6 +86,11 @@ pub struct WrapRequest {
 }
 
 impl WrapRequest {
+    /// What the document is called.
+    pub fn title(&self) -> String {
+        format!("Panels of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+    }
+
     /// What a panel is as a template.
     pub(super) fn template(&self, side: Side, size_mm: (f64, f64)) -> TemplateRequest {
         let front = match side {
@@ -116,14 +121,14 @@ impl WrapRequest {
 
 /// A panel and the sheets it is spread over.
 #[derive(Debug, Clone)]
-pub struct Piece {
+pub struct SpreadPanel {
     pub panel: Panel,
-    pub layout: Layout,
+    pub layout: SheetLayout,
     /// (u, v) of the top-left corner of the layout's template, mm.
     pub corner: Point,
 }
 
-impl Piece {
+impl SpreadPanel {
     /// The page place of (u, v) = (0, 0) on a sheet: the page shows the plane moved by it.
     pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
         moved_by_mm(plan, self.corner)
@@ -141,7 +146,7 @@ pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
 /// The panels of a model, drawn.
 #[derive(Debug, Clone)]
 pub struct Wrap {
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<SpreadPanel>,
     /// True area of the paint.
     pub surface_mm2: f64,
     /// Length of the seams between panels that found no room for a letter.
@@ -160,7 +165,7 @@ pub struct Wrap {
 impl Wrap {
     /// A name for each page, where it becomes a file of its own.
     pub fn page_names(&self) -> Vec<String> {
-        let name = |piece: &Piece, plan: &SheetPlan| format!("{}-{}", piece.panel.side.name(), plan.id());
+        let name = |piece: &SpreadPanel, plan: &SheetPlan| format!("{}-{}", piece.panel.side.name(), plan.id());
         let sheets = self
             .pieces
             .iter()
@@ -205,7 +210,7 @@ impl Wrap {
     pub fn facts(&self) -> Vec<String> {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();
-        for Piece { panel, layout, .. } in &self.pieces {
+        for SpreadPanel { panel, layout, .. } in &self.pieces {
             let sheets = counted(layout.sheets.len(), "sheet");
             let hidden = match panel.hidden_mm2() {
                 mm2 if mm2 < 1.0 => String::new(),
@@ -238,7 +243,7 @@ impl Wrap {
 /// No surface on any side, a stretch limit that is none, too many triangles beyond it or cells on their strips, and whatever the layout
 /// and the cells of a template refuse.
 pub fn wrap(mesh: &Mesh, materials: &[usize], pattern: &Pattern, request: &WrapRequest) -> Result<Wrap, WrapError> {
-    let paint = Paint::of_materials(mesh, materials);
+    let paint = PaintedSurface::of_materials(mesh, materials);
     let unrolling = strips::unrolling(&paint, request)?;
     let panels = unrolling.rest.panels();
     if panels.is_empty() && unrolling.strips.is_empty() {

@@ -57,13 +57,13 @@ pub struct Face {
 
 /// The painted surface of a model.
 #[derive(Debug, Clone)]
-pub struct Paint {
+pub struct PaintedSurface {
     pub faces: Vec<Face>,
     /// Triangles of the mesh that are of other materials, or were taken out.
     others: Vec<Triangle>,
 }
 
-impl Paint {
+impl PaintedSurface {
     /// The triangles of some materials; those without area are left out.
     fn of(mesh: &Mesh, materials: &[usize]) -> Self {
         let (mut faces, mut others) = (Vec::new(), Vec::new());
@@ -167,13 +167,13 @@ impl Paint {
 }
 
 /// The place of a mesh corner that the face has.
-pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
+pub(crate) fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
     let place = face.triangle.corners.iter().position(|c| *c == corner);
     face.corners[place.unwrap_or_default()]
 }
 
 /// By how much two faces are bent against each other.
-pub fn bend_deg(a: &Face, b: &Face) -> f64 {
+pub(crate) fn bend_deg(a: &Face, b: &Face) -> f64 {
     doubled_area(&a.corners).angle(&doubled_area(&b.corners)).to_degrees()
 }
 

@@ -107,7 +107,7 @@ impl Region {
 }
 
 /// Twice the area inside an outline; negative if it runs clockwise.
-pub fn doubled_area(outline: &[Point]) -> f64 {
+pub(crate) fn doubled_area(outline: &[Point]) -> f64 {
     let next = outline.iter().cycle().skip(1);
     outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
 }

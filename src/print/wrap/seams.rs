@@ -4,20 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
 
-use super::panel::{Paint, Panel, corner_of};
+use super::panel::{PaintedSurface, Panel, corner_of};
 use super::region::{Point, Region};
 use crate::pattern::world_aligned::Side;
 
 /// Shorter seams find their place by themselves.
 const SHORTEST_MM: f64 = 15.0;
 /// From a letter's middle to the nearest ink.
-pub const CLEAR_MM: f64 = 2.4;
+pub(crate) const CLEAR_MM: f64 = 2.4;
 /// How much farther from the seam a letter may stand.
 const FARTHEST_MM: f64 = 4.0;
 
 /// A letter beside a panel, in the panel's plane.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SeamMark {
+pub(crate) struct SeamMark {
     pub letter: String,
     /// On the panel's border.
     pub seam: Point,
@@ -26,7 +26,7 @@ pub struct SeamMark {
 }
 
 /// The letters beside each panel, and how long the seams are that found no room for theirs on both panels.
-pub struct Seams {
+pub(crate) struct PanelSeams {
     pub marks: BTreeMap<Side, Vec<SeamMark>>,
     pub unlettered_mm: f64,
 }
@@ -39,8 +39,8 @@ struct Seam {
 }
 
 /// Letters all seams of some length. `grown` are the panels' regions with their bleed.
-pub fn seams(paint: &Paint, panels: &[Panel], grown: &[Region]) -> Seams {
-    let mut found = Seams {
+pub(crate) fn seams(paint: &PaintedSurface, panels: &[Panel], grown: &[Region]) -> PanelSeams {
+    let mut found = PanelSeams {
         marks: BTreeMap::new(),
         unlettered_mm: 0.0,
     };
@@ -82,7 +82,7 @@ fn letters(index: usize) -> String {
 }
 
 /// The connected runs of edges between each two printed panels.
-fn runs(paint: &Paint) -> Vec<Seam> {
+fn runs(paint: &PaintedSurface) -> Vec<Seam> {
     let mut between = BTreeMap::<[Side; 2], BTreeMap<[usize; 2], [Point3<f64>; 2]>>::new();
     for (edge, faces) in paint.edges() {
         let sides: BTreeSet<Side> = faces.iter().map(|i| paint.faces[*i].side).collect();

@@ -6,16 +6,16 @@ use super::draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved
 use super::region::{Point, Region};
 use super::seams::{CLEAR_MM, SeamMark};
 use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
-use super::{BLEED_MM, Paint, Wrap, WrapError, WrapRequest};
+use super::{BLEED_MM, PaintedSurface, Wrap, WrapError, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 use crate::print::SheetError;
-use crate::print::frame::{Frame, Setup};
+use crate::print::frame::{PageFrame, Setup};
 use crate::print::lettering::{counted, wrapped};
 use crate::print::pack;
 use crate::print::paper::{Paper, Stock};
 use crate::print::printer;
-use crate::print::sheet::{Anchor, BLACK, Mark, PointMm, Sheet};
+use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::furniture;
 
 /// Around a strip on its page.
@@ -50,7 +50,7 @@ pub struct StripPlace {
 ///
 /// # Errors
 /// A limit that is no stretch, paper too small for the rulers, too many steep triangles.
-pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, WrapError> {
+pub(crate) fn unrolling(paint: &PaintedSurface, request: &WrapRequest) -> Result<Unrolling, WrapError> {
     let Some(limit) = request.max_stretch else {
         return Ok(Unrolling {
             strips: Vec::new(),
@@ -71,14 +71,14 @@ pub fn unrolling(paint: &Paint, request: &WrapRequest) -> Result<Unrolling, Wrap
 }
 
 /// The pages of strips lie across: strips of a car are long rather than high. A piece of a roll is square.
-fn frame(request: &WrapRequest) -> Result<Frame, SheetError> {
+fn frame(request: &WrapRequest) -> Result<PageFrame, SheetError> {
     let frame = |page: Paper, turned: bool| {
         let setup = Setup {
             margin_mm: request.margin_mm,
             printer: request.printer,
             turned,
         };
-        Frame::new(page, setup)
+        PageFrame::new(page, setup)
     };
     match request.paper {
         Stock::Cut(paper) => frame(paper.landscape(), true).or_else(|_| frame(paper.portrait(), false)),
@@ -93,7 +93,7 @@ fn frame(request: &WrapRequest) -> Result<Frame, SheetError> {
 }
 
 /// Numbers where strips left a panel, as far as the paper there is free.
-pub fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<SeamMark>) {
+pub(crate) fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<SeamMark>) {
     for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.side == side) {
         let at = Region::union(strip.projected()).innermost();
         let apart = |mark: &SeamMark| (mark.at[0] - at[0]).hypot(mark.at[1] - at[1]) > 2.0 * CLEAR_MM;
@@ -108,7 +108,7 @@ pub fn numbers(strips: &[Strip], side: Side, grown: &Region, marks: &mut Vec<Sea
 }
 
 /// One sentence on all strips.
-pub fn fact(wrap: &Wrap) -> Option<String> {
+pub(crate) fn fact(wrap: &Wrap) -> Option<String> {
     let areas: Vec<f64> = wrap.strips.iter().map(Strip::surface_mm2).collect();
     let Kept {
         too_large,
@@ -149,7 +149,7 @@ pub fn fact(wrap: &Wrap) -> Option<String> {
 ///
 /// # Errors
 /// Paper too small for the rulers, more than [`MOST_CELLS`].
-pub fn sheets(
+pub(crate) fn sheets(
     wrap: &Wrap,
     before: usize,
     pattern: &Pattern,
@@ -159,7 +159,7 @@ pub fn sheets(
         return Ok((Vec::new(), Vec::new()));
     }
     let frame = frame(request)?;
-    let laid = WorldAligned {
+    let texture = WorldAligned {
         pattern,
         cell_mm: wrap.cell_mm,
     };
@@ -176,7 +176,7 @@ pub fn sheets(
             moved_by_mm: by,
         });
         pages.resize_with(pages.len().max(spot.page + 1), Vec::new);
-        pages[spot.page].extend(drawn(strip, &laid, by));
+        pages[spot.page].extend(drawn(strip, &texture, by));
         pages[spot.page].extend(boxed.label(spot.at));
     }
     let template = request.template(Side::Front, (frame.usable.width_mm(), frame.usable.height_mm()));
@@ -189,16 +189,10 @@ pub fn sheets(
         marks.push(Mark::text(
             at,
             PAGE_LABEL_MM,
-            Anchor::Right,
+            TextAnchor::Right,
             format!("strips {}/{count}", i + 1),
         ));
-        Sheet {
-            width_mm: frame.page.width_mm,
-            height_mm: frame.page.height_mm,
-            trim: frame.printable,
-            bleed: frame.printable,
-            marks,
-        }
+        frame.sheet(frame.printable, frame.printable, marks)
     };
     let sheets = pages.into_iter().enumerate().map(sheet).collect();
     Ok((places, printer::corrected(sheets, frame.setup.stretch())))
@@ -248,7 +242,7 @@ impl Boxed {
         let from_below = self.lines.iter().rev().enumerate();
         from_below.map(move |(i, line)| {
             let baseline = at.y_mm + 0.7 + i as f64 * LEADING_MM;
-            Mark::text((at.x_mm, baseline), LABEL_MM, Anchor::Left, line.clone())
+            Mark::text((at.x_mm, baseline), LABEL_MM, TextAnchor::Left, line.clone())
         })
     }
 }
@@ -270,19 +264,19 @@ fn neighbours(strip: &Strip) -> String {
     all.join(", ")
 }
 
-fn drawn(strip: &Strip, laid: &WorldAligned, by: Point) -> Vec<Mark> {
+fn drawn(strip: &Strip, texture: &WorldAligned, by: Point) -> Vec<Mark> {
     let region = strip.region();
     // First every triangle with what runs on beyond it, then each where it belongs.
     let with_bleed = strip.faces.iter().map(|f| {
         let grown = Region::union(vec![f.corners.to_vec()]).grown(BLEED_MM);
         Mark::Clipped {
             to: moved(grown.contours(), by),
-            marks: cells(f, laid, BLEED_MM, by),
+            marks: cells(f, texture, BLEED_MM, by),
         }
     });
     let exact = strip.faces.iter().map(|f| Mark::Clipped {
         to: moved([f.corners.to_vec()].iter(), by),
-        marks: cells(f, laid, 0.0, by),
+        marks: cells(f, texture, 0.0, by),
     });
     let mut marks: Vec<Mark> = with_bleed.chain(exact).collect();
     for [a, b] in &strip.folds {
@@ -332,8 +326,8 @@ fn spans(unrolled: &Unrolled, cell_mm: f64, around_mm: f64) -> [RangeInclusive<i
 }
 
 /// The cells of a triangle and of what lies within `around_mm` of it, each as it lies on the strip.
-fn cells(unrolled: &Unrolled, laid: &WorldAligned, around_mm: f64, by: Point) -> Vec<Mark> {
-    let cell = laid.cell_mm;
+fn cells(unrolled: &Unrolled, texture: &WorldAligned, around_mm: f64, by: Point) -> Vec<Mark> {
+    let cell = texture.cell_mm;
     let [columns, rows] = spans(unrolled, cell, around_mm);
     // Each runs on under its right and its lower neighbour, which cover it. Not far: where a triangle's clip cuts through
     // covered colours, a viewer mixes them into the pixel of the cut.
@@ -346,7 +340,7 @@ fn cells(unrolled: &Unrolled, laid: &WorldAligned, around_mm: f64, by: Point) ->
             let corners = [[left, below], [right, below], [right, top], [left, top]];
             marks.push(Mark::Area {
                 outlines: vec![corners.iter().map(|p| place(unrolled.place(*p), by)).collect()],
-                colour: laid.colour_at([left + 0.5 * cell, bottom + 0.5 * cell]),
+                colour: texture.colour_at([left + 0.5 * cell, bottom + 0.5 * cell]),
             });
         }
     }

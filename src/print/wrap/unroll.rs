@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use nalgebra::{Point3, Vector3};
 
 use super::WrapError;
-use super::panel::{Face, PRINTED, Paint, bend_deg};
+use super::panel::{Face, PRINTED, PaintedSurface, bend_deg};
 use super::region::{Contour, Point, Region};
 use crate::mesh::doubled_area;
 use crate::pattern::world_aligned::Side;
@@ -86,7 +86,7 @@ impl Strip {
 pub struct Unrolling {
     /// Side by side in the order of the panels.
     pub strips: Vec<Strip>,
-    pub rest: Paint,
+    pub rest: PaintedSurface,
     pub kept: Kept,
 }
 
@@ -112,7 +112,7 @@ impl Kept {
 ///
 /// # Errors
 /// More than [`MOST_STEEP`] such triangles.
-pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Result<Unrolling, WrapError> {
+pub(crate) fn unroll(paint: &PaintedSurface, limit: f64, most_mm: Point) -> Result<Unrolling, WrapError> {
     let mut kept = Kept::default();
     let mut wanted = |face: &Face| {
         let steep = PRINTED.contains(&face.side) && face.stretch > limit + ROUNDING;
@@ -170,7 +170,7 @@ pub fn unroll(paint: &Paint, limit: f64, most_mm: Point) -> Result<Unrolling, Wr
 
 /// A strip that takes its neighbours.
 struct Growth<'a> {
-    paint: &'a Paint,
+    paint: &'a PaintedSurface,
     side: Side,
     turned: bool,
     most_mm: Point,
@@ -183,7 +183,7 @@ struct Growth<'a> {
 
 impl<'a> Growth<'a> {
     /// `None` if the first triangle is larger than a sheet.
-    fn from(seed: usize, paint: &'a Paint, most_mm: Point) -> Option<Self> {
+    fn from(seed: usize, paint: &'a PaintedSurface, most_mm: Point) -> Option<Self> {
         let face = &paint.faces[seed];
         let mut growth = Self {
             paint,
@@ -195,7 +195,7 @@ impl<'a> Growth<'a> {
             high: [f64::NEG_INFINITY; 2],
             folds: Vec::new(),
         };
-        let upright = laid(face);
+        let upright = upright(face);
         if growth.take(seed, upright) {
             return Some(growth);
         }
@@ -285,7 +285,7 @@ impl<'a> Growth<'a> {
 }
 
 /// A face in its own plane: u of its side to the right as far as the slope allows, the first corner at (0, 0).
-fn laid(face: &Face) -> [Point; 3] {
+fn upright(face: &Face) -> [Point; 3] {
     let normal = doubled_area(&face.corners).normalize();
     let [u, _] = face.side.axes();
     let right = (u - u.dot(&normal) * normal).normalize();

@@ -16,7 +16,7 @@ mod speed;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::detect::Speeds;
-use crate::report::counted;
+use crate::report::{counted, rounded};
 use crate::score::{Scores, Summary};
 use crate::spelling;
 
@@ -147,13 +147,7 @@ fn colour(index: usize) -> &'static str {
 }
 
 fn number(value: f64, digits: usize) -> String {
-    // No minus before a zero.
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
-        Some(rest) => format!("−{rest}"),
-        None => text,
-    }
+    rounded(value, digits).replace('-', "−")
 }
 
 /// A tenth of a pixel is all a screen shows.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{colour, round, summary, variants};
 use crate::detect::{Speed, Speeds};
 use crate::geometry::BoxPx;
-use crate::plot::{Axis, Scale, tick_label};
+use crate::plot::{PlotAxis, Scale, tick_label};
 use crate::score::Scores;
 use crate::spelling;
 
@@ -44,7 +44,7 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
 }
 
 fn plot(scores: &Scores, timed: &[&Speed]) -> Markup {
-    let axis = Axis::around("milliseconds a photo", Scale::Log, timed.iter().map(|s| s.ms_per_photo));
+    let axis = PlotAxis::around("milliseconds a photo", Scale::Log, timed.iter().map(|s| s.ms_per_photo));
     let x = |ms: f64| round(axis.share(ms) * PLOT.0);
     html! {
         svg.speed viewBox=(format!("-42 -14 {} {}", PLOT.0 + 130.0, PLOT.1 + 62.0)) role="img" aria-label="AP at IoU 0.5 against milliseconds a photo" {

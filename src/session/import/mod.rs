@@ -165,9 +165,7 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
             .transpose()?,
         photos,
     };
-    let text = serde_json::to_string_pretty(&file)
-        .map_err(|e| error(request.file, ImportFault::of_file(e.to_string())))?
-        + "\n";
+    let text = file.to_json(&path)?;
     // The reader's checks are the checks.
     let session = Session::parse(&text, &path)?;
     Ok(Imported {

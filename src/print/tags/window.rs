@@ -2,12 +2,12 @@
 //!
 //! *Ground frame*: the ground seen from above, the model's front to the right: x and y of the model frame, millimetres.
 
-use crate::print::shapes::{Outline, clipped};
+use crate::print::shapes::{OutlineMm, clipped};
 use crate::print::sheet::{PointMm, RectMm};
 
 /// Which point of the ground lies where on a page, how it is turned, and how much smaller it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
+pub struct GroundWindow {
     /// On the ground.
     pub centre: PointMm,
     /// The same point on the page.
@@ -17,7 +17,7 @@ pub struct View {
     pub scale: f64,
 }
 
-impl View {
+impl GroundWindow {
     /// A point of the ground on the page.
     pub fn on_page(&self, p: PointMm) -> PointMm {
         let (x, y) = (p.x_mm - self.centre.x_mm, p.y_mm - self.centre.y_mm);
@@ -29,19 +29,19 @@ impl View {
     }
 
     /// An outline of the ground on the page.
-    pub fn outline(&self, outline: &[PointMm]) -> Outline {
+    pub fn outline(&self, outline: &[PointMm]) -> OutlineMm {
         outline.iter().map(|p| self.on_page(*p)).collect()
     }
 
     /// What is seen of some outlines inside a rectangle of the page.
-    pub fn clipped(&self, outlines: &[Outline], to: RectMm) -> Vec<Outline> {
+    pub fn clipped(&self, outlines: &[OutlineMm], to: RectMm) -> Vec<OutlineMm> {
         let seen = outlines.iter().map(|outline| clipped(&self.outline(outline), to));
         seen.filter(|outline| outline.len() > 2).collect()
     }
 }
 
 /// The rectangle around some points.
-pub fn bounds<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> RectMm {
+pub(crate) fn bounds<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> RectMm {
     let none = RectMm::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
     points.into_iter().fold(none, |r, p| {
         RectMm::new(
@@ -54,7 +54,7 @@ pub fn bounds<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> RectMm {
 }
 
 /// The rectangle around two.
-pub fn union(a: RectMm, b: RectMm) -> RectMm {
+pub(crate) fn union(a: RectMm, b: RectMm) -> RectMm {
     RectMm::new(
         a.left_mm.min(b.left_mm),
         a.bottom_mm.min(b.bottom_mm),
@@ -64,7 +64,7 @@ pub fn union(a: RectMm, b: RectMm) -> RectMm {
 }
 
 /// A rectangle with more on every side.
-pub fn grown(r: RectMm, by_mm: f64) -> RectMm {
+pub(crate) fn grown(r: RectMm, by_mm: f64) -> RectMm {
     RectMm::new(
         r.left_mm - by_mm,
         r.bottom_mm - by_mm,
@@ -74,7 +74,7 @@ pub fn grown(r: RectMm, by_mm: f64) -> RectMm {
 }
 
 /// Whether one rectangle lies within another.
-pub fn within(inner: RectMm, outer: RectMm) -> bool {
+pub(crate) fn within(inner: RectMm, outer: RectMm) -> bool {
     inner.left_mm >= outer.left_mm
         && inner.right_mm <= outer.right_mm
         && inner.bottom_mm >= outer.bottom_mm

@@ -11,31 +11,31 @@ use serde::Serialize;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::PageError;
-use super::dial::Rings;
-use super::state::{self, About, Shown, State};
+use super::dial::DialRings;
+use super::state::{self, CaptureInfo, PageState, ShownFrame};
 use super::upload;
-use crate::capture::{Answer, CameraSettings, Capture, Frame, FrameSource, Guidance, SourceError};
+use crate::capture::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame};
 use crate::scene::{Bin, Scene};
 
-/// What comes to the desk.
-pub(super) enum Event {
+/// What comes to the worker.
+pub(super) enum WorkerEvent {
     /// With what the camera was set to, if it is one.
-    Frame(Result<Option<(Frame, Option<CameraSettings>)>, SourceError>),
+    Frame(Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>),
     /// A photo's bytes, and the place in memory they take until they are judged.
-    Upload(Vec<u8>, OwnedSemaphorePermit, Reply),
+    Upload(Vec<u8>, OwnedSemaphorePermit, ReplySender),
     /// Take the newest frame by hand.
-    Shoot(Reply),
-    Undo(Reply),
+    Shoot(ReplySender),
+    Undo(ReplySender),
     /// Of the sector with this index.
-    Redo(usize, Reply),
+    Redo(usize, ReplySender),
     Finish,
 }
 
-pub(super) type Reply = oneshot::Sender<Told>;
+pub(super) type ReplySender = oneshot::Sender<ActionReply>;
 
-/// What a browser is told about what it asked for.
+/// The reply to what a browser asked for.
 #[derive(Debug, Serialize)]
-pub(super) struct Told {
+pub(super) struct ActionReply {
     #[serde(skip)]
     pub status: StatusCode,
     pub sentence: String,
@@ -44,9 +44,9 @@ pub(super) struct Told {
     pub photo: Option<String>,
 }
 
-impl Told {
-    pub(super) fn refused(status: StatusCode, sentence: impl Into<String>) -> Told {
-        Told {
+impl ActionReply {
+    pub(super) fn refused(status: StatusCode, sentence: impl Into<String>) -> ActionReply {
+        ActionReply {
             status,
             sentence: sentence.into(),
             code: None,
@@ -59,7 +59,7 @@ impl Told {
 pub(super) struct Published {
     pub revision: u64,
     pub json: Bytes,
-    pub frame: Option<Arc<Picture>>,
+    pub frame: Option<Arc<NewestFrame>>,
     /// Names of the photos that may be asked for.
     pub photos: Vec<String>,
     pub has_ended: bool,
@@ -79,16 +79,16 @@ impl Published {
 }
 
 /// The newest frame.
-pub(super) struct Picture {
+pub(super) struct NewestFrame {
     pub number: u64,
-    pub frame: Arc<Frame>,
+    pub frame: Arc<SourceFrame>,
 }
 
-/// What the terminal is told.
-pub enum News<'a> {
+/// What the terminal reports.
+pub enum CaptureNotice<'a> {
     Seen {
         frame: &'a str,
-        answer: &'a Answer,
+        answer: &'a FrameAnswer,
         guidance: &'a Guidance,
     },
     TakenBack {
@@ -98,44 +98,44 @@ pub enum News<'a> {
     Set(&'a CameraSettings),
 }
 
-pub(super) struct Desk<'a> {
+pub(super) struct CaptureWorker<'a> {
     capture: &'a mut Capture,
     scene: &'a Scene,
-    about: &'a About,
+    about: &'a CaptureInfo,
     published: &'a watch::Sender<Arc<Published>>,
-    tell: &'a mut dyn FnMut(News) -> io::Result<()>,
-    rings: Rings,
+    notify: &'a mut dyn FnMut(CaptureNotice) -> io::Result<()>,
+    rings: DialRings,
     bins: Vec<Bin>,
     /// Targets whose photo was taken back.
     redo: BTreeSet<usize>,
-    shown: Option<Shown>,
-    picture: Option<Arc<Picture>>,
+    shown: Option<ShownFrame>,
+    newest: Option<Arc<NewestFrame>>,
     frames: u64,
     uploads: u64,
     source_ended: bool,
     settings: Option<CameraSettings>,
 }
 
-impl<'a> Desk<'a> {
+impl<'a> CaptureWorker<'a> {
     pub(super) fn new(
         capture: &'a mut Capture,
         scene: &'a Scene,
-        about: &'a About,
+        about: &'a CaptureInfo,
         published: &'a watch::Sender<Arc<Published>>,
-        tell: &'a mut dyn FnMut(News) -> io::Result<()>,
-    ) -> Desk<'a> {
+        notify: &'a mut dyn FnMut(CaptureNotice) -> io::Result<()>,
+    ) -> CaptureWorker<'a> {
         let bins = state::bins(capture.guidance());
-        Desk {
+        CaptureWorker {
             capture,
             scene,
             about,
             published,
-            tell,
-            rings: Rings::of(&bins),
+            notify,
+            rings: DialRings::of(&bins),
             bins,
             redo: BTreeSet::new(),
             shown: None,
-            picture: None,
+            newest: None,
             frames: 0,
             uploads: 0,
             source_ended: false,
@@ -146,8 +146,8 @@ impl<'a> Desk<'a> {
     /// Works until somebody finishes, or what keeps the capture from going on.
     pub(super) fn work(
         &mut self,
-        events: &Receiver<Event>,
-        own: Sender<Event>,
+        events: &Receiver<WorkerEvent>,
+        own: Sender<WorkerEvent>,
         source: Option<Box<dyn FrameSource + Send>>,
     ) -> Result<(), PageError> {
         let worked = self.work_through(events, own, source);
@@ -168,21 +168,21 @@ impl<'a> Desk<'a> {
 
     fn work_through(
         &mut self,
-        events: &Receiver<Event>,
-        own: Sender<Event>,
+        events: &Receiver<WorkerEvent>,
+        own: Sender<WorkerEvent>,
         source: Option<Box<dyn FrameSource + Send>>,
     ) -> Result<(), PageError> {
         self.publish(None);
         let mut wants_frame = source.map(|source| feed(source, own));
         while let Ok(event) = events.recv() {
             match event {
-                Event::Finish => break,
-                Event::Frame(Err(e)) => return Err(e.into()),
-                Event::Frame(Ok(None)) => {
+                WorkerEvent::Finish => break,
+                WorkerEvent::Frame(Err(e)) => return Err(e.into()),
+                WorkerEvent::Frame(Ok(None)) => {
                     self.source_ended = true;
                     wants_frame = None;
                 }
-                Event::Frame(Ok(Some((frame, settings)))) => {
+                WorkerEvent::Frame(Ok(Some((frame, settings)))) => {
                     self.set(settings)?;
                     self.judge(frame.into(), false)?;
                     // Asked for only now, so that none waits here and grows old.
@@ -191,31 +191,31 @@ impl<'a> Desk<'a> {
                     }
                 }
                 // A running camera's calibration does not fit a phone's photos.
-                Event::Upload(_, _, reply) if self.about.is_stream => {
-                    let _ = reply.send(Told::refused(
+                WorkerEvent::Upload(_, _, reply) if self.about.is_stream => {
+                    let _ = reply.send(ActionReply::refused(
                         StatusCode::CONFLICT,
                         "The running camera takes the photos",
                     ));
                 }
-                Event::Upload(bytes, _place, reply) => {
+                WorkerEvent::Upload(bytes, _place, reply) => {
                     self.uploads += 1;
-                    let told = self.judge(upload::frame(self.uploads, bytes).into(), false)?;
-                    let _ = reply.send(told); // a browser that has left needs no answer, here and below
+                    let response = self.judge(upload::frame(self.uploads, bytes).into(), false)?;
+                    let _ = reply.send(response); // a browser that has left needs no answer, here and below
                 }
-                Event::Shoot(reply) => {
-                    let newest = self.picture.as_ref().map(|picture| picture.frame.clone());
-                    let told = match newest {
+                WorkerEvent::Shoot(reply) => {
+                    let newest = self.newest.as_ref().map(|newest| newest.frame.clone());
+                    let response = match newest {
                         Some(frame) => self.judge(frame, true)?,
-                        None => Told::refused(StatusCode::CONFLICT, "There is no picture yet"),
+                        None => ActionReply::refused(StatusCode::CONFLICT, "There is no photo yet"),
                     };
-                    let _ = reply.send(told);
+                    let _ = reply.send(response);
                 }
-                Event::Undo(reply) => {
+                WorkerEvent::Undo(reply) => {
                     let before = self.filled();
                     let photos = self.capture.undo()?.into_iter().collect();
                     let _ = reply.send(self.taken_back(photos, &before)?);
                 }
-                Event::Redo(sector, reply) => {
+                WorkerEvent::Redo(sector, reply) => {
                     let before = self.filled();
                     let photos = match self.bins.get(sector) {
                         Some(bin) => self.capture.redo(self.scene, |other| other == bin)?,
@@ -232,7 +232,7 @@ impl<'a> Desk<'a> {
     fn set(&mut self, settings: Option<CameraSettings>) -> Result<(), PageError> {
         if settings != self.settings {
             if let Some(settings) = &settings {
-                (self.tell)(News::Set(settings)).map_err(PageError::Output)?;
+                (self.notify)(CaptureNotice::Set(settings)).map_err(PageError::Output)?;
             }
             self.capture.set_camera_settings(settings.clone());
             self.settings = settings;
@@ -240,14 +240,14 @@ impl<'a> Desk<'a> {
         Ok(())
     }
 
-    fn judge(&mut self, frame: Arc<Frame>, is_by_hand: bool) -> Result<Told, PageError> {
+    fn judge(&mut self, frame: Arc<SourceFrame>, is_by_hand: bool) -> Result<ActionReply, PageError> {
         let answer = match is_by_hand {
             true => self.capture.shoot(&frame)?,
             false => self.capture.see(&frame)?,
         };
         let guidance = self.capture.guidance();
         self.frames += 1;
-        let shown = Shown::of(
+        let shown = ShownFrame::of(
             self.frames,
             &frame.name,
             &answer,
@@ -255,14 +255,14 @@ impl<'a> Desk<'a> {
             &self.rings,
             self.about.is_stream,
         );
-        let news = News::Seen {
+        let news = CaptureNotice::Seen {
             frame: &frame.name,
             answer: &answer,
             guidance,
         };
-        (self.tell)(news).map_err(PageError::Output)?;
+        (self.notify)(news).map_err(PageError::Output)?;
         self.redo.retain(|target| guidance.targets()[*target].photo.is_none());
-        let told = Told {
+        let response = ActionReply {
             status: match shown.photo {
                 Some(_) => StatusCode::OK,
                 None => StatusCode::UNPROCESSABLE_ENTITY,
@@ -272,11 +272,11 @@ impl<'a> Desk<'a> {
             photo: shown.photo.clone(),
         };
         self.shown = Some(shown);
-        self.picture = Some(Arc::new(Picture {
+        self.newest = Some(Arc::new(NewestFrame {
             number: self.frames,
             frame,
         }));
-        Ok(told)
+        Ok(response)
     }
 
     /// Targets that have a photo.
@@ -288,9 +288,9 @@ impl<'a> Desk<'a> {
             .collect()
     }
 
-    fn taken_back(&mut self, photos: Vec<String>, before: &BTreeSet<usize>) -> Result<Told, PageError> {
+    fn taken_back(&mut self, photos: Vec<String>, before: &BTreeSet<usize>) -> Result<ActionReply, PageError> {
         for photo in &photos {
-            (self.tell)(News::TakenBack { photo }).map_err(PageError::Output)?;
+            (self.notify)(CaptureNotice::TakenBack { photo }).map_err(PageError::Output)?;
         }
         self.redo.extend(before.difference(&self.filled()));
         let sentence = match photos.is_empty() {
@@ -302,7 +302,7 @@ impl<'a> Desk<'a> {
             shown.advice.clone_from(&sentence);
             shown.photo = None;
         }
-        Ok(Told {
+        Ok(ActionReply {
             status: StatusCode::OK,
             sentence,
             code: None,
@@ -314,7 +314,7 @@ impl<'a> Desk<'a> {
         let guidance = self.capture.guidance();
         let revision = self.published.borrow().revision + 1;
         let (sectors, views) = state::views(guidance, &self.rings, &self.bins, &self.redo);
-        let state = State {
+        let state = PageState {
             revision,
             about: self.about,
             rings: &self.rings.0,
@@ -334,7 +334,7 @@ impl<'a> Desk<'a> {
             revision,
             // Numbers and strings always serialise.
             json: serde_json::to_vec(&state).unwrap_or_default().into(),
-            frame: self.picture.clone(),
+            frame: self.newest.clone(),
             photos: photos.collect(),
             has_ended: ended.is_some(),
         }));
@@ -343,14 +343,14 @@ impl<'a> Desk<'a> {
 
 /// Gives frames of the source one by one, each when it is asked for; the first at once. A source that waits for ever is left behind in its
 /// thread when the program ends.
-fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<Event>) -> SyncSender<()> {
+fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<WorkerEvent>) -> SyncSender<()> {
     let (more, asked) = sync_channel(1);
     let _ = more.try_send(()); // the channel is empty
     std::thread::spawn(move || {
         while asked.recv().is_ok() {
             let next = source.next().map(|frame| frame.map(|frame| (frame, source.settings())));
             let is_last = !matches!(next, Ok(Some(_)));
-            if events.send(Event::Frame(next)).is_err() || is_last {
+            if events.send(WorkerEvent::Frame(next)).is_err() || is_last {
                 break;
             }
         }

@@ -1,8 +1,8 @@
 //! The markers of a JPEG file, without its pixels.
 
-/// What the first picture of a JPEG file consists of (ITU-T T.81, annex B).
+/// What the first image of a JPEG file consists of (ITU-T T.81, annex B).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Outline {
+pub(super) struct JpegStructure {
     /// Start-of-scan markers.
     pub scans: u64,
     pub components: u64,
@@ -19,13 +19,13 @@ const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 /// Start of a progressive frame, with Huffman or arithmetic codes.
 const PROGRESSIVE: [u8; 2] = [0xC2, 0xCA];
 
-impl Outline {
-    /// `None` when the picture does not reach its end-of-image marker.
+impl JpegStructure {
+    /// `None` when the image does not reach its end-of-image marker.
     ///
     /// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the
     /// end (motion photos, depth maps) do not matter.
-    pub fn of(bytes: &[u8]) -> Option<Outline> {
-        let mut outline = Outline {
+    pub fn of(bytes: &[u8]) -> Option<JpegStructure> {
+        let mut structure = JpegStructure {
             scans: 0,
             components: 0,
             is_progressive: false,
@@ -36,14 +36,14 @@ impl Outline {
             let marker = bytes[marker_at + 1];
             at = marker_at + 2;
             match marker {
-                END_OF_IMAGE => return Some(outline),
+                END_OF_IMAGE => return Some(structure),
                 // Markers without a segment: TEM and the restart markers, which also stand inside scan data.
                 0x01 | 0xD0..=0xD7 => continue,
-                START_OF_SCAN => outline.scans += 1,
+                START_OF_SCAN => structure.scans += 1,
                 _ if FRAMES.contains(&marker) && !NO_FRAMES.contains(&marker) => {
-                    outline.is_progressive |= PROGRESSIVE.contains(&marker);
+                    structure.is_progressive |= PROGRESSIVE.contains(&marker);
                     // Behind the length, the precision, and the two sides.
-                    outline.components = (*bytes.get(at + 7)?).into();
+                    structure.components = (*bytes.get(at + 7)?).into();
                 }
                 _ => {}
             }

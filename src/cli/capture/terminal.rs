@@ -1,4 +1,4 @@
-//! What the terminal is told of a capture: a line for each thing that happens.
+//! What the terminal shows of a capture: a line for each thing that happens.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::name;
-use crate::capture::{Advice, Answer, CameraSettings, Guidance, Measures};
+use crate::capture::{Advice, CameraSettings, FrameAnswer, Guidance, Measures};
 use crate::scene::{Bin, Viewpoint};
 
 /// One line of `--json` for a frame.
 #[derive(Serialize)]
-struct Line<'a> {
+struct FrameLine<'a> {
     frame: &'a str,
     /// `accepted` or `refused`.
     status: &'static str,
@@ -27,30 +27,30 @@ struct Line<'a> {
 }
 
 /// Tells the terminal.
-pub(super) struct Teller<'a> {
+pub(super) struct TerminalLog<'a> {
     json: bool,
     is_stream: bool,
     out: &'a mut dyn Write,
-    told: Told,
+    said: SaidSoFar,
 }
 
-impl Teller<'_> {
-    pub(super) fn new(json: bool, is_stream: bool, out: &mut dyn Write) -> Teller<'_> {
-        Teller {
+impl TerminalLog<'_> {
+    pub(super) fn new(json: bool, is_stream: bool, out: &mut dyn Write) -> TerminalLog<'_> {
+        TerminalLog {
             json,
             is_stream,
             out,
-            told: Told::default(),
+            said: SaidSoFar::default(),
         }
     }
 
-    pub(super) fn seen(&mut self, frame: &str, answer: &Answer, guidance: &Guidance) -> io::Result<()> {
-        for caution in answer.cautions.iter().filter(|caution| self.told.is_new(caution)) {
+    pub(super) fn seen(&mut self, frame: &str, answer: &FrameAnswer, guidance: &Guidance) -> io::Result<()> {
+        for caution in answer.cautions.iter().filter(|caution| self.said.is_new(caution)) {
             say!("note: {caution}");
         }
         match self.json {
             true => writeln!(self.out, "{}", serde_json::to_string(&line(frame, answer, guidance))?)?,
-            false if self.is_stream && !self.told.is_worth_saying(answer) => return Ok(()),
+            false if self.is_stream && !self.said.is_worth_saying(answer) => return Ok(()),
             false if self.is_stream => writeln!(self.out, "{}", sentence(answer, guidance))?,
             false => writeln!(self.out, "{frame}: {}", sentence(answer, guidance))?,
         }
@@ -73,7 +73,7 @@ impl Teller<'_> {
 
 /// What was said already: twenty frames a second would not be read.
 #[derive(Default)]
-struct Told {
+struct SaidSoFar {
     cautions: BTreeSet<String>,
     last: Option<(Advice, Instant)>,
 }
@@ -81,13 +81,13 @@ struct Told {
 /// Advice of the same kind is said again after this time.
 const AGAIN: Duration = Duration::from_millis(700);
 
-impl Told {
+impl SaidSoFar {
     fn is_new(&mut self, caution: &str) -> bool {
         self.cautions.insert(caution.to_owned())
     }
 
     /// Photos always are, advice when it is of another kind than the last, or after a while another amount.
-    fn is_worth_saying(&mut self, answer: &Answer) -> bool {
+    fn is_worth_saying(&mut self, answer: &FrameAnswer) -> bool {
         let Err(advice) = &answer.verdict else {
             self.last = None;
             return true;
@@ -102,9 +102,9 @@ impl Told {
     }
 }
 
-fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a> {
+fn line<'a>(frame: &'a str, answer: &'a FrameAnswer, guidance: &Guidance) -> FrameLine<'a> {
     let (accepted, advice) = (answer.verdict.as_ref().ok(), answer.verdict.as_ref().err());
-    Line {
+    FrameLine {
         frame,
         status: if accepted.is_some() { "accepted" } else { "refused" },
         photo: accepted.map(|(photo, _)| photo.as_str()),
@@ -116,7 +116,7 @@ fn line<'a>(frame: &'a str, answer: &'a Answer, guidance: &Guidance) -> Line<'a>
     }
 }
 
-fn sentence(answer: &Answer, guidance: &Guidance) -> String {
+fn sentence(answer: &FrameAnswer, guidance: &Guidance) -> String {
     match &answer.verdict {
         Ok((photo, target)) => {
             let targets = guidance.targets();

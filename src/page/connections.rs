@@ -19,7 +19,7 @@ const MOST_OF_A_BROWSER: usize = 48;
 
 /// All connections of a server.
 #[derive(Debug, Default)]
-pub(super) struct Places {
+pub(super) struct Connections {
     seats: Mutex<Seats>,
 }
 
@@ -40,15 +40,15 @@ struct Seat {
 
 /// One connection's place, free again when dropped.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct Connection {
     number: u64,
-    places: Arc<Places>,
+    connections: Arc<Connections>,
     leave: Arc<Notify>,
 }
 
-impl Places {
+impl Connections {
     /// A place for a connection that has just come. Somebody else may have to leave for it.
-    pub(super) fn enter(self: &Arc<Places>, from: IpAddr) -> Place {
+    pub(super) fn enter(self: &Arc<Connections>, from: IpAddr) -> Connection {
         let mut seats = self.seats();
         if seats.strangers().count() >= MOST_STRANGERS {
             let longest = seats.longest_of_the_crowd();
@@ -62,9 +62,9 @@ impl Places {
             leave: leave.clone(),
         };
         seats.taken.insert(number, seat);
-        Place {
+        Connection {
             number,
-            places: self.clone(),
+            connections: self.clone(),
             leave,
         }
     }
@@ -74,10 +74,10 @@ impl Places {
     }
 }
 
-impl Place {
+impl Connection {
     /// The connection is one of this browser. One that has too many loses the one it has had longest.
     pub(super) fn belongs_to(&self, browser: &str) {
-        let mut seats = self.places.seats();
+        let mut seats = self.connections.seats();
         let Some(seat) = seats.taken.get_mut(&self.number) else {
             return;
         };
@@ -99,9 +99,9 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for Connection {
     fn drop(&mut self) {
-        self.places.seats().taken.remove(&self.number);
+        self.connections.seats().taken.remove(&self.number);
     }
 }
 
@@ -141,30 +141,30 @@ mod tests {
         Ipv4Addr::new(192, 168, 0, last).into()
     }
 
-    fn stays(place: &Place) -> bool {
-        place.places.seats().taken.contains_key(&place.number)
+    fn stays(place: &Connection) -> bool {
+        place.connections.seats().taken.contains_key(&place.number)
     }
 
     #[test]
     fn the_longest_stranger_of_the_largest_crowd_leaves_and_known_browsers_stay() {
-        let places = Arc::new(Places::default());
-        let known = places.enter(address(1));
+        let connections = Arc::new(Connections::default());
+        let known = connections.enter(address(1));
         known.belongs_to("phone");
-        let lone = places.enter(address(2));
-        let crowd: Vec<Place> = (1..MOST_STRANGERS).map(|_| places.enter(address(1))).collect();
-        let late = places.enter(address(3));
+        let lone = connections.enter(address(2));
+        let crowd: Vec<Connection> = (1..MOST_STRANGERS).map(|_| connections.enter(address(1))).collect();
+        let late = connections.enter(address(3));
         assert!(stays(&known) && stays(&lone) && stays(&late));
         assert!(!stays(&crowd[0]) && crowd[1..].iter().all(stays));
         drop(crowd);
-        assert_eq!(places.seats().taken.len(), 3);
+        assert_eq!(connections.seats().taken.len(), 3);
     }
 
     #[test]
     fn a_browser_with_too_many_connections_loses_its_oldest() {
-        let places = Arc::new(Places::default());
-        let own: Vec<Place> = (0..MOST_OF_A_BROWSER + 1)
+        let connections = Arc::new(Connections::default());
+        let own: Vec<Connection> = (0..MOST_OF_A_BROWSER + 1)
             .map(|_| {
-                let place = places.enter(address(1));
+                let place = connections.enter(address(1));
                 place.belongs_to("phone");
                 place.belongs_to("phone");
                 place
