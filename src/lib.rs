@@ -12,6 +12,14 @@
 //! # Building
 //! Scoring needs ONNX Runtime at run time (`ORT_DYLIB_PATH` names its shared library). The feature `full` (default) needs OpenCV 4 and clang; without it
 //! photos are located and scored, and patterns are printed. The feature `attack` adds the tensor framework. ARCHITECTURE.md lists the rooms.
+//!
+//! `apriltag-sys` links the system's C AprilTag library where `pkg-config` finds one. Accuracy is measured with the one it carries, for which a
+//! program that depends on this crate asks in its own `.cargo/config.toml`; the provenance of results names the library either way:
+//!
+//! ```toml
+//! [env]
+//! APRILTAG_SYS_METHOD = "raw,static"
+//! ```
 
 #![allow(missing_docs)]
 #![cfg_attr(not(any(test, fuzzing)), warn(unreachable_pub))]

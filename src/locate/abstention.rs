@@ -4,6 +4,7 @@ use crate::camera::SizeError;
 
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,
