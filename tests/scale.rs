@@ -500,7 +500,7 @@ fn of_many_photos_a_thousand_are_kept_as_pictures_and_the_worst_shown() {
     let outputs = set.outputs("out", &[]);
     let page = String::from_utf8(outputs["report.html"].clone()).unwrap();
     let shown =
-        "Shown are the 400 of 1200 photos that the most detectors missed, among 1000 that the run kept pictures of";
+        "Shown are the 400 of 1200 photos that the most detectors missed, among 1000 that the run kept previews of";
     assert!(page.contains(shown));
     assert_eq!(page.matches("data:image/jpeg").count(), 400);
     assert_eq!(read_json(&set.path("out/summary.json"))["photos_scored"], 1200);

@@ -132,7 +132,7 @@ impl Port {
         }
     }
 
-    /// The order of the axes, if this could be a image of three channels.
+    /// The order of the axes, if this could be an image of three channels.
     fn image(&self) -> Option<Layout> {
         match self.shape[..] {
             [_, 3, _, _] => Some(Layout::Nchw),

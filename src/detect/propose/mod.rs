@@ -73,7 +73,7 @@ pub(crate) enum ProposeError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Manifest(#[from] ManifestError),
-    #[error("no input is a image of three channels (inputs: {inputs}): this is no detector for photos")]
+    #[error("no input is an image of three channels (inputs: {inputs}): this is no detector for photos")]
     NoImage { inputs: String },
     #[error("several inputs could be the image ({inputs}): only networks that look at one image can be used")]
     SeveralImages { inputs: String },
@@ -90,7 +90,7 @@ pub(crate) enum ProposeError {
     OtherSize { fixed: [u32; 2], named: [u32; 2] },
     #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
     Size { size_px: [u32; 2] },
-    #[error("a image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
+    #[error("an image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
     Trial { size_px: [u32; 2], reason: String },
     #[error("the file says that its task is {task:?}, and only detectors can be scored")]
     OtherTask { task: String },

@@ -63,7 +63,7 @@ fn listed_boxes(outputs: &[Tensor]) -> Option<&Tensor> {
     outputs.iter().find(is_boxes)
 }
 
-/// Families that list their boxes. R-CNNs take a image without a batch axis or list their boxes without one.
+/// Families that list their boxes. R-CNNs take an image without a batch axis or list their boxes without one.
 fn listing(network: &Inspected, boxes: &Tensor) -> Vec<Family> {
     if network.takes_photo_size {
         return vec![Family::Deim];
@@ -269,7 +269,7 @@ fn no_share(mut values: impl Iterator<Item = f32>) -> Option<String> {
     Some(format!("a coordinate is {outside}, which is no share of the image"))
 }
 
-/// Raw YOLOX: sizes are logarithms, of which the largest a image allows is ln(8192 / 8).
+/// Raw YOLOX: sizes are logarithms, of which the largest an image allows is ln(8192 / 8).
 fn decoded(t: &Tensor) -> Option<String> {
     let outside = columns(t, 2..4).find(|v| *v > 7.0)?;
     Some(format!(
