@@ -2,6 +2,11 @@
 
 use crate::geometry::length::{BadLength, LONGEST_MM, SCALES, shown};
 
+/// More tags than this were written by a program, and take minutes to pair up on cards.
+pub(super) const MOST_TAGS: u64 = 2000;
+/// Nobody photographs more bins than this.
+pub(super) const MOST_BINS: usize = 100_000;
+
 /// What is wrong in a scene, as a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -10,7 +15,7 @@ pub enum SceneFault {
     Length(#[from] BadLength),
     #[error("model.scale is {}: give 10 for a 1:10 model, from {} to {}", shown(*.0), SCALES.start(), SCALES.end())]
     Scale(f64),
-    #[error("{0} tags are too many: a scene has at most {most}", most = super::file::MOST_TAGS)]
+    #[error("{0} tags are too many: a scene has at most {most}", most = MOST_TAGS)]
     TooManyTags(u64),
     #[error("tag id {0} appears twice: give every [[tag]] its own id")]
     TagTwice(u32),
@@ -32,7 +37,7 @@ pub enum SceneFault {
     MeshOfBox,
     #[error("bins.azimuth_deg = {} does not divide 360° into 1 to 360 bins: use 45, 30, …", shown(*.0))]
     AzimuthStep(f64),
-    #[error("bins make {0} bins, more than {most}: give fewer centres or a larger azimuth_deg", most = super::file::MOST_BINS)]
+    #[error("bins make {0} bins, more than {most}: give fewer centres or a larger azimuth_deg", most = MOST_BINS)]
     TooManyBins(usize),
     #[error("{what} is empty: give at least one centre, e.g. [{example}]")]
     NoCentre { what: &'static str, example: f64 },

@@ -6,14 +6,10 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
+use super::fault::{MOST_BINS, MOST_TAGS};
 use super::{Bins, Classes, Envelope, ScaleModel, Scene, SceneFault, Tag, TagFamily, TagSigma};
 use crate::files;
 use crate::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
-
-/// More tags than this were written by a program, and take minutes to pair up on cards.
-pub(super) const MOST_TAGS: u64 = 2000;
-/// Nobody photographs more bins than this.
-pub(super) const MOST_BINS: usize = 100_000;
 
 /// Why a scene was refused. Every variant names the file and what to change.
 #[derive(Debug, thiserror::Error)]
