@@ -15,7 +15,7 @@ use crate::files;
 use decode::{Header, heif_kind, orientation_of, turned_deg};
 
 pub(crate) use budget::Budget;
-pub(crate) use decode::{PngError, open_png};
+pub(crate) use decode::open_png;
 pub(crate) use heif::reads_heif;
 pub(crate) use lens::Lens;
 use problem::DecodeProblem;

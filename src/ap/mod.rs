@@ -5,7 +5,6 @@
 mod definition;
 
 pub use definition::ApDefinition;
-pub(crate) use definition::UnknownDefinition;
 
 use crate::geometry::BoxPx;
 

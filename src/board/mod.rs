@@ -5,4 +5,4 @@ mod definition;
 
 pub(crate) use corners::Marker;
 
-pub(crate) use definition::{BoardFault, Definition, DefinitionError};
+pub(crate) use definition::{Definition, DefinitionError};

@@ -23,19 +23,20 @@ use crate::photo::Photo;
 use crate::workers;
 
 pub(crate) use choice_text::{choice_lines, numbers};
-pub(crate) use detect::{NoBoard, check};
+pub(crate) use detect::check;
 pub(crate) use doubt::{CalibrationCaution, CalibrationError};
-pub(crate) use ladder::{CandidateModel, ModelDifference};
+pub(crate) use ladder::CandidateModel;
+#[cfg(test)]
 pub(crate) use model::LensModel;
 pub(crate) use page::page;
 pub(crate) use summary::json;
-pub(crate) use uncertainty::{MapCell, UncertaintyMap};
+pub(crate) use uncertainty::UncertaintyMap;
 
 use view::BoardView;
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeenCorner {
+pub(crate) struct SeenCorner {
     /// Which of [`Definition::corners_mm`].
     pub id: usize,
     /// Pixel (0, 0) is the centre of the top-left pixel.

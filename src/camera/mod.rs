@@ -20,7 +20,7 @@ use crate::files;
 pub(crate) use fault::CameraFault;
 pub use fit::{FittedCamera, SizeError};
 pub(crate) use format::CameraFormat;
-pub(crate) use guess::{Guess, GuessError};
+pub(crate) use guess::Guess;
 
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]

@@ -30,10 +30,8 @@ use crate::session::PhotoEntry;
 use crate::tags::SeenTag;
 
 pub(crate) use advice::Advice;
-pub(crate) use gates::{
-    FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement,
-};
-pub(crate) use guidance::{Guidance, NextMove, Target, Tolerance, usual, viewpoints_of};
+pub(crate) use gates::{Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures, enlargement};
+pub(crate) use guidance::{Guidance, Target, Tolerance, usual, viewpoints_of};
 pub(crate) use live::{CameraSettings, LiveCamera};
 pub(crate) use replay::Replay;
 pub(crate) use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
@@ -144,6 +142,7 @@ impl Capture {
 
     /// Whether frames of a stream are taken by themselves once all gates have held for a moment (they are at first), or only by
     /// [`Capture::shoot`]. Photos that come one by one are taken either way: somebody took them on purpose.
+    #[cfg(test)]
     pub(crate) fn set_auto(&mut self, is_auto: bool) {
         self.is_auto = is_auto;
     }

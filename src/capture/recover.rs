@@ -19,7 +19,7 @@ impl Store {
     ///
     /// # Errors
     /// Files that cannot be read or written; another scene or camera than the session's; a session that no capture made.
-    pub fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
+    pub(crate) fn open(folder: &Path, scene: &Path, camera: &Path, variant: &str) -> Result<Store, StoreError> {
         let mut store = Store::begin(folder, scene, camera)?;
         recover(&mut store, variant)?;
         Ok(store)

@@ -13,8 +13,9 @@ use crate::camera::SizeError;
 use crate::photo::PhotoError;
 use crate::tags::StartError;
 
+#[cfg(test)]
 pub(crate) use spoil::Spoil;
-pub(crate) use truth::{TruthError, true_boxes, true_views};
+pub(crate) use truth::{true_boxes, true_views};
 
 /// Why photos could not be measured on.
 #[derive(Debug, thiserror::Error)]

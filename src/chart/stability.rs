@@ -428,6 +428,7 @@ fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>
 }
 
 /// Over some steps: views, share answered, and the share of the answered that was silently wrong.
+#[cfg(test)]
 pub(crate) fn total<'a>(steps: impl IntoIterator<Item = &'a SweepStep>) -> (usize, f64, f64) {
     let (mut views, mut answered, mut wrong) = (0, 0.0, 0.0);
     for step in steps {

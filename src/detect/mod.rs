@@ -32,12 +32,16 @@ pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};
 pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]
 pub(crate) use input::tensor;
-pub(crate) use labels::{Labels, LabelsError};
+pub(crate) use labels::Labels;
 #[cfg(feature = "attack")]
 pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{CandidateBox, suppress};
-pub(crate) use propose::{Family, Hints, NoSuchFamily, Proposal, ProposalNote, ProposeError, propose, propose_within};
+#[cfg(test)]
+pub(crate) use propose::Proposal;
+#[cfg(test)]
+pub(crate) use propose::propose_within;
+pub(crate) use propose::{Family, Hints, ProposalNote, ProposeError, propose};
 pub(crate) use registered::{RegisterError, register, registered, registered_names, unregister};
 pub(crate) use runtime::{DetectError, Detector, Runtime};
 pub(crate) use speed::{Speed, SpeedError, Speeds};

@@ -69,6 +69,7 @@ impl Runtime {
     }
 
     /// The one environment a process may have, for sessions beside the detectors'.
+    #[cfg(test)]
     pub(crate) fn environment(&self) -> &Environment {
         &self.environment
     }
@@ -139,6 +140,7 @@ impl Detector {
     }
 
     /// The same detector, which is stopped after another time than two minutes a photo.
+    #[cfg(test)]
     pub(crate) fn with_time_limit(self, time_limit: Duration) -> Detector {
         Detector { time_limit, ..self }
     }

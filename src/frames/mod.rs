@@ -42,7 +42,7 @@ mod read;
 pub(crate) mod render;
 mod write;
 
-pub(crate) use images::{Coverage, Linear16, encode_grey, encode_linear, encode_positions, encode_rgb};
+pub(crate) use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};
 pub(crate) use read::{outline, syntax};
 
 use std::path::PathBuf;

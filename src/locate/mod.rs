@@ -35,6 +35,7 @@ pub use photo::{LocatedPhoto, locate_photo};
 pub(crate) use photo::{locate_luma, locate_tags};
 pub(crate) use planar::planar_branches;
 pub(crate) use solver::Solver;
+#[cfg(test)]
 pub(crate) use sqpnp::sqpnp;
 pub use uncertainty::Sigma;
 pub(crate) use uncertainty::Uncertainty;

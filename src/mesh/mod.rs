@@ -9,7 +9,9 @@ mod placement;
 mod ply;
 mod stl;
 
-pub(crate) use placement::{MeshPlacement, SignedAxis};
+pub(crate) use placement::MeshPlacement;
+#[cfg(test)]
+pub(crate) use placement::SignedAxis;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

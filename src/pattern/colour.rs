@@ -27,6 +27,7 @@ impl Lab {
     }
 
     /// Light in the primaries of sRGB, 1 is white; outside 0 to 1 where no screen shows it.
+    #[cfg(test)]
     pub(crate) fn linear(self) -> [f64; 3] {
         let light: LinSrgb<f64> = self.palette().into_color();
         light.into()

@@ -108,6 +108,7 @@ pub(crate) struct WorldAligned<'a> {
 
 impl WorldAligned<'_> {
     /// The colour of a surface point (model frame, mm) with this outward normal of any length.
+    #[cfg(test)]
     pub(crate) fn colour(&self, point_mm: &Point3<f64>, normal: &Vector3<f64>) -> [u8; 3] {
         let side = Side::of(normal);
         self.colour_at(side.project(point_mm))

@@ -18,7 +18,7 @@ pub(super) enum DecodeProblem {
 }
 
 impl DecodeProblem {
-    pub fn at(self, path: &Path) -> PhotoError {
+    pub(super) fn at(self, path: &Path) -> PhotoError {
         let path = path.to_owned();
         match self {
             DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },

@@ -26,6 +26,7 @@ pub(crate) enum ChartPrintError {
 pub(crate) struct PrintedChart {
     pub layout: ChartLayout,
     /// Where it lies (page frame).
+    #[cfg_attr(not(test), allow(dead_code))] // the tests look at it
     pub area: RectMm,
     pub sheet: Sheet,
 }

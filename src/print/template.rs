@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub(crate) use furniture::{Captions, around, guides, rulers};
 pub use layout::LayoutRequest;
 pub(crate) use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
-pub(crate) use seams::{SheetSeams, letters};
+pub(crate) use seams::letters;
 
 use super::SheetError;
 use super::date::Date;

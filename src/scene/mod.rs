@@ -12,12 +12,11 @@ mod viewpoint;
 mod write;
 
 pub use bins::{Bin, Bins};
-pub(crate) use classes::ClassError;
 pub use classes::Classes;
 pub use envelope::Envelope;
 pub(crate) use fault::SceneFault;
 pub use file::SceneError;
-pub(crate) use ring::{RingError, TagRing};
+pub(crate) use ring::TagRing;
 pub(crate) use tag::TagSigma;
 pub use tag::{Tag, TagFamily};
 pub use viewpoint::Viewpoint;

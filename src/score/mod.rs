@@ -20,18 +20,20 @@ mod summary;
 mod transfer;
 
 pub use crate::ap::ApDefinition;
-pub(crate) use crate::ap::{AveragePrecision, ImageBoxes, average_precision, average_precision_as};
+#[cfg(test)]
+pub(crate) use crate::ap::average_precision;
+pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 pub(crate) use cache::Cache;
-pub(crate) use compare::{
-    BinHits, CompareError, Compared, Difference, Finding, Hits, PlanError, Unpaired, compare_with, pairs_needed, power,
-};
+#[cfg(test)]
+pub(crate) use compare::power;
+pub(crate) use compare::{CompareError, Compared, Difference, Finding, compare_with, pairs_needed};
 pub use compare::{Comparison, compare};
 pub(crate) use criteria::Criteria;
 pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
 pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
 pub use observe::Options;
-pub(crate) use observe::{LeftOutReason, Observation, libraries};
+pub(crate) use observe::{LeftOutReason, libraries};
 pub(crate) use outcome::{PhotoOutcome, Verdict};
 pub(crate) use photo::TagMark;
 pub use photo::{NotScored, ScoredPhoto};
@@ -40,7 +42,7 @@ pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reli
 pub use run::score;
 pub(crate) use run::{merge, observe};
 pub use scores::Scores;
-pub(crate) use summary::{BinFigures, CellFigures, Drop, Figures, PlaceFigures, Rate, Summary};
+pub(crate) use summary::{BinFigures, CellFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 
 /// A detection counts for the model when their boxes overlap by at least this much.

@@ -17,7 +17,7 @@ use crate::geometry::BoxPx;
 use crate::scene::{Scene, SceneError, Viewpoint};
 
 pub(crate) use contents::{Contents, Look};
-pub(crate) use new::{MadeSession, NewSession, NewSessionError, mesh_below};
+pub(crate) use new::{NewSession, NewSessionError, mesh_below};
 
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]

@@ -78,12 +78,9 @@ impl Additive {
     }
 
     /// Colours it is made of.
+    #[cfg(test)]
     pub(crate) fn len(&self) -> usize {
         self.colours.len()
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.colours.is_empty()
     }
 
     /// The view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.

@@ -22,9 +22,9 @@ use adjust::{Free, Loss, adjust};
 use network::{Poses, Sighting, SizedTag, TagKey, TagNetwork};
 use suspects::TagFault;
 
-pub(crate) use look::{SurveyPhotoError, SurveyPhotos, look};
+pub(crate) use look::{SurveyPhotos, look};
 pub(crate) use problem::{LeftOutReason, SurveyError};
-pub(crate) use sizes::{Sizes, SizesError};
+pub(crate) use sizes::Sizes;
 
 /// A noise above this angle is no noise: the wrong camera, or wrong sizes.
 const MAX_NOISE_DEG: f64 = 0.1;

@@ -17,6 +17,7 @@ pub(crate) enum DeviceKind {
 pub(crate) enum DeviceError {
     #[error("this program was built without {0}")]
     NotBuilt(&'static str),
+    #[cfg_attr(not(any(feature = "cuda", feature = "wgpu")), allow(dead_code))]
     #[error("{0} finds no device on this machine: install its driver")]
     NotThere(&'static str),
 }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use super::source::{FrameSource, Original, SourceError, SourceFrame};
 use crate::camera::Camera;
 
-pub(crate) use device::{ListedCamera, list_cameras};
+pub(crate) use device::list_cameras;
 pub(crate) use error::LiveCameraError;
 pub(crate) use pixels::{PixelFormat, RawImage};
 pub(crate) use settings::{CameraSettings, Setting};

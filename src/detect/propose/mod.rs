@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Duration;
 
-pub(crate) use family::{Family, NoSuchFamily};
+pub(crate) use family::Family;
 
 use super::heads::{self, HeadError, Tensor};
 use super::manifest::{Input, SIDES_PX, Values, Weights};
@@ -33,6 +33,7 @@ pub(crate) struct Proposal {
     pub family: Family,
     pub manifest: Manifest,
     /// The manifest as TOML.
+    #[cfg_attr(not(test), allow(dead_code))] // the tests look at it
     pub text: String,
     /// What was read from the file and what was not, as sentences.
     pub notes: Vec<ProposalNote>,

@@ -115,6 +115,7 @@ impl RenderPlan {
     }
 
     /// All of it, as if nothing were there yet.
+    #[cfg(test)]
     pub(crate) fn everything(&self) -> Missing {
         Missing {
             frames: self.frames(),

@@ -84,6 +84,7 @@ pub(crate) struct BoardRequest {
 pub(crate) struct Board {
     pub definition: Definition,
     /// Where it lies (page frame).
+    #[cfg_attr(not(test), allow(dead_code))] // the tests look at it
     pub area: RectMm,
     pub sheet: Sheet,
 }

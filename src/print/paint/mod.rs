@@ -100,6 +100,7 @@ pub(crate) struct PaintArea {
 #[derive(Debug, Clone)]
 pub(crate) struct PaintSheets {
     pub layout: SheetLayout,
+    #[cfg_attr(not(test), allow(dead_code))] // the tests look at it
     pub cell_mm: f64,
     /// For each of the paints.
     pub areas: Vec<PaintArea>,

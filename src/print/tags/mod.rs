@@ -17,11 +17,8 @@ mod tent;
 mod tent_sheet;
 mod window;
 
-pub(crate) use arrange::{Arrangement, FLAT_MM, arrange};
-pub(crate) use floor_plan::FloorPlace;
+pub(crate) use arrange::{Arrangement, arrange};
 pub(crate) use ground::Ground;
-pub(crate) use strip::PlaceStrip;
-pub(crate) use tent::{FlatTag, Fold, Net, TILT_DEG, Tent, TentPanel};
 
 use std::fmt;
 

@@ -4,7 +4,9 @@
 //! *Flat frame*: the card before folding, printed side up: x along the ridge, y from the tab over face A, the ridge, face B to
 //! the end of the base; origin at the corner where the tab begins. Millimetres in both.
 
-use nalgebra::{Isometry3, Matrix3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
+#[cfg(test)]
+use nalgebra::Isometry3;
+use nalgebra::{Matrix3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 
 use crate::geometry::{Rigid, rigid};
 use crate::print::shapes::{OutlineMm, stroke};
@@ -185,6 +187,7 @@ impl TentShape {
 
 /// The parts of a card, in the order of [`Net::outlines`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // no tag lies on the tab or the base
 pub(crate) enum TentPanel {
     Tab = 0,
     FaceA = 1,
@@ -237,6 +240,7 @@ impl FlatTag {
     }
 
     /// `T_flat_tag`.
+    #[cfg(test)]
     fn pose(&self) -> Rigid {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.right.y.atan2(self.right.x));
         Isometry3::from_parts(self.centre_mm.coords.push(0.0).into(), turn)
@@ -245,6 +249,7 @@ impl FlatTag {
 
 impl Net {
     /// Folds the card and says where each tag comes to stand: `T_tent_tag`, in the order of [`Net::tags`].
+    #[cfg(test)]
     pub(crate) fn folded(&self, tent: &Tent) -> Vec<Rigid> {
         let panels = self.folded_panels(tent);
         self.tags

@@ -15,10 +15,14 @@ mod strips;
 mod unroll;
 
 pub(super) use draw::{cut_line, cutter_path, moved};
-pub(crate) use panel::{Face, PRINTED, PaintedSurface, Panel};
-pub(crate) use region::{Contour, Point, Region};
+#[cfg(test)]
+pub(crate) use panel::Face;
+pub(crate) use panel::{PRINTED, PaintedSurface, Panel};
+pub(crate) use region::{Point, Region};
 pub(crate) use strips::StripPlace;
-pub(crate) use unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling};
+#[cfg(test)]
+pub(crate) use unroll::Unrolled;
+pub(crate) use unroll::{Kept, Strip, Unrolling};
 
 use super::SheetError;
 use super::date::Date;

@@ -6,7 +6,9 @@ mod plan;
 use serde::Serialize;
 
 pub(crate) use pairs::Unpaired;
-pub(crate) use plan::{PlanError, pairs_needed, power};
+pub(crate) use plan::pairs_needed;
+#[cfg(test)]
+pub(crate) use plan::power;
 
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores};

@@ -23,6 +23,7 @@ const MOST_PAIRS: usize = 2000;
 ///
 /// Exact: the hits of a pair are taken as independent of each other (photos alike in difficulty need fewer pairs), so that the
 /// discordant pairs are binomial, and those of them that speak for the drop are binomial again.
+#[cfg(test)]
 pub(crate) fn power(pairs: usize, base_rate: f64, drop: f64, alpha: f64) -> f64 {
     Tails::new(pairs, base_rate, drop, alpha).power(pairs)
 }

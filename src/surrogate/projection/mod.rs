@@ -37,6 +37,7 @@ pub(crate) enum Sampling {
     /// The cell it is in, as print has it.
     Nearest,
     /// A mixture of the four nearest, which smooths gradients.
+    #[cfg_attr(not(test), allow(dead_code))] // the tests look at it
     Bilinear,
 }
 
@@ -82,11 +83,13 @@ impl Projection {
     }
 
     /// Cells of the pattern.
+    #[cfg(test)]
     pub(crate) fn cells(&self) -> usize {
         self.cells
     }
 
     /// Whether a pixel sees paint.
+    #[cfg(test)]
     pub(crate) fn sees_paint(&self, pixel: usize) -> bool {
         self.starts[pixel] < self.starts[pixel + 1]
     }

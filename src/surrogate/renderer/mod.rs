@@ -15,6 +15,7 @@ mod per_pixel;
 mod tone;
 
 pub(crate) use per_pixel::PerPixel;
+#[cfg(test)]
 pub(crate) use tone::Tone;
 
 use image::RgbImage;
@@ -58,7 +59,7 @@ pub(crate) trait NeuralRenderer {
 /// Why a network gave no model of a view.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{0}")]
-pub struct NotComputed(pub String);
+pub(crate) struct NotComputed(pub String);
 
 /// Which model. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
