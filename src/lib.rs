@@ -21,7 +21,7 @@
 //! APRILTAG_SYS_METHOD = "raw,static"
 //! ```
 
-#![warn(missing_docs)]
+#![deny(missing_docs)]
 #![cfg_attr(all(feature = "attack", not(any(test, fuzzing))), deny(unreachable_pub))]
 // What only the left-out rooms use is kept: it is small, and a mark on each of its items would be more than it.
 #![cfg_attr(not(all(feature = "full", feature = "attack")), allow(dead_code, unused_imports))]

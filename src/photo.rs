@@ -23,6 +23,7 @@ use problem::DecodeProblem;
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -68,6 +69,7 @@ pub struct Photo {
     pub sha256: String,
     /// Of the upright image, in pixels.
     pub width: u32,
+    /// Height of the upright photo, px.
     pub height: u32,
     /// How far EXIF turns the sensor's image clockwise to make it upright: 0, 90, 180 or 270. A mirrored image is mirrored back besides.
     pub turned_deg: u32,

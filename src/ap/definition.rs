@@ -21,6 +21,7 @@ pub enum ApDefinition {
 pub struct UnknownDefinition(String);
 
 impl ApDefinition {
+    /// All four, the default first.
     pub const ALL: [ApDefinition; 4] = [
         ApDefinition::Coco101,
         ApDefinition::AllPoint,

@@ -5,6 +5,7 @@ use super::{Camera, Distortion};
 /// A camera that fits one photo, and what was done to the camera file's for that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedCamera {
+    /// The camera at the size and orientation of the photo.
     pub camera: Camera,
     /// Width of the photo by width of the camera file's image, before turning; 1 when nothing was scaled.
     pub scale: f64,
@@ -15,6 +16,7 @@ pub struct FittedCamera {
 /// Why a camera file does not fit a photo.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum SizeError {
     #[error(
         "the photo is {photo} but the camera file is for {camera}, another aspect ratio, so the photo was cropped by an unknown amount: use the original photo, or calibrate at this size"

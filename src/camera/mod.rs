@@ -25,6 +25,7 @@ pub(crate) use guess::Guess;
 /// Why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum CameraError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -39,11 +40,15 @@ pub enum CameraError {
 pub struct Camera {
     /// Image size in pixels.
     pub width: u32,
+    /// Height of the image, px.
     pub height: u32,
     /// Focal lengths and principal point in pixels.
     pub fx: f64,
+    /// Focal length down the image, px.
     pub fy: f64,
+    /// Principal point, px from the centre of the left-most pixels.
     pub cx: f64,
+    /// Principal point, px from the centre of the top-most pixels.
     pub cy: f64,
     distortion: Distortion,
     /// Present when the focal length was guessed instead of measured.

@@ -15,12 +15,19 @@ use crate::spelling;
 pub struct Manifest {
     /// What chooses it.
     pub name: String,
+    /// What a report calls it.
     pub title: String,
+    /// Licence of the weights.
     pub licence: String,
+    /// Where the weights come from.
     pub origin: String,
+    /// Names of its classes.
     pub labels: Labels,
+    /// File, hash and address of the weights.
     pub weights: Weights,
+    /// How a photo becomes its input.
     pub input: Input,
+    /// How its outputs become boxes.
     pub head: Head,
     /// What labels count as, where not as themselves: label of the detector → label of the scene.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -158,6 +165,7 @@ pub struct FirstLabel {
 /// Why a manifest was refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum ManifestError {
     #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
     Unknown { name: String, known: Vec<String> },

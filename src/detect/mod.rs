@@ -61,6 +61,7 @@ pub(crate) const MAX_DETECTIONS: usize = 100;
 pub struct Detection {
     /// Index into the detector's labels.
     pub label: usize,
+    /// Confidence, 0 to 1.
     pub score: f64,
     /// In pixels of the photo.
     pub box_px: BoxPx,

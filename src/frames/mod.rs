@@ -66,6 +66,7 @@ pub(crate) const LIST: &str = "frames.json";
 /// Why frames could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum FramesError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -86,7 +87,9 @@ pub enum FramesError {
 /// Frames of one camera, without their pixels.
 #[derive(Debug, Clone)]
 pub struct FrameSet {
+    /// Where `frames.json` lies.
     pub folder: PathBuf,
+    /// What `frames.json` says.
     pub list: FrameList,
 }
 

@@ -42,16 +42,28 @@ impl FrameSet {
         Ok(files::sha256_hex(&files::read(&self.folder.join(LIST))?))
     }
 
+    /// The image of a frame, 8-bit sRGB.
+    ///
+    /// # Errors
+    /// A file that is missing, damaged or of another size.
     pub fn rgb(&self, frame: &Frame) -> Result<RgbImage, FramesError> {
         self.image(&frame.rgb, "rgb image", ColorType::Rgb8)
             .map(image::DynamicImage::into_rgb8)
     }
 
+    /// How much of each pixel the model covers.
+    ///
+    /// # Errors
+    /// As of [`FrameSet::rgb`].
     pub fn object_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
         self.image(&frame.object_mask, "object mask", ColorType::L8)
             .map(image::DynamicImage::into_luma8)
     }
 
+    /// How much of each pixel the paint covers.
+    ///
+    /// # Errors
+    /// As of [`FrameSet::rgb`].
     pub fn paint_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
         self.image(&frame.paint_mask, "paint mask", ColorType::L8)
             .map(image::DynamicImage::into_luma8)

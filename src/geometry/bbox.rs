@@ -7,25 +7,33 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(from = "[f64; 4]", into = "[f64; 4]")]
 pub struct BoxPx {
+    /// Left edge.
     pub x1: f64,
+    /// Top edge.
     pub y1: f64,
+    /// Right edge.
     pub x2: f64,
+    /// Bottom edge.
     pub y2: f64,
 }
 
 impl BoxPx {
+    /// Left, top, right, bottom.
     pub fn new(x1: f64, y1: f64, x2: f64, y2: f64) -> Self {
         Self { x1, y1, x2, y2 }
     }
 
+    /// Right minus left.
     pub fn width(&self) -> f64 {
         (self.x2 - self.x1).max(0.0)
     }
 
+    /// Bottom minus top.
     pub fn height(&self) -> f64 {
         (self.y2 - self.y1).max(0.0)
     }
 
+    /// Width × height, px².
     pub fn area(&self) -> f64 {
         self.width() * self.height()
     }

@@ -5,6 +5,7 @@ use crate::camera::SizeError;
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,

@@ -47,12 +47,15 @@ pub struct Located {
     pub pose: Rigid,
     /// How far the pose may be off by corner noise.
     pub uncertainty: Uncertainty,
+    /// Where the camera stands, seen from the model.
     pub viewpoint: Viewpoint,
     /// What that means for the viewpoint.
     pub sigma: Sigma,
+    /// The bin of the scene that the viewpoint is in.
     pub bin: Bin,
     /// The probability that the bin is the right one.
     pub bin_probability: f64,
+    /// What weakens the answer.
     pub warnings: Vec<Warning>,
     /// Ids of the tags the pose rests on, ascending.
     pub tags: Vec<u32>,

@@ -15,6 +15,7 @@ pub struct LocatedPhoto {
     pub seen: Vec<SeenTag>,
     /// The camera as it fits this photo, or why it does not.
     pub fitted: Result<FittedCamera, SizeError>,
+    /// The pose, or why there is none.
     pub result: Result<Located, Abstention>,
 }
 

@@ -26,8 +26,11 @@ const HUBER_SIGMAS: f64 = 2.0;
 /// Standard deviations of a viewpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sigma {
+    /// Of the azimuth, degrees.
     pub azimuth_deg: f64,
+    /// Of the pitch, degrees.
     pub pitch_deg: f64,
+    /// Of the distance, mm.
     pub distance_mm: f64,
 }
 

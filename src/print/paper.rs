@@ -10,23 +10,29 @@ pub(crate) const MAX_SIDE_MM: f64 = 5000.0;
 /// A sheet of paper as it is named; which way round it is used is an [`Orientation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paper {
+    /// Width of a sheet.
     pub width_mm: f64,
+    /// Height of a sheet.
     pub height_mm: f64,
 }
 
 impl Paper {
+    /// 210 × 297 mm.
     pub const A4: Self = Self {
         width_mm: 210.0,
         height_mm: 297.0,
     };
+    /// 297 × 420 mm.
     pub const A3: Self = Self {
         width_mm: 297.0,
         height_mm: 420.0,
     };
+    /// 215.9 × 279.4 mm.
     pub const LETTER: Self = Self {
         width_mm: 215.9,
         height_mm: 279.4,
     };
+    /// 279.4 × 431.8 mm.
     pub const TABLOID: Self = Self {
         width_mm: 279.4,
         height_mm: 431.8,
@@ -81,6 +87,7 @@ pub enum Stock {
     /// Cut sheets.
     Cut(Paper),
     /// A roll: its width is fixed, a page is as long as needed.
+    #[allow(missing_docs)]
     Roll { width_mm: f64 },
 }
 
@@ -111,7 +118,9 @@ pub enum Orientation {
     /// Whichever needs fewer sheets; portrait if both need the same.
     #[default]
     Auto,
+    /// The short side across.
     Portrait,
+    /// The long side across.
     Landscape,
 }
 

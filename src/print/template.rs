@@ -62,9 +62,11 @@ pub struct TemplateRequest {
     pub scale: f64,
     /// How the captions call the pattern: its file name.
     pub pattern_name: String,
+    /// Which way the model looks on the sheets.
     pub front: Front,
     /// Named in the caption when given; there is no clock, so that the same input gives the same bytes.
     pub date: Option<Date>,
+    /// Size, paper and edges.
     pub layout: LayoutRequest,
 }
 
@@ -85,6 +87,7 @@ pub enum Front {
     Right,
     /// As on roof and hood.
     Up,
+    /// To the bottom of the sheets.
     Down,
     /// On the front and the rear, which have none.
     None,
@@ -105,6 +108,7 @@ impl Front {
 /// A template ready to be written, and how it was spread over the paper.
 #[derive(Debug, Clone)]
 pub struct Template {
+    /// Which part of the template is on which sheet.
     pub layout: SheetLayout,
     /// Width and height of a cell.
     pub cell_mm: f64,

@@ -22,8 +22,11 @@ pub struct Bins {
 /// One bin, named by its centre. Bins are sorted by azimuth, pitch and distance.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Bin {
+    /// Centre, degrees.
     pub azimuth_deg: f64,
+    /// Centre, degrees.
     pub pitch_deg: f64,
+    /// Centre, mm.
     pub distance_mm: f64,
 }
 

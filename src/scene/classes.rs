@@ -58,6 +58,7 @@ impl Classes {
         }
     }
 
+    /// The labels, in the order of the scene file.
     pub fn labels(&self) -> &[String] {
         &self.0
     }

@@ -14,6 +14,7 @@ use crate::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 /// Why a scene was refused. Every variant names the file and what to change.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum SceneError {
     #[error(transparent)]
     File(#[from] files::FileError),

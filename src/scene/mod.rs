@@ -26,8 +26,11 @@ use nalgebra::Point3;
 /// A scene in the model frame: origin on the ground under the model's centre, x to its front, y to its left, z up; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
+    /// The printed model.
     pub model: ScaleModel,
+    /// How viewpoints are binned.
     pub bins: Bins,
+    /// The tags around the model.
     pub tags: Vec<Tag>,
 }
 
@@ -49,6 +52,7 @@ impl Scene {
 /// The printed scale model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaleModel {
+    /// What it is called.
     pub name: String,
     /// 10 for a 1:10 model.
     pub scale: f64,

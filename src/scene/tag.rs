@@ -9,11 +9,16 @@ use crate::geometry::{Rigid, rigid};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TagFamily {
+    /// 30 tags of 4 × 4 bits.
     Tag16h5,
+    /// 35 tags of 5 × 5 bits.
     Tag25h9,
+    /// 587 tags of 6 × 6 bits.
     #[default]
     Tag36h11,
+    /// 2115 tags with bits around their border, too.
     TagStandard41h12,
+    /// 48714 tags with bits around their border, too.
     TagStandard52h13,
 }
 
@@ -53,10 +58,13 @@ impl TagFamily {
 /// One printed tag. Tag frame, the tag seen upright: x right, y up, z out of the paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tag {
+    /// Its number in the family.
     pub id: u32,
+    /// Which code it is of.
     pub family: TagFamily,
     /// Outer edge of the black border.
     pub size_mm: f64,
+    /// Its centre, model frame.
     pub centre_mm: Point3<f64>,
     /// Unit vector to the tag's right, model frame.
     pub right: Vector3<f64>,

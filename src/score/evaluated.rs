@@ -13,7 +13,9 @@ use crate::session::Session;
 /// A detector of a run.
 #[derive(Debug, Clone)]
 pub struct EvaluatedDetector {
+    /// What is known of it.
     pub manifest: Manifest,
+    /// Whether it runs or is played back.
     pub source: DetectionSource,
     /// The detector's labels that count as the model, by their numbers, at least one.
     pub counted: Vec<usize>,
@@ -31,6 +33,7 @@ pub enum DetectionSource {
 /// Why a detector cannot take part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum EvaluatedDetectorError {
     #[error(transparent)]
     Weights(#[from] WeightsError),
@@ -100,6 +103,7 @@ impl EvaluatedDetector {
         self.counted.contains(&detection.label)
     }
 
+    /// Names of its classes.
     pub fn labels(&self) -> Labels {
         self.manifest.labels
     }

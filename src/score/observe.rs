@@ -18,6 +18,7 @@ use crate::workers;
 /// How a run is done; none of it changes a result.
 #[derive(Debug)]
 pub struct Options {
+    /// Photos that are looked at side by side.
     pub threads: usize,
     /// Where results are kept for the next run.
     pub cache: Option<Cache>,

@@ -14,15 +14,21 @@ pub struct ScoredPhoto {
     pub id: u64,
     /// Index of its session in the run.
     pub session: usize,
+    /// As the session names it.
     pub file: String,
     /// SHA-256 of the file, hex.
     pub sha256: String,
+    /// The pattern on the model.
     pub variant: String,
+    /// Where it was taken.
     pub place: Option<String>,
+    /// Of the upright photo, px.
     pub width: u32,
+    /// Of the upright photo, px.
     pub height: u32,
     /// Absent only when the session gave the truth box and the tags gave no pose.
     pub viewpoint: Option<Viewpoint>,
+    /// The bin of the viewpoint.
     pub bin: Option<Bin>,
     /// Ids of the tags behind the pose; empty when the session gave the viewpoint.
     pub tags: Vec<u32>,
@@ -30,6 +36,7 @@ pub struct ScoredPhoto {
     pub tag_marks: Vec<TagMark>,
     /// Reprojection error of the pose.
     pub rms_px: Option<f64>,
+    /// The ground truth box.
     pub truth: BoxPx,
     /// True when the truth box came with the session instead of from the pose.
     pub truth_given: bool,
@@ -56,7 +63,9 @@ pub struct TagMark {
 pub struct NotScored {
     /// Name of the session's folder.
     pub session: String,
+    /// As the session names it.
     pub file: String,
+    /// The pattern on the model.
     pub variant: String,
     /// A sentence.
     pub reason: String,

@@ -9,10 +9,13 @@ use crate::session::Session;
 /// The result of a run.
 #[derive(Debug)]
 pub struct Scores {
+    /// What was scored.
     pub sessions: Vec<Session>,
+    /// By which detectors.
     pub detectors: Vec<EvaluatedDetector>,
     /// In the order of the sessions' lists.
     pub photos: Vec<ScoredPhoto>,
+    /// Photos that were left out, and why.
     pub not_scored: Vec<NotScored>,
     /// Per detector and variant, detectors first.
     pub summaries: Vec<Summary>,

@@ -22,6 +22,7 @@ pub(crate) use new::{NewSession, NewSessionError, mesh_below};
 /// Why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum SessionError {
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -46,6 +47,7 @@ pub enum SessionError {
 pub struct Session {
     /// The name of the session's folder.
     pub name: String,
+    /// Where its photos are named from.
     pub folder: PathBuf,
     /// The mesh that the scene names, if any.
     pub mesh_path: Option<PathBuf>,
@@ -53,11 +55,13 @@ pub struct Session {
     pub scene_path: PathBuf,
     /// Where the camera file lies.
     pub camera_path: Option<PathBuf>,
+    /// Model, tags and bins.
     pub scene: Scene,
     /// What truth boxes are drawn around, as the scene says.
     pub outline: EnvelopeShape,
     /// Absent only when every photo carries its truth box and viewpoint.
     pub camera: Option<Camera>,
+    /// In the order of the file.
     pub photos: Vec<PhotoEntry>,
     /// File name and SHA-256 of `session.json`, the scene, its mesh and the camera file, for provenance.
     pub hashes: Vec<(String, String)>,

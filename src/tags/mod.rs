@@ -50,7 +50,9 @@ pub(crate) use tag_image::TagImage;
 /// One tag found in a photo.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SeenTag {
+    /// Its number in the family.
     pub id: u32,
+    /// Which code it is of.
     pub family: TagFamily,
     /// Pixel corners (x, y) of the upright tag: top-left, top-right, bottom-right, bottom-left. Pixel (0, 0) is the centre of
     /// the top-left pixel.

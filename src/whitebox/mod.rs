@@ -30,6 +30,7 @@ use crate::geometry::BoxPx;
 /// Why a detector cannot be attacked through its own network.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum WhiteBoxError {
     #[error(transparent)]
     File(#[from] FileError),

@@ -99,8 +99,11 @@ pub struct ColourPenalty {
 /// Everything a run depends on besides the frames' and detectors' content, whose hashes are in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AttackConfig {
+    /// Cells along each side of the pattern.
     pub cells: u32,
+    /// Width of one repeat of the pattern on the model, mm.
     pub tile_mm: f64,
+    /// Steps of the optimiser.
     pub steps: u32,
     /// Views a step.
     pub batch: u32,
@@ -109,17 +112,22 @@ pub struct AttackConfig {
     pub learning_rate: f64,
     /// The confidence below which the loss fades ([`loss::from_floor`]).
     pub floor: f64,
+    /// Of the first pattern, the batches and the augmentations.
     pub seed: u64,
+    /// How the pattern lies on the model.
     #[serde(rename = "laying")]
     pub mapping: TextureMapping,
+    /// The augmentations that expectation over transformation draws from.
     pub eot: Eot,
     /// Weights of the total variation, and of what can be printed.
     pub smooth: f64,
+    /// The non-printability score: distance from the colours a printer has.
     pub printable: ColourPenalty,
     /// Cells end on these colours.
     pub palette: ColourPenalty,
     /// Darkest and lightest value of a cell, 8-bit sRGB.
     pub range: [u8; 2],
+    /// SHA-256 of the list of frames.
     pub frames_sha256: String,
     /// Names and hashes of weights.
     pub detectors: Vec<String>,

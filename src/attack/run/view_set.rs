@@ -70,8 +70,11 @@ enum Place {
 /// All views, and which are held out.
 #[derive(Debug)]
 pub struct ViewSet {
+    /// The frames that the views are of.
     pub list: FrameList,
+    /// Cells of the pattern.
     pub grid: Grid,
+    /// The views, with their surrogates fitted.
     pub views: Vec<SurrogateView>,
     /// Views in which the model or its paint is not seen.
     pub unseen: usize,
@@ -131,6 +134,7 @@ impl ViewSet {
         }
     }
 
+    /// Whether some views are held out of the optimisation.
     pub fn holds_out(&self) -> bool {
         self.views.len() >= HELD_OUT_EVERY
     }

@@ -26,7 +26,9 @@ pub(in crate::print) const ROLL_COVER_MM: f64 = 160.0;
 pub struct LayoutRequest {
     /// Width and height of the whole template.
     pub size_mm: (f64, f64),
+    /// What it is printed on.
     pub paper: Stock,
+    /// How sheets lie.
     pub orientation: Orientation,
     /// Width of the strip that a sheet shares with its right and its lower neighbour, for gluing.
     pub overlap_mm: f64,
@@ -34,6 +36,7 @@ pub struct LayoutRequest {
     pub bleed_mm: f64,
     /// Border of the paper that the printer cannot reach.
     pub margin_mm: f64,
+    /// The measured stretch of the printer, which is corrected.
     pub printer: Printer,
 }
 

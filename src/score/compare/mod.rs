@@ -88,10 +88,15 @@ pub struct Compared {
 /// Every variant of a run against its base.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
+    /// The variant that the others are compared with.
     pub base: String,
+    /// Name of the definition of average precision.
     pub ap_definition: &'static str,
+    /// Resamples behind each interval.
     pub bootstrap_draws: usize,
+    /// Seed of the resampling.
     pub bootstrap_seed: u64,
+    /// One for each detector and other variant.
     pub results: Vec<Compared>,
     /// Scored photos that are in no difference.
     pub unpaired: Vec<Unpaired>,
