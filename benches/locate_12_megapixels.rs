@@ -7,12 +7,7 @@ use std::time::Instant;
 
 use image::GrayImage;
 use image::imageops::{self, FilterType};
-use scaleproof::camera::Camera;
-use scaleproof::geometry::angle::turn;
-use scaleproof::locate::locate;
-use scaleproof::photo::Photo;
-use scaleproof::scene::Scene;
-use scaleproof::tags::{CornersBy, TagDetector, TagDetectorChoice};
+use scaleproof::{Camera, CornersBy, Photo, Scene, TagDetector, TagDetectorChoice, locate};
 
 const ENLARGED: u32 = 3;
 const RUNS: usize = 2;
@@ -95,6 +90,11 @@ fn measure(tags: &mut dyn TagDetector, views: &[View], scene: &Scene, camera: &C
         answered,
         worst,
     }
+}
+
+/// From one direction to another, −180 to 180°.
+fn turn(from: f64, to: f64) -> f64 {
+    (to - from + 540.0).rem_euclid(360.0) - 180.0
 }
 
 fn session(file: &str) -> PathBuf {

@@ -75,7 +75,7 @@ mod workers;
 pub use camera::{Camera, CameraError, FittedCamera, SizeError};
 pub use detect::{Detection, Manifest, ManifestError, WeightFolders};
 pub use geometry::{BoxPx, Rigid};
-pub use locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate_photo};
+pub use locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate, locate_photo};
 pub use pattern::{Pattern, PatternError};
 pub use photo::{Photo, PhotoError};
 pub use print::paper::{Orientation, Paper, Stock};
@@ -89,7 +89,7 @@ pub use score::{
     Scores, compare, score,
 };
 pub use session::{PhotoEntry, Session, SessionError};
-pub use tags::{SeenTag, TagDetector, TagDetectorChoice};
+pub use tags::{CornersBy, SeenTag, TagDetector, TagDetectorChoice};
 
 #[cfg(feature = "attack")]
 pub use attack::run::{Attack, AttackConfig, view_set::ViewSet};

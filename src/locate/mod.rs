@@ -79,7 +79,7 @@ pub enum Warning {
 const SURE_BIN: f64 = 0.95;
 
 /// Locates the camera from the tags of one photo with the default solver.
-pub(crate) fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
+pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
     locate_by(Solver::default(), seen, scene, camera)
 }
 

@@ -36,8 +36,8 @@ pub(crate) use apriltag_c::AprilTagC;
 pub(crate) use aruco::ArucoOpenCv;
 #[cfg(feature = "full")]
 pub(crate) use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
-pub use choice::TagDetectorChoice;
-pub(crate) use choice::{ArucoRefiner, CornersBy, StartError};
+pub(crate) use choice::{ArucoRefiner, StartError};
+pub use choice::{CornersBy, TagDetectorChoice};
 pub(crate) use coarse_to_fine::CoarseToFine;
 #[cfg(feature = "full")]
 pub(crate) use locus::Locus;

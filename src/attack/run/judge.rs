@@ -96,6 +96,7 @@ fn predictions(
     let name = || (detector.name().to_owned(), view_set.views[view].frame.name.clone());
     let predictions = detector.predictions(image, view_set.list.size_px).map_err(|reason| {
         let (detector, view) = name();
+        let reason = Box::new(reason);
         RunError::ForwardPass { detector, view, reason }
     })?;
     match predictions.iter().all(|prediction| prediction.confidence.is_finite()) {

@@ -66,7 +66,7 @@ pub enum RunError {
     ForwardPass {
         detector: String,
         view: String,
-        reason: WhiteBoxError,
+        reason: Box<WhiteBoxError>,
     },
     #[error(
         "the loss of {detector} on the view of {view} is not a number (step {step}): the weights are damaged, or the frame is; nothing was moved, and \
@@ -319,7 +319,7 @@ pub(crate) fn loss_and_gradient(
         let pass = pass.map_err(|reason| RunError::ForwardPass {
             detector: detector.name().to_owned(),
             view: name(),
-            reason,
+            reason: Box::new(reason),
         })?;
         let Some(worst) = loss::strongest(pass.predictions(), &textured.outline, loss::MEETS_IOU) else {
             continue;

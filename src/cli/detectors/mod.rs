@@ -85,9 +85,12 @@ struct Looking {
     folder: Folder,
 }
 
+/// A detector and the file of its weights.
+type WithWeights = (Manifest, PathBuf);
+
 impl Looking {
     /// The detectors with their weights, and the photos.
-    fn open(&self) -> CommandResultOf<(Vec<(Manifest, PathBuf)>, Vec<Photo>)> {
+    fn open(&self) -> CommandResultOf<(Vec<WithWeights>, Vec<Photo>)> {
         let folders = self.folder.folders()?;
         let manifests = present(&self.detectors, &folders)?.into_iter();
         let detectors = manifests.map(|manifest| folders.checked(&manifest).map(|weights| (manifest, weights)));

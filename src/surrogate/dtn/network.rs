@@ -19,6 +19,7 @@ use super::{DtnError, Transformer};
 /// How the encoder's convolutions are connected.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[allow(clippy::enum_variant_names)] // so they are called
 pub(crate) enum Encoder {
     #[default]
     ResNet,
