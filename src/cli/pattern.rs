@@ -10,7 +10,8 @@ use serde_json::json;
 use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
 use crate::files;
-use crate::pattern::gamut::{PRINTABLE_DELTA_E, PatternFate, fate};
+use crate::pattern::fate::{PatternFate, fate};
+use crate::pattern::gamut::PRINTABLE_DELTA_E;
 use crate::pattern::{Pattern, contrast};
 use crate::print::printer::PrinterFile;
 

@@ -3,6 +3,7 @@
 pub(crate) mod card;
 pub(crate) mod colour;
 pub(crate) mod contrast;
+pub(crate) mod fate;
 pub(crate) mod gamut;
 pub(crate) mod palette;
 pub(crate) mod printed;

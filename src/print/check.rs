@@ -2,7 +2,7 @@
 
 use super::SheetError;
 use super::date::Date;
-use super::frame::{PageFrame, Setup};
+use super::frame::{PageFrame, PageSetup};
 use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
 use super::paper::{Paper, Stock};
 use super::printer::{self, Printer};
@@ -56,7 +56,7 @@ pub(crate) fn plan(request: &CheckRequest) -> Result<CheckPlan, SheetError> {
             height_mm: ROLL_LENGTH_MM,
         },
     };
-    let setup = Setup {
+    let setup = PageSetup {
         margin_mm: request.margin_mm,
         printer: request.printer,
         turned: false,

@@ -33,7 +33,7 @@ const LEAST_MM: (f64, f64) = (
 
 /// How a page is turned and drawn, whatever its size.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setup {
+pub struct PageSetup {
     /// Border of the paper that the printer cannot reach.
     pub margin_mm: f64,
     pub printer: Printer,
@@ -41,7 +41,7 @@ pub struct Setup {
     pub turned: bool,
 }
 
-impl Setup {
+impl PageSetup {
     /// Drawn over true length along the page's x and y.
     pub fn stretch(&self) -> (f64, f64) {
         let (x, y) = self.printer.factors();
@@ -67,7 +67,7 @@ impl Setup {
 pub struct PageFrame {
     /// The paper as it is used: portrait or landscape.
     pub page: Paper,
-    pub setup: Setup,
+    pub setup: PageSetup,
     /// The part of the page a printer can reach.
     pub printable: RectMm,
     /// The part of the page that may carry content; rulers, marks and captions stay outside it.
@@ -81,7 +81,7 @@ pub struct PageFrame {
 impl PageFrame {
     /// # Errors
     /// A margin that is no length, paper too small for the rulers and the captions.
-    pub fn new(page: Paper, setup: Setup) -> Result<Self, SheetError> {
+    pub fn new(page: Paper, setup: PageSetup) -> Result<Self, SheetError> {
         let margin_mm = length::strip_mm("margin", setup.margin_mm)?;
         let share = setup.share();
         let needed = (
@@ -127,7 +127,7 @@ impl PageFrame {
         }
     }
 
-    fn within(page: Paper, setup: Setup, printable: RectMm) -> Self {
+    fn within(page: Paper, setup: PageSetup, printable: RectMm) -> Self {
         let usable = RectMm::new(
             printable.left_mm + ruler::DEPTH_MM + CROP_STRIP_MM,
             printable.bottom_mm + FOOTER_MM + ruler::DEPTH_MM + CROP_STRIP_MM,

@@ -1,7 +1,7 @@
 //! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
 use super::SheetError;
-use super::frame::{PageFrame, Setup};
+use super::frame::{PageFrame, PageSetup};
 use super::lettering::{fitting_size_mm, printable};
 use super::paper::{MAX_SIDE_MM, Orientation, Stock};
 use super::printer::{Printer, corrected_one};
@@ -46,7 +46,7 @@ impl FreePage {
     /// Paper too small for the rulers.
     pub(crate) fn new(media: Media, orientation: Orientation) -> Result<Self, SheetError> {
         let turned = orientation == Orientation::Landscape;
-        let setup = Setup {
+        let setup = PageSetup {
             margin_mm: MARGIN_MM,
             printer: media.printer,
             turned,

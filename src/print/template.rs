@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 pub(crate) use furniture::{Captions, around, guides, rulers};
 pub use layout::LayoutRequest;
+pub(crate) use layout::letters;
 pub(crate) use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
-pub(crate) use seams::letters;
 
 use super::SheetError;
 use super::date::Date;

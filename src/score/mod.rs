@@ -33,7 +33,7 @@ pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
 pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
 pub use observe::Options;
-pub(crate) use observe::{LeftOutReason, libraries};
+pub(crate) use observe::{NotScoredReason, libraries};
 pub(crate) use outcome::{PhotoOutcome, Verdict};
 pub(crate) use photo::TagMark;
 pub use photo::{NotScored, ScoredPhoto};

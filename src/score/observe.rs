@@ -60,11 +60,11 @@ pub(crate) struct Observation {
 /// Why a photo is left out, as a sentence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{0}")]
-pub(crate) struct LeftOutReason(pub(super) String);
+pub(crate) struct NotScoredReason(pub(super) String);
 
-impl LeftOutReason {
-    fn of(reason: impl ToString) -> LeftOutReason {
-        LeftOutReason(reason.to_string())
+impl NotScoredReason {
+    fn of(reason: impl ToString) -> NotScoredReason {
+        NotScoredReason(reason.to_string())
     }
 }
 
@@ -94,7 +94,7 @@ impl ScoringJob<'_> {
             .collect()
     }
 
-    pub(super) fn left_out(&self, reason: LeftOutReason) -> NotScored {
+    pub(super) fn left_out(&self, reason: NotScoredReason) -> NotScored {
         NotScored {
             session: self.session.name.clone(),
             file: self.entry.file.clone(),
@@ -115,21 +115,21 @@ pub(super) struct PlacedModel {
 }
 
 /// The session's own truth and viewpoint where it has them, else from the tags; or why there is none.
-pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel, LeftOutReason> {
+pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel, NotScoredReason> {
     let scene = &job.session.scene;
     let given = job
         .entry
         .box_xyxy_px
         .map(|b| b.clipped(seen.width.into(), seen.height.into()));
     if given.is_some_and(|b| !b.is_solid()) {
-        return Err(LeftOutReason::of(
+        return Err(NotScoredReason::of(
             "box_xyxy_px lies outside the photo: is it another photo's?",
         ));
     }
     if let (Some(truth), false) = (given, job.needs_tags()) {
         return Ok(PlacedModel { located: None, truth });
     }
-    let camera = job.session.known_camera().map_err(LeftOutReason::of)?;
+    let camera = job.session.known_camera().map_err(NotScoredReason::of)?;
     let photo = locate_tags(
         seen.tags.clone(),
         (seen.width, seen.height),
@@ -141,10 +141,10 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
         let located = photo.result.ok();
         return Ok(PlacedModel { located, truth });
     }
-    let (located, fitted) = photo.pose_and_camera().map_err(LeftOutReason::of)?;
+    let (located, fitted) = photo.pose_and_camera().map_err(NotScoredReason::of)?;
     let truth = job.session.outline.box_in_photo(&located.pose, &fitted.camera);
     Ok(PlacedModel {
-        truth: truth.map_err(LeftOutReason::of)?,
+        truth: truth.map_err(NotScoredReason::of)?,
         located: Some(located),
     })
 }
@@ -165,14 +165,14 @@ pub(super) struct Observer<'a> {
 /// Why a photo could not be observed.
 enum Stop {
     /// It is left out.
-    Photo(LeftOutReason),
+    Photo(NotScoredReason),
     /// The run ends.
     Run(ScoreError),
 }
 
 impl From<PhotoError> for Stop {
     fn from(e: PhotoError) -> Stop {
-        Stop::Photo(LeftOutReason::of(e))
+        Stop::Photo(NotScoredReason::of(e))
     }
 }
 
@@ -266,7 +266,7 @@ impl<'a> Observer<'a> {
             let image = decoded.at_least(manifest.least_px(width, height))?;
             let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
             loaded.detect_reduced(image, width, height).map_err(|e| match e {
-                DetectError::NotANumber { .. } => Stop::Photo(LeftOutReason::of(e)),
+                DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(e)),
                 e => Stop::Run(e.into()),
             })
         })

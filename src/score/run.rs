@@ -7,7 +7,7 @@ use super::evaluated::{EvaluatedDetector, runtime};
 use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
 use super::scores::Scores;
 use super::shard::{ShardId, ShardObservations};
-use super::{HIT_CONFIDENCE, LeftOutReason, NotScored, PhotoOutcome, ScoredPhoto, TagMark};
+use super::{HIT_CONFIDENCE, NotScored, NotScoredReason, PhotoOutcome, ScoredPhoto, TagMark};
 use crate::detect::Runtime;
 use crate::locate::Located;
 use crate::session::Session;
@@ -39,7 +39,7 @@ pub(crate) fn observe(
     over_photos(sessions, detectors, options, Some(shard), on_photo, |job, seen| {
         let observation = seen
             .map(|(observation, _)| observation)
-            .map_err(|left_out| LeftOutReason(left_out.reason));
+            .map_err(|left_out| NotScoredReason(left_out.reason));
         Ok((job.id, observation))
     })
 }
@@ -48,7 +48,7 @@ pub(crate) fn observe(
 pub(crate) fn merge(
     sessions: Vec<Session>,
     detectors: Vec<EvaluatedDetector>,
-    mut observed: BTreeMap<u64, Result<Observation, LeftOutReason>>,
+    mut observed: BTreeMap<u64, Result<Observation, NotScoredReason>>,
     runtime: Option<String>,
 ) -> Result<Scores, ScoreError> {
     check_alike(&sessions)?;

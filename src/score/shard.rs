@@ -8,13 +8,13 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::evaluated::{EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors};
-use super::observe::{LeftOutReason, Observation, libraries};
+use super::observe::{NotScoredReason, Observation, libraries};
 use crate::detect::Manifest;
 use crate::files::{self, FileError};
 use crate::session::{Session, SessionError};
 
 /// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
-pub(crate) type ShardObservations = Vec<(u64, Result<Observation, LeftOutReason>)>;
+pub(crate) type ShardObservations = Vec<(u64, Result<Observation, NotScoredReason>)>;
 
 /// Which photos a shard looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -313,7 +313,7 @@ fn line(bytes: &[u8]) -> Option<(&str, &[u8])> {
 }
 
 /// The run that some shards are all of, and what they saw, by photo id.
-pub(crate) type WholeRun = (Run, BTreeMap<u64, Result<Observation, LeftOutReason>>);
+pub(crate) type WholeRun = (Run, BTreeMap<u64, Result<Observation, NotScoredReason>>);
 
 /// Puts the shards of one run together: every one once, and none of another run.
 pub(crate) fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 
 use super::light_image::LightImage;
 use super::raster::{Raster, outline, ray};
-use super::views::PhotoGroup;
+use super::views::PhotosOfView;
 use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
 use crate::frames::{Pinhole, light};
 use crate::geometry::BoxPx;
@@ -76,7 +76,7 @@ impl<'a> Canvas<'a> {
     ///
     /// # Errors
     /// Photos that cannot be read.
-    pub(super) fn draw(&self, view: &PhotoGroup) -> Result<Option<ViewImages>, PhotosError> {
+    pub(super) fn draw(&self, view: &PhotosOfView) -> Result<Option<ViewImages>, PhotosError> {
         let fine = self.size_px.map(|px| (px * FACTOR) as usize);
         let pinhole = self.fine_pinhole();
         let (mesh, reference) = (&self.request.mesh, view.reference);

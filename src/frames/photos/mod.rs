@@ -32,7 +32,7 @@ use crate::photo::PhotoError;
 use crate::scene::{Bin, TagFamily};
 use crate::workers;
 use draw::{Canvas, ViewImages};
-use views::PhotoGroup;
+use views::PhotosOfView;
 
 /// Places along each side of a pixel at which the surface is looked at.
 pub(crate) const FACTOR: u32 = 3;
@@ -172,8 +172,8 @@ pub(crate) fn make(
     let (views, without) = views::views(&photos, &request.flats, request.target_mm);
     made.left_out = left_out.into_iter().chain(without).collect();
     let count = views.len();
-    let numbered: Vec<(usize, &PhotoGroup)> = views.iter().enumerate().collect();
-    let draw = |(): &mut (), (number, view): &(usize, &PhotoGroup)| images(&canvas, *number, view, folder);
+    let numbered: Vec<(usize, &PhotosOfView)> = views.iter().enumerate().collect();
+    let draw = |(): &mut (), (number, view): &(usize, &PhotosOfView)| images(&canvas, *number, view, folder);
     let drawn = workers::map(&numbered, || Ok(()), draw, || on_view(count))?;
     let mut list = empty_list(&canvas);
     for (view, images) in views.iter().zip(drawn) {
@@ -234,7 +234,7 @@ struct Done {
 fn images(
     canvas: &Canvas,
     number: usize,
-    view: &PhotoGroup,
+    view: &PhotosOfView,
     folder: &Path,
 ) -> Result<Result<Done, &'static str>, PhotosError> {
     let Some(drawn) = canvas.draw(view)? else {
@@ -272,7 +272,7 @@ fn images(
 }
 
 fn frame(
-    view: &PhotoGroup,
+    view: &PhotosOfView,
     photo: &FlatPhoto,
     name: &str,
     below: &dyn Fn(&str) -> String,
@@ -320,7 +320,7 @@ fn position_box_mm(canvas: &Canvas) -> ([f64; 3], [f64; 3]) {
     ((low - wider).coords.into(), (high + wider).coords.into())
 }
 
-fn about(view: &PhotoGroup, kept: f64) -> PhotoView {
+fn about(view: &PhotosOfView, kept: f64) -> PhotoView {
     PhotoView {
         name: view.reference.view_name(),
         reference: view.reference.name(),

@@ -23,7 +23,7 @@ pub(crate) struct Other<'a> {
 
 /// One photo in each colour.
 #[derive(Debug, Clone)]
-pub(crate) struct PhotoGroup<'a> {
+pub(crate) struct PhotosOfView<'a> {
     pub reference: &'a FlatPhoto,
     pub others: Vec<Other<'a>>,
 }
@@ -60,7 +60,7 @@ pub(crate) fn views<'a>(
     photos: &'a [FlatPhoto],
     flats: &[[u8; 3]],
     target_mm: Point3<f64>,
-) -> (Vec<PhotoGroup<'a>>, Vec<LeftOutPhoto>) {
+) -> (Vec<PhotosOfView<'a>>, Vec<LeftOutPhoto>) {
     let mut groups: std::collections::BTreeMap<(&str, Bin), Vec<&FlatPhoto>> = std::collections::BTreeMap::new();
     for photo in photos {
         groups.entry((&photo.place, photo.bin)).or_default().push(photo);
@@ -79,7 +79,7 @@ pub(crate) fn views<'a>(
 }
 
 /// The most central photo that has all others near it is the reference.
-fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotoGroup<'a>, NoView> {
+fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotosOfView<'a>, NoView> {
     let missing = flats.iter().find(|rgb| !group.iter().any(|s| s.flat_rgb == **rgb));
     if let Some(rgb) = missing {
         return Err(NoView::Missing(light::to_hex(*rgb)));
@@ -126,8 +126,8 @@ fn matched<'a>(
     reference: &'a FlatPhoto,
     others: &[&'a FlatPhoto],
     target_mm: Point3<f64>,
-) -> Result<PhotoGroup<'a>, NoView> {
-    let mut view = PhotoGroup {
+) -> Result<PhotosOfView<'a>, NoView> {
+    let mut view = PhotosOfView {
         reference,
         others: Vec::new(),
     };

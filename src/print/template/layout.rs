@@ -3,10 +3,9 @@
 //! Two frames, both in millimetres. *Template frame*: origin at the template's top-left corner, x right, y **down**, as the
 //! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
 
-use super::seams::letters;
 use crate::geometry::length;
 use crate::print::SheetError;
-use crate::print::frame::{PageFrame, Setup};
+use crate::print::frame::{PageFrame, PageSetup};
 use crate::print::lettering::size;
 use crate::print::paper::{MAX_SIDE_MM, Orientation, Paper, Stock};
 use crate::print::printer::Printer;
@@ -136,7 +135,7 @@ fn better(
 }
 
 fn plan(request: &LayoutRequest, turned: bool) -> Result<PaperPlan, SheetError> {
-    let setup = Setup {
+    let setup = PageSetup {
         margin_mm: request.margin_mm,
         printer: request.printer,
         turned,
@@ -194,7 +193,7 @@ pub(in crate::print) fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -
 }
 
 /// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
-pub(in crate::print) fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &Setup) -> Paper {
+pub(in crate::print) fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &PageSetup) -> Paper {
     let (along_x, along_y) = setup.length_for(usable_mm);
     let length = if setup.turned { along_x } else { along_y };
     roll_page(width_mm, length.ceil().min(MAX_SIDE_MM), setup.turned)
@@ -212,7 +211,7 @@ impl PaperPlan {
         let cover = match request.paper {
             Stock::Cut(_) => self.frame,
             Stock::Roll { width_mm } => {
-                let setup = Setup {
+                let setup = PageSetup {
                     turned: false,
                     ..self.frame.setup
                 };
@@ -325,6 +324,16 @@ impl SheetPlan {
     /// Row letter and column number, as in `B2`. After row Z comes AA.
     pub fn id(&self) -> String {
         format!("{}{}", letters(self.row), self.column + 1)
+    }
+}
+
+/// A to Z, then AA.
+pub(crate) fn letters(index: usize) -> String {
+    let last = char::from(b'A' + (index % 26) as u8);
+    if index < 26 {
+        last.to_string()
+    } else {
+        format!("{}{last}", letters(index / 26 - 1))
     }
 }
 

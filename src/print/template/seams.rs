@@ -1,6 +1,6 @@
 //! Letters: one for each seam between two sheets, so that a person finds what meets what.
 
-use super::layout::SheetLayout;
+use super::layout::{SheetLayout, letters};
 
 /// The letters of the seams around a sheet; the neighbour beyond has the same one.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,16 +23,6 @@ impl SheetLayout {
             above: (row > 0 && self.has(row - 1, column)).then(|| below(row - 1, column)),
             below: self.has(row + 1, column).then(|| below(row, column)),
         }
-    }
-}
-
-/// A to Z, then AA.
-pub(crate) fn letters(index: usize) -> String {
-    let last = char::from(b'A' + (index % 26) as u8);
-    if index < 26 {
-        last.to_string()
-    } else {
-        format!("{}{last}", letters(index / 26 - 1))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The first page: how to put the panels on the model, what each costs, and all of them small with their seam letters.
 
-use super::draw::moved;
+use super::lines::moved;
 use super::seams::PanelSeams;
 use super::{Panel, Point, Region, Strip, Wrap, WrapRequest};
 use crate::pattern::Pattern;

@@ -1,6 +1,7 @@
 //! The panels on their sheets: pattern, outline, edges, seam letters.
 
-use super::region::{Contour, Region};
+use super::lines::{EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, line, moved, place};
+use super::region::Region;
 use super::seams::{CLEAR_MM, SeamMark, seams};
 use super::{
     BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Unrolling, Wrap, WrapError, WrapRequest, cover, strips,
@@ -10,17 +11,9 @@ use crate::pattern::world_aligned::Side;
 use crate::print::SheetError;
 use crate::print::lettering::CAP_HEIGHT;
 use crate::print::printer;
-use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, Srgb8, TextAnchor};
+use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout};
 
-/// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
-const CUT_GAP_MM: f64 = 0.1;
-const CUT_LINE_MM: f64 = 0.15;
-/// Free paper that the line takes around a region, and a little more.
-pub(crate) const CUT_ROOM_MM: f64 = 1.0;
-/// Edges within a panel are marked lightly: they lie on the pattern.
-pub(crate) const EDGE_LINE_MM: f64 = 0.06;
-pub(crate) const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
@@ -131,38 +124,6 @@ impl Drawing<'_> {
     }
 }
 
-/// What a cutter follows on a sheet: the part of the region's border that the sheet shows.
-pub(crate) fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
-    let sheet = plan.printed.outline();
-    let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
-    Mark::Cut {
-        outlines: moved(region.and(&sheet).contours(), by),
-        is_piece: true,
-    }
-}
-
-/// The line around a region, outside of it.
-pub(crate) fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
-    let around = region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM);
-    let mut marks = Vec::new();
-    for outline in moved(around.contours(), by) {
-        let next = outline.iter().cycle().skip(1);
-        let lines = outline.iter().zip(next);
-        marks.extend(lines.map(|(a, b)| line(*a, *b, CUT_LINE_MM, None, BLACK)));
-    }
-    marks
-}
-
-pub(super) fn line(from: PointMm, to: PointMm, width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Mark {
-    Mark::Line {
-        from,
-        to,
-        width_mm,
-        dash_mm,
-        colour,
-    }
-}
-
 /// A seam's letter and the line from it to the seam, on the sheet that shows the letter once all are glued.
 fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     let at = place(mark.at, by);
@@ -187,15 +148,4 @@ fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     } else {
         vec![text]
     }
-}
-
-pub(super) fn place(p: Point, by: Point) -> PointMm {
-    PointMm::new(p[0] + by[0], p[1] + by[1])
-}
-
-/// Outlines of a plane, moved onto a page.
-pub(crate) fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
-    outlines
-        .map(|outline| outline.iter().map(|p| place(*p, by)).collect())
-        .collect()
 }

@@ -8,13 +8,14 @@
 
 mod cover;
 mod draw;
+mod lines;
 mod panel;
 mod region;
 mod seams;
 mod strips;
 mod unroll;
 
-pub(super) use draw::{cut_line, cutter_path, moved};
+pub(super) use lines::{cut_line, cutter_path, moved};
 #[cfg(test)]
 pub(crate) use panel::Face;
 pub(crate) use panel::{PRINTED, PaintedSurface, Panel};

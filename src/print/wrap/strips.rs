@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved, place};
+use super::lines::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, line, moved, place};
 use super::region::{Point, Region};
 use super::seams::{CLEAR_MM, SeamMark};
 use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
@@ -10,7 +10,7 @@ use super::{BLEED_MM, PaintedSurface, Wrap, WrapError, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
 use crate::print::SheetError;
-use crate::print::frame::{PageFrame, Setup};
+use crate::print::frame::{PageFrame, PageSetup};
 use crate::print::lettering::{counted, wrapped};
 use crate::print::pack;
 use crate::print::paper::{Paper, Stock};
@@ -73,7 +73,7 @@ pub(crate) fn unrolling(paint: &PaintedSurface, request: &WrapRequest) -> Result
 /// The pages of strips lie across: strips of a car are long rather than high. A piece of a roll is square.
 fn frame(request: &WrapRequest) -> Result<PageFrame, SheetError> {
     let frame = |page: Paper, turned: bool| {
-        let setup = Setup {
+        let setup = PageSetup {
             margin_mm: request.margin_mm,
             printer: request.printer,
             turned,
