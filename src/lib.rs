@@ -72,29 +72,38 @@ mod tags;
 mod whitebox;
 mod workers;
 
-pub use camera::{Camera, CameraError, FittedCamera, SizeError};
-pub use detect::{Detection, Manifest, ManifestError, WeightFolders};
+pub use camera::{Camera, CameraError, CameraFormat, FittedCamera, SizeError};
+pub use detect::{DetectError, Detection, Manifest, ManifestError, Speeds, WeightFolders, WeightsError};
 pub use geometry::{BoxPx, Rigid};
 pub use locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate, locate_photo};
 pub use pattern::{Pattern, PatternError};
 pub use photo::{Photo, PhotoError};
+pub use print::SheetError;
 pub use print::paper::{Orientation, Paper, Stock};
 pub use print::pdf::write as write_pdf;
 pub use print::printer::Printer;
-pub use print::template::{Front, LayoutRequest, Template, TemplateRequest, template};
+pub use print::template::{Front, LayoutRequest, Template, TemplateError, TemplateRequest, template};
 pub use report::{ReportError, summary_table, write as write_report};
 pub use scene::{Bin, Bins, Classes, Envelope, ScaleModel, Scene, SceneError, Tag, TagFamily, Viewpoint};
 pub use score::{
-    ApDefinition, Comparison, EvaluatedDetector, EvaluatedDetectorError, NotScored, Options, ScoreError, ScoredPhoto,
-    Scores, compare, score,
+    ApDefinition, Cache, CompareError, Comparison, Criteria, EvaluatedDetector, EvaluatedDetectorError, NotScored,
+    Options, ScoreError, ScoredPhoto, Scores, compare, score,
 };
 pub use session::{PhotoEntry, Session, SessionError};
-pub use tags::{CornersBy, SeenTag, TagDetector, TagDetectorChoice};
+pub use tags::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
 #[cfg(feature = "attack")]
-pub use attack::run::{Attack, AttackConfig, view_set::ViewSet};
+pub use attack::run::augmentation::Eot;
+#[cfg(feature = "attack")]
+pub use attack::run::view_set::{TextureMapping, ViewSet};
+#[cfg(feature = "attack")]
+pub use attack::run::{Attack, AttackConfig, ColourPenalty, RunError};
+#[cfg(feature = "attack")]
+pub use burn::tensor::Device as TensorDevice;
 #[cfg(feature = "full")]
 pub use frames::{FrameSet, FramesError};
+#[cfg(feature = "attack")]
+pub use surrogate::projection::Grid;
 #[cfg(feature = "attack")]
 pub use whitebox::{WhiteBox, WhiteBoxError, detector::OnnxDetector};
 

@@ -67,13 +67,13 @@ pub struct Photo {
     bytes: Vec<u8>,
     /// SHA-256 of the file, hex; of an HEIC file that of its PNG.
     pub sha256: String,
-    /// Of the upright image, in pixels.
+    /// Width of the upright photo, px.
     pub width: u32,
     /// Height of the upright photo, px.
     pub height: u32,
     /// How far EXIF turns the sensor's image clockwise to make it upright: 0, 90, 180 or 270. A mirrored image is mirrored back besides.
     pub turned_deg: u32,
-    /// An EXIF block.
+    /// Its EXIF block, if it has one.
     exif: Option<Vec<u8>>,
     header: Header,
     budget: Budget,

@@ -1,6 +1,5 @@
 //! Trained renderer models (DTN, NTR): the formula against a second writing of it and finite differences; training, going on with it, and
 //! what must be refused.
-#![cfg(feature = "attack")]
 
 use crate::tests::common;
 

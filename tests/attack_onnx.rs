@@ -1,5 +1,4 @@
 //! Detectors that gradients pass: outputs against ONNX Runtime, gradients against finite differences, confidences against scoring.
-#![cfg(feature = "attack")]
 
 use crate::tests::common;
 

@@ -1,6 +1,5 @@
 //! The networks that gradients pass, in 64 bits: what differs from ONNX Runtime then is not our rounding. A process of its own, since the
 //! precision is one for the whole process.
-#![cfg(feature = "attack")]
 
 use crate::tests::attack_onnx::parity;
 use crate::tests::common;

@@ -575,7 +575,7 @@ fn overlays_show_what_was_found_and_replace_only_overlays() {
     let output = changed.locate(&["--overlay", folder.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(
-        stderr(&output).contains("note: 16 pictures with what was found are in "),
+        stderr(&output).contains("note: 16 images of what was found in "),
         "{}",
         stderr(&output)
     );

@@ -250,7 +250,7 @@ fn every_command_is_in_the_guide() {
 #[test]
 fn every_code_is_in_the_reference() {
     let page = std::fs::read_to_string(home().join("docs/guide/reference/codes.md")).unwrap();
-    for file in ["locate/doubt.rs", "capture/advice.rs", "survey/problem.rs"] {
+    for file in ["locate/abstention.rs", "capture/advice.rs", "survey/problem.rs"] {
         let source = std::fs::read_to_string(home().join("src").join(file)).unwrap();
         let (_, body) = source.split_once("fn code(&self)").unwrap();
         let body = body.split("\n    }\n").next().unwrap();

@@ -723,7 +723,7 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
     }
     let palette = path("good.toml");
     let output = scaleproof(&format!(
-        "print template --pattern {} {usual} --palette {palette} -o {palette}",
+        "print template --pattern {} {usual} --palette {palette} -o {palette} --format pdf",
         path("p.png")
     ));
     assert_refused(&output, &["is an input"]);

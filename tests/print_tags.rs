@@ -553,7 +553,10 @@ fn the_same_input_gives_the_shipped_examples() {
 /// What is asked, and a word of the answer. `ring.toml` is there; `out.pdf` and `new.toml` must not be made.
 const REFUSALS: &[(&str, &str)] = &[
     ("print tags --scene absent.toml -o out.pdf", "no such file"),
-    ("print tags --scene ring.toml -o ring.toml", "would be overwritten"),
+    (
+        "print tags --scene ring.toml -o ring.toml --format pdf",
+        "would be overwritten",
+    ),
     ("print tags --scene empty.toml -o out.pdf", "the scene has no tags"),
     ("print tags --scene tiny.toml -o out.pdf", "modules of 0.125 mm"),
     ("print tags --scene huge.toml -o out.pdf", "the card of tag 3"),

@@ -470,3 +470,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn one_row_is_called_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let pdf = folder.path().join("t.pdf");
+    let mut command = common::program();
+    command.args([
+        "print",
+        "template",
+        "--tile-mm",
+        "118",
+        "--size-mm",
+        "350x150",
+        "--pattern",
+    ]);
+    command
+        .arg(common::home().join("print_templates/random16.png"))
+        .arg("-o")
+        .arg(&pdf);
+    let said = common::stdout(&command.output().unwrap());
+    assert!(said.contains("2 sheets (1 row of 2)"), "{said}");
+}

@@ -805,7 +805,7 @@ fn impossible_wraps_are_refused() {
         assert!(!Path::new(&out).exists(), "{command}");
     }
     assert_refused(
-        &scaleproof(&usual.replace("w.pdf", "bar.obj")),
+        &scaleproof(&(usual.replace("w.pdf", "bar.obj") + " --format pdf")),
         &["would be overwritten"],
     );
     // Life-size all the same, if somebody says so.

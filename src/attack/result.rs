@@ -30,13 +30,14 @@ pub(crate) fn write(
     let card = card(&png, columns, history).to_file(&path)?;
     let mut new = vec![(path.clone(), png), card, history.to_file(folder)?];
     let config_path = folder.join(CONFIG);
-    match config {
-        Some(config) => new.push((config_path, serde_json::to_vec_pretty(config)?)),
-        // Settings of an earlier attack are not those of this pattern.
-        None if config_path.is_file() => files::remove(&config_path)?,
-        None => {}
+    if let Some(config) = config {
+        new.push((config_path.clone(), serde_json::to_vec_pretty(config)?));
     }
     files::replace_all_atomically(&new)?;
+    // Settings of an earlier attack are not those of this pattern.
+    if config.is_none() && config_path.is_file() {
+        files::remove(&config_path)?;
+    }
     Ok(path)
 }
 

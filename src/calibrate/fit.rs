@@ -15,7 +15,7 @@ use crate::least_squares::{LeastSquares, Limits, minimise};
 /// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
 const LIMITS: Limits = Limits {
     first_damping: 1e-3,
-    most_trials: 100,
+    most_trials: 600,
     relative_gain: 1e-9,
     absolute_gain: 0.0,
 };

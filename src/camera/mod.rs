@@ -19,7 +19,7 @@ use crate::files;
 
 pub(crate) use fault::CameraFault;
 pub use fit::{FittedCamera, SizeError};
-pub(crate) use format::CameraFormat;
+pub use format::CameraFormat;
 pub(crate) use guess::Guess;
 
 /// Why a camera file was refused.
@@ -38,11 +38,11 @@ pub enum CameraError {
 /// Intrinsics of one camera at one image size. Pixel (0, 0) is the *centre* of the top-left pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// Image size in pixels.
+    /// Width of the image, px.
     pub width: u32,
     /// Height of the image, px.
     pub height: u32,
-    /// Focal lengths and principal point in pixels.
+    /// Focal length across the image, px.
     pub fx: f64,
     /// Focal length down the image, px.
     pub fy: f64,

@@ -43,7 +43,7 @@ enum SweepKind {
     Tilt,
     /// The lens has this many times the stated camera's distortion, and the camera file none.
     IgnoredDistortion,
-    SimulatedFault(fn(f64) -> Option<SimulatedFault>),
+    Fault(fn(f64) -> Option<SimulatedFault>),
 }
 
 /// All sweeps over simulated views.
@@ -70,61 +70,61 @@ pub(crate) const SWEEPS: [Sweep; 14] = [
         name: "hidden_tags",
         unit: "share of the tags hidden",
         amounts: &[0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95],
-        kind: SweepKind::SimulatedFault(|share| Some(SimulatedFault::Hidden { share })),
+        kind: SweepKind::Fault(|share| Some(SimulatedFault::Hidden { share })),
     },
     Sweep {
         name: "cropped_view",
         unit: "share of the picture left",
         amounts: &[1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2],
-        kind: SweepKind::SimulatedFault(|share| Some(SimulatedFault::Cropped { share })),
+        kind: SweepKind::Fault(|share| Some(SimulatedFault::Cropped { share })),
     },
     Sweep {
         name: "wrong_focal",
         unit: "focal length, stated over true",
         amounts: &[1.0, 1.01, 1.03, 1.06, 1.12, 1.25, 1.5],
-        kind: SweepKind::SimulatedFault(|factor| Some(SimulatedFault::WrongFocal { factor })),
+        kind: SweepKind::Fault(|factor| Some(SimulatedFault::WrongFocal { factor })),
     },
     Sweep {
         name: "wrong_principal_point",
         unit: "principal point off, px",
         amounts: &[0.0, 5.0, 15.0, 30.0, 60.0, 120.0, 240.0],
-        kind: SweepKind::SimulatedFault(|px| Some(SimulatedFault::WrongPrincipalPoint { px })),
+        kind: SweepKind::Fault(|px| Some(SimulatedFault::WrongPrincipalPoint { px })),
     },
     Sweep {
         name: "wrong_tag_size",
         unit: "tag size, stated over true",
         amounts: &[1.0, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5],
-        kind: SweepKind::SimulatedFault(|factor| Some(SimulatedFault::WrongTagSize { factor })),
+        kind: SweepKind::Fault(|factor| Some(SimulatedFault::WrongTagSize { factor })),
     },
     Sweep {
         name: "moved_tag",
         unit: "one card moved, mm",
         amounts: &[0.0, 1.0, 3.0, 6.0, 12.0, 30.0, 100.0],
-        kind: SweepKind::SimulatedFault(|mm| Some(SimulatedFault::MovedTag { mm })),
+        kind: SweepKind::Fault(|mm| Some(SimulatedFault::MovedTag { mm })),
     },
     Sweep {
         name: "twisted_tag",
         unit: "one card turned, °",
         amounts: &[0.0, 1.0, 3.0, 6.0, 15.0, 45.0, 90.0],
-        kind: SweepKind::SimulatedFault(|deg| Some(SimulatedFault::TwistedTag { deg })),
+        kind: SweepKind::Fault(|deg| Some(SimulatedFault::TwistedTag { deg })),
     },
     Sweep {
         name: "wrong_corner",
         unit: "one corner off, px",
         amounts: &[0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 40.0],
-        kind: SweepKind::SimulatedFault(|px| Some(SimulatedFault::WrongCorner { px })),
+        kind: SweepKind::Fault(|px| Some(SimulatedFault::WrongCorner { px })),
     },
     Sweep {
         name: "duplicated_id",
         unit: "0: as it is, 1: an id seen twice",
         amounts: &[0.0, 1.0],
-        kind: SweepKind::SimulatedFault(|there| (there > 0.0).then_some(SimulatedFault::DuplicatedId)),
+        kind: SweepKind::Fault(|there| (there > 0.0).then_some(SimulatedFault::DuplicatedId)),
     },
     Sweep {
         name: "wrong_id",
         unit: "0: as it is, 1: a tag read as another",
         amounts: &[0.0, 1.0],
-        kind: SweepKind::SimulatedFault(|there| (there > 0.0).then_some(SimulatedFault::WrongId)),
+        kind: SweepKind::Fault(|there| (there > 0.0).then_some(SimulatedFault::WrongId)),
     },
     Sweep {
         name: "ignored_distortion",
@@ -299,7 +299,7 @@ impl<'a> Maker<'a> {
         };
         let viewpoint = simulator.viewpoint(5.0..40.0, distance_mm);
         let fault = match self.kind {
-            SweepKind::SimulatedFault(fault) => fault(self.amount),
+            SweepKind::Fault(fault) => fault(self.amount),
             SweepKind::IgnoredDistortion => Some(SimulatedFault::IgnoredDistortion),
             SweepKind::CornerNoise | SweepKind::TagSize | SweepKind::Tilt => None,
         };

@@ -57,7 +57,7 @@ struct ListArgs {
 struct GuidedArgs {
     /// Where photos come from: camera or camera:N (see list-cameras), watch:DIR (a folder that a phone or camera copies into),
     /// replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
-    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"])]
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = source)]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
     #[arg(long)]
@@ -433,6 +433,13 @@ fn positive(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|value| *value > 0.0 && value.is_finite());
     value.ok_or_else(|| "give a number above 0".into())
+}
+
+fn source(text: &str) -> Result<SourceName, String> {
+    text.parse().map_err(|error| match error {
+        SourceError::Unknown { .. } => format!("{error} (--page)"),
+        error => error.to_string(),
+    })
 }
 
 fn pace(text: &str) -> Result<Duration, String> {

@@ -19,6 +19,7 @@ use crate::photo::{Photo, PhotoError};
 use crate::scene::{Bin, Scene};
 use crate::score::ScoreError;
 use crate::session::Session;
+use crate::spelling;
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
 use crate::workers;
 
@@ -122,7 +123,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if let (Some(folder), Some(places)) = (&args.overlay, &overlays) {
         draw(&args.photos, &answers, places, &files)?;
         let drawn = answers.iter().filter(|answer| answer.is_ok()).count();
-        say!("note: {drawn} pictures with what was found are in {}", folder.display());
+        let images = spelling::count(drawn, "image");
+        say!("note: {images} of what was found in {}", folder.display());
     }
     let unreadable = answers.iter().any(Result::is_err);
     let none_located = answers.iter().all(|answer| located(answer).is_none());

@@ -377,7 +377,7 @@ mod tests {
     #[test]
     fn every_manifest_of_the_folder_ships_and_reads() {
         let shipped: Vec<_> = Manifest::all().unwrap();
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/detectors");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/detect/manifests");
         let files = std::fs::read_dir(folder)
             .unwrap()
             .filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "toml"));

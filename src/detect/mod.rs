@@ -43,10 +43,12 @@ pub(crate) use propose::Proposal;
 pub(crate) use propose::propose_within;
 pub(crate) use propose::{Family, Hints, ProposalNote, ProposeError, propose};
 pub(crate) use registered::{RegisterError, register, registered, registered_names, unregister};
-pub(crate) use runtime::{DetectError, Detector, Runtime};
-pub(crate) use speed::{Speed, SpeedError, Speeds};
+pub use runtime::DetectError;
+pub(crate) use runtime::{Detector, Runtime};
+pub use speed::Speeds;
+pub(crate) use speed::{Speed, SpeedError};
 pub use weights::WeightFolders;
-pub(crate) use weights::WeightsError;
+pub use weights::WeightsError;
 
 /// Candidates below this score are dropped; AP needs them down to here.
 pub(crate) const SCORE_FLOOR: f64 = 0.001;

@@ -23,10 +23,15 @@ pub struct Speeds {
     pub scaleproof: String,
     /// Version and build of the ONNX Runtime.
     pub onnx_runtime: String,
+    /// Threads of ONNX Runtime.
     pub threads: u32,
+    /// Rounds over all photos, of which the medians are taken.
     pub rounds: u32,
+    /// How many photos were measured.
     pub photos: usize,
+    /// Mean size of these photos.
     pub megapixels: f64,
+    /// One for each detector.
     pub detectors: Vec<Speed>,
 }
 

@@ -10,7 +10,7 @@ use crate::least_squares::{LeastSquares, Limits, minimise};
 /// A Huber threshold that no residual reaches: plain least squares.
 pub(super) const NO_HUBER: f64 = f64::INFINITY;
 
-/// A step that moves all corners together by less than 1e-7 px is the last.
+/// A step that lowers the cost by less than (1e-7 px)² is the last.
 const LIMITS: Limits = Limits {
     first_damping: 1e-4,
     most_trials: 50,

@@ -5,6 +5,7 @@ use super::{ApDefinition, HIT_CONFIDENCE};
 /// The choices a figure depends on; stated wherever the figures are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criteria {
+    /// The definition of average precision.
     pub ap: ApDefinition,
     /// A detection this confident counts as one; in [0.001, 1].
     pub hit_confidence: f64,

@@ -23,12 +23,13 @@ pub use crate::ap::ApDefinition;
 #[cfg(test)]
 pub(crate) use crate::ap::average_precision;
 pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
-pub(crate) use cache::Cache;
+pub use cache::Cache;
+pub use compare::CompareError;
 #[cfg(test)]
 pub(crate) use compare::power;
-pub(crate) use compare::{CompareError, Compared, Difference, Finding, compare_with, pairs_needed};
+pub(crate) use compare::{Compared, Difference, Finding, compare_with, pairs_needed};
 pub use compare::{Comparison, compare};
-pub(crate) use criteria::Criteria;
+pub use criteria::Criteria;
 pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
 pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};

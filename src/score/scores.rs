@@ -62,6 +62,7 @@ impl Scores {
             not_scored,
         })
     }
+
     /// The same photos and detections under other criteria; nothing is detected again.
     pub fn judged_by(mut self, criteria: Criteria) -> Scores {
         for photo in &mut self.photos {
@@ -76,6 +77,7 @@ impl Scores {
         self.criteria = criteria;
         self
     }
+
     /// The same run, whose cautions speak of drops from `base`.
     pub fn against(mut self, base: &str) -> Scores {
         if base != BASE_VARIANT {

@@ -102,7 +102,7 @@ pub(crate) enum ShardIdError {
     #[error("{name} is {value}, which is no number")]
     NoNumber { name: &'static str, value: String },
     #[error(
-        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, from 1 to {count}"
+        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, as in --array=1-{count}"
     )]
     Gaps { first: u64, last: u64, count: u64 },
 }

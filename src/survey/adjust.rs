@@ -63,11 +63,11 @@ pub(super) fn adjust(
     free: Free,
     loss: Loss,
     camera: &Camera,
-    most_trials: usize,
+    most_steps: usize,
 ) -> f64 {
     let limits = Limits {
         first_damping: 1e-3,
-        most_trials,
+        most_trials: 10 * most_steps, // those that are refused count, too
         relative_gain: 1e-9,
         absolute_gain: 1e-12,
     };

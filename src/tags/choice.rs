@@ -48,6 +48,7 @@ pub enum CornersBy {
 /// Why a tag detector could not start.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum StartError {
     #[error(
         "the tag detector '{name}' is not known; use one of {}{}",

@@ -36,7 +36,8 @@ pub(crate) use apriltag_c::AprilTagC;
 pub(crate) use aruco::ArucoOpenCv;
 #[cfg(feature = "full")]
 pub(crate) use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
-pub(crate) use choice::{ArucoRefiner, StartError};
+pub(crate) use choice::ArucoRefiner;
+pub use choice::StartError;
 pub use choice::{CornersBy, TagDetectorChoice};
 pub(crate) use coarse_to_fine::CoarseToFine;
 #[cfg(feature = "full")]

@@ -153,8 +153,8 @@ fn train(
 ) -> Clone2d {
     for _ in 0..TRAINING {
         let recent = seen.len().saturating_sub(ASKED)..seen.len();
-        let penalty = (0..MINIBATCH.min(seen.len())).map(|_| rng.random_range(0..seen.len()));
-        let chosen: Vec<&Answered> = recent.chain(penalty).map(|i| &seen[i]).collect();
+        let random = (0..MINIBATCH.min(seen.len())).map(|_| rng.random_range(0..seen.len()));
+        let chosen: Vec<&Answered> = recent.chain(random).map(|i| &seen[i]).collect();
         let patterns: Vec<&[Rgb]> = chosen.iter().map(|a| a.cells.as_slice()).collect();
         let scores: Vec<f32> = chosen.iter().map(|a| a.score as f32).collect();
         let count = scores.len();

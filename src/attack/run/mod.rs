@@ -47,6 +47,7 @@ const JUDGED_TIMES: u32 = 12;
 /// Why there is no pattern.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum RunError {
     #[error(transparent)]
     Frames(#[from] FramesError),
@@ -92,7 +93,9 @@ impl From<serde_json::Error> for RunError {
 /// Colours that cells are attracted to, by the distance to the nearest.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ColourPenalty {
+    /// Weight of the penalty in the loss.
     pub weight: f64,
+    /// The colours, 8-bit sRGB.
     pub rgb: Vec<[u8; 3]>,
 }
 

@@ -28,8 +28,10 @@ pub enum TextureMapping {
 }
 
 impl TextureMapping {
+    /// Both, the default first.
     pub const ALL: [Self; 2] = [Self::World, Self::Repeated];
 
+    /// Its name in files and options.
     pub fn name(self) -> &'static str {
         match self {
             Self::World => "world",

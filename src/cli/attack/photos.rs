@@ -75,8 +75,8 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     notes.iter().for_each(|note| say!("note: {note}"));
     let mut nowhere = std::io::sink();
     let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
+    let left_out: Vec<LeftOutPhoto> = left_out.into_iter().chain(other_variants(&flats, &sessions)).collect();
     say_left_out(&left_out, text)?;
-    say_other_variants(&flats, &sessions, text)?;
     let bar = progress::frames("mapping photos", 0);
     let made = make(&request, &photos, &args.output, |views| {
         bar.set_length(views as u64);
@@ -104,7 +104,7 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// `--json`.
-fn summary(list: &Path, made: &PhotoFrames, not_located: &[LeftOutPhoto]) -> Value {
+fn summary(list: &Path, made: &PhotoFrames, left_out_before: &[LeftOutPhoto]) -> Value {
     let view = |view: &PhotoView| {
         let others = view.others.iter().map(|(photo, turn_deg, light_factors)| {
             json!({ "photo": photo, "turn_deg": turn_deg, "light_factors": light_factors })
@@ -116,7 +116,7 @@ fn summary(list: &Path, made: &PhotoFrames, not_located: &[LeftOutPhoto]) -> Val
             "paint_seen_by_all": view.kept,
         })
     };
-    let left_out = not_located.iter().chain(&made.left_out);
+    let left_out = left_out_before.iter().chain(&made.left_out);
     json!({
         "file": list,
         "frames": made.frames,
@@ -209,13 +209,12 @@ fn say_left_out(left_out: &[LeftOutPhoto], out: &mut dyn Write) -> std::io::Resu
     lines.try_for_each(|left| writeln!(out, "left out: {}: {}", left.what, left.reason))
 }
 
-fn say_other_variants(flats: &[FlatVariant], sessions: &[Session], out: &mut dyn Write) -> std::io::Result<()> {
+/// What the sessions show besides the flat colours.
+fn other_variants(flats: &[FlatVariant], sessions: &[Session]) -> impl Iterator<Item = LeftOutPhoto> {
     let mut all = variants(sessions);
     all.retain(|variant| flats.iter().all(|flat| flat.variant != *variant));
-    all.iter().try_for_each(|variant| {
-        writeln!(
-            out,
-            "left out: photos of the variant {variant}: --flat does not name it"
-        )
+    all.into_iter().map(|variant| LeftOutPhoto {
+        what: format!("photos of the variant {variant}"),
+        reason: "--flat does not name it".into(),
     })
 }

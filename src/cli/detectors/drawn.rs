@@ -40,7 +40,7 @@ pub(super) fn draw_box(image: &mut RgbImage, box_px: BoxPx, text: &str, colour: 
     draw::label(image, [left, top], LabelAnchor::BottomLeft, text, lettering);
 }
 
-/// A image as the bytes of a JPEG file.
+/// An image as the bytes of a JPEG file.
 pub(super) fn jpeg(image: &RgbImage) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
     image.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;

@@ -14,6 +14,7 @@ use crate::print::lettering;
 use crate::print::output::{SheetFormat, SheetOutput};
 use crate::print::paper::{self, Orientation};
 use crate::print::template::{Front, LayoutRequest, Template, TemplateRequest, template};
+use crate::spelling;
 
 #[derive(clap::Args)]
 pub(crate) struct TemplateArgs {
@@ -166,7 +167,11 @@ pub(crate) fn summary(output: &Path, made: &Template) -> String {
     let layout = &made.layout;
     let count = match layout.sheets.len() {
         1 => "1 sheet".to_owned(),
-        n => format!("{n} sheets ({} rows of {})", layout.rows, layout.columns),
+        n => format!(
+            "{n} sheets ({} of {})",
+            spelling::count(layout.rows, "row"),
+            layout.columns
+        ),
     };
     let page = layout.frame.page;
     let [width, height, cell] = [page.width_mm, page.height_mm, made.cell_mm].map(lettering::number);

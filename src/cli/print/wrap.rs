@@ -163,11 +163,11 @@ impl SheetArgs {
     }
 }
 
-/// Runs `scaleproof print wrap`.
 /// What to do about an error of the library.
 pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     match error.downcast_ref()? {
-        MeshError::NoModel { .. } | MeshError::LifeSize { .. } => Some(" (--length-mm)".into()),
+        MeshError::NoModel { .. } => Some(" (--length-mm)".into()),
+        MeshError::LifeSize { .. } => Some("; the option is --length-mm".into()),
         _ => None,
     }
 }

@@ -62,8 +62,8 @@ pub(crate) enum DtnError {
         asked: String,
     },
     #[error(
-        "training broke down at step {step}: the loss is no number any more; what was saved before stands. Train again with another seed, and \
-         look at the frames with attack check"
+        "training broke down at step {step}: the loss is no number any more; what was saved before stands. Look at the frames with attack check, or \
+         train again with another seed"
     )]
     NotFinite { step: u64 },
     #[error("the network cannot be computed ({0})")]

@@ -407,7 +407,7 @@ fn loss(transformer: Transformer, batch: &[Sample], window: PaintWindow, maps: &
                     let x = transformer.value(found, eta);
                     let target = f64::from(truth[channel]);
                     sum += share * cross_entropy(x, target);
-                    let cotangent = share * cross_entropy_slope(x, target);
+                    let cotangent = share * cross_entropy_derivative(x, target);
                     transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
                         map_gradients[i * pixels + place] += v as f32;
                     });
@@ -426,7 +426,7 @@ fn cross_entropy(x: f64, target: f64) -> f64 {
 
 /// Its derivative, (x − t) / (x (1 − x)), bounded near 0 and 1. Beyond them it is what draws a value back that should not be there; a white that is
 /// predicted brighter than white is right.
-fn cross_entropy_slope(x: f64, target: f64) -> f64 {
+fn cross_entropy_derivative(x: f64, target: f64) -> f64 {
     let inside = x.clamp(0.0, 1.0);
     (inside - target) / (inside * (1.0 - inside)).max(EDGE * (1.0 - EDGE))
 }

@@ -9,7 +9,9 @@ pub(crate) mod world;
 /// The grid of a pattern on the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
+    /// Cells across.
     pub columns: u32,
+    /// Cells down.
     pub rows: u32,
     /// Width and height of a cell on the model.
     pub cell_mm: f64,

@@ -55,7 +55,7 @@ impl Operator for ConstantOfShape {
     }
 }
 
-/// Integers numbers from start up to limit in steps.
+/// Whole numbers from start up to limit in steps.
 struct Range([IntegerSetting; 3]);
 
 impl Operator for Range {

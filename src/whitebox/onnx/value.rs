@@ -25,7 +25,7 @@ pub(super) struct Floats {
     pub rank: usize,
 }
 
-/// Integers numbers, row-major; truth values are 0 and 1.
+/// Whole numbers, row-major; truth values are 0 and 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Integers {
     pub shape: Vec<usize>,
