@@ -57,14 +57,14 @@ impl Camera {
     }
 
     /// The pixel of a point of frame x (mm) under the pose `T_camera_x`, and its derivative by a step of the pose
-    /// ([`crate::geometry::rigid::stepped`]): columns ω (px per rad), υ (px per mm).
+    /// (`geometry::rigid::stepped`): columns ω (px per rad), υ (px per mm).
     pub fn project_by_pose(&self, pose: &Rigid, point: &Point3<f64>) -> Option<([f64; 2], Matrix2x6<f64>)> {
         let p = pose * point;
         let (pixel, by_point) = self.project_by_point(&p)?;
         Some((pixel, by_step(&by_point, &p)))
     }
 
-    /// The camera's numbers in the order of [`PARAMETERS`].
+    /// The camera's numbers in the order of `PARAMETERS`.
     pub fn parameters(&self) -> [f64; PARAMETERS] {
         let mut all = [
             self.fx, self.fy, self.cx, self.cy, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,

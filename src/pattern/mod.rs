@@ -55,7 +55,7 @@ impl Pattern {
     /// Reads a PNG with one pixel per cell.
     ///
     /// # Errors
-    /// An unreadable file, anything but a PNG, a see-through pixel, more than [`MAX_CELLS`] cells along a side.
+    /// An unreadable file, anything but a PNG, a see-through pixel, more than `MAX_CELLS` cells along a side.
     pub fn load(path: &Path) -> Result<Self, PatternError> {
         let bytes = files::read(path)?;
         if image::guess_format(&bytes).ok() != Some(ImageFormat::Png) {
@@ -73,7 +73,7 @@ impl Pattern {
     /// and in every version: the bytes of PCG-XSH-RR 64/32 (O'Neill 2014) are the colours, row by row.
     ///
     /// # Errors
-    /// No cells, or more than [`MAX_CELLS`] along a side.
+    /// No cells, or more than `MAX_CELLS` along a side.
     pub fn random(cells: u32, seed: u64) -> Result<Self, PatternError> {
         if !(1..=MAX_CELLS).contains(&cells) {
             return Err(PatternError::BadCellCount { cells });

@@ -69,7 +69,7 @@ impl Printer {
     /// From the measured lengths of the two 100 mm rulers.
     ///
     /// # Errors
-    /// A length more than [`MOST_OFF`] from 100 mm.
+    /// A length more than `MOST_OFF` from 100 mm.
     pub fn measured(x_mm: f64, y_mm: f64) -> Result<Self, PrinterError> {
         for (axis, measured_mm) in [("x", x_mm), ("y", y_mm)] {
             // False for NaN too.

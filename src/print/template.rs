@@ -113,7 +113,7 @@ pub struct Template {
     pub layout: SheetLayout,
     /// Width and height of a cell.
     pub cell_mm: f64,
-    /// How to assemble, with the scale check; then one page per [`SheetLayout::sheets`], in the same order. Drawn as the printer
+    /// How to assemble, with the scale check; then one page per `SheetLayout::sheets`, in the same order. Drawn as the printer
     /// needs it.
     pub pages: Vec<Sheet>,
 }
@@ -129,8 +129,8 @@ impl Template {
 /// Draws the sheets of a template. The pattern's top-left cell starts at the template's top-left corner.
 ///
 /// # Errors
-/// Numbers that are not positive, cells below [`MIN_CELL_MM`], more placements of the pattern than a file can hold, and whatever
-/// [`layout`] refuses.
+/// Numbers that are not positive, cells below `MIN_CELL_MM`, more placements of the pattern than a file can hold, and whatever
+/// `layout` refuses.
 pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, TemplateError> {
     let cell_mm = cell_mm(pattern, request)?;
     let layout = layout(&request.layout)?;

@@ -3,7 +3,7 @@
 use crate::detect::DetectError;
 use crate::tags::StartError;
 
-/// Why a run could not finish. Bad photos are no reason: they are listed in [`Scores::not_scored`].
+/// Why a run could not finish. Bad photos are no reason: they are listed in `Scores::not_scored`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // each variant is its sentence

@@ -113,7 +113,7 @@ pub struct AttackConfig {
     /// The learning rate in sRGB of 0 to 1; it falls to a tenth along half a cosine.
     #[serde(rename = "rate")]
     pub learning_rate: f64,
-    /// The confidence below which the loss fades ([`loss::from_floor`]).
+    /// The confidence below which the loss fades (`loss::from_floor`).
     pub floor: f64,
     /// Of the first pattern, the batches and the augmentations.
     pub seed: u64,
