@@ -150,12 +150,12 @@ fn replace_together(files: &[(PathBuf, &[u8])]) -> Result<(), FileError> {
         journal::tidy(folder_of(path));
         staged.push(Staged::write(path, content)?);
     }
-    journal::take_places(staged)
+    journal::persist_all(staged)
 }
 
 /// The same of one file, without a look at what killed runs left in the folder.
 pub(crate) fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
-    Staged::write(path, content)?.take_place().map(drop)
+    Staged::write(path, content)?.persist().map(drop)
 }
 
 /// Finds out, before long work, that a folder is or can be made there and takes files. Makes nothing.

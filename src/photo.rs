@@ -27,11 +27,11 @@ use problem::DecodeProblem;
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("{path} is not a JPEG or PNG picture: use a photo straight from the camera", path = path.display())]
-    NotAPicture { path: PathBuf },
+    #[error("{path} is not a JPEG or PNG image: use a photo straight from the camera", path = path.display())]
+    NotAnImage { path: PathBuf },
     #[error("{}", convert_sentence(path, kind))]
     Heif { path: PathBuf, kind: &'static str },
-    #[error("{path} ends in the middle of the picture: copy it from the camera again", path = path.display())]
+    #[error("{path} ends in the middle of the image: copy it from the camera again", path = path.display())]
     Truncated { path: PathBuf },
     #[error("{path} has {size}: scale it down", path = path.display())]
     TooLarge { path: PathBuf, size: String },
@@ -50,7 +50,7 @@ fn convert_sentence(path: &Path, kind: &str) -> String {
         _ => "convert it to JPEG",
     };
     format!(
-        "{} is {} {kind} picture, which this program does not read: {how} with `heif-dec '{name}' '{stem}.jpg'` (Debian: apt install \
+        "{} is {} {kind} image, which this program does not read: {how} with `heif-dec '{name}' '{stem}.jpg'` (Debian: apt install \
          libheif-examples, where it may be called heif-convert), and see that it stands upright",
         path.display(),
         if kind == "AVIF" { "an" } else { "a" },
@@ -197,12 +197,12 @@ mod tests {
 
     /// A JPEG of 64 × 48 pixels in a file, its left half red.
     fn half_red(folder: &Path) -> PathBuf {
-        let picture = RgbImage::from_fn(64, 48, |x, _| {
+        let image = RgbImage::from_fn(64, 48, |x, _| {
             image::Rgb(if x < 32 { [200, 30, 20] } else { [90, 100, 110] })
         });
         let mut bytes = Vec::new();
         JpegEncoder::new_with_quality(&mut bytes, 95)
-            .encode_image(&picture)
+            .encode_image(&image)
             .unwrap();
         let path = folder.join("photo.jpg");
         std::fs::write(&path, bytes).unwrap();
@@ -215,9 +215,9 @@ mod tests {
         let file = Photo::open(&half_red(folder.path())).unwrap();
         assert_eq!((file.width, file.height), (64, 48));
         for reduction in [1, 2, 4, 8] {
-            let picture = file.rgb(reduction).unwrap();
-            assert_eq!(picture.dimensions(), (64 / reduction, 48 / reduction));
-            let [left, right] = [8, 56].map(|x| picture.get_pixel(x / reduction, 24 / reduction).0);
+            let image = file.rgb(reduction).unwrap();
+            assert_eq!(image.dimensions(), (64 / reduction, 48 / reduction));
+            let [left, right] = [8, 56].map(|x| image.get_pixel(x / reduction, 24 / reduction).0);
             let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 4);
             assert!(
                 near(left, [200, 30, 20]) && near(right, [90, 100, 110]),

@@ -1,4 +1,4 @@
-//! Trained renderer models (DTN, NTR): the formula against a second writing of it and finite differences; training, going on with it, and
+//! Trained surrogate renderers (DTN, NTR): the formula against a second writing of it and finite differences; training, going on with it, and
 //! what must be refused.
 
 use crate::tests::common;

@@ -1,4 +1,4 @@
-//! Models of a view: light adds up, renderer models, projections; against direct renders, finite differences and each other.
+//! Models of a view: light adds up, surrogate renderers, projections; against direct renders, finite differences and each other.
 
 use crate::tests::common;
 

@@ -68,7 +68,7 @@ fn picture(photo: &RgbImage) -> (Vec<[f64; 3]>, [u32; 2]) {
 }
 
 /// Weights that pick the predictions of highest confidence.
-fn best_claims(confidences: &[f64], count: usize) -> Vec<f64> {
+fn best_predictions(confidences: &[f64], count: usize) -> Vec<f64> {
     let mut order: Vec<usize> = (0..confidences.len()).collect();
     order.sort_by(|a, b| confidences[*b].total_cmp(&confidences[*a]));
     let mut weights = vec![0.0; confidences.len()];
@@ -97,7 +97,7 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> f64 {
     let look = detector.forward(picture, size).unwrap();
     let confidences: Vec<f64> = look.predictions().iter().map(|c| c.confidence).collect();
-    let weights = best_claims(&confidences, 3);
+    let weights = best_predictions(&confidences, 3);
     let gradient = look.vjp(&weights);
     let length = dot(&gradient, &gradient).sqrt();
     let before = loss(detector, picture, size, &weights);

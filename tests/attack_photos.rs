@@ -596,7 +596,7 @@ fn masks_positions_and_the_background_are_the_reference_s() {
 }
 
 #[test]
-fn renderer_models_foretell_the_colour_they_have_not_seen() {
+fn surrogate_renderers_predict_the_colour_they_have_not_seen() {
     let (folder, _) = good();
     let set = FrameSet::open(folder).unwrap();
     let world = World::new();

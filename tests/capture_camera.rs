@@ -138,7 +138,7 @@ fn known_frames_of_every_format_are_decoded() {
         );
         let half = bytes[..bytes.len() / 2].to_vec();
         let sentence = raw(&picture, format, half).original().unwrap_err();
-        assert!(sentence.contains("half a picture"), "{format:?}: {sentence}");
+        assert!(sentence.contains("half an image"), "{format:?}: {sentence}");
         assert!(raw(&picture, format, Vec::new()).original().is_err());
     }
     let odd = RawImage {
@@ -190,7 +190,7 @@ impl Device for Fake {
     fn lock(&mut self) -> CameraSettings {
         CameraSettings {
             device: "Fake".into(),
-            format: "GRAY 96 × 64, 100 pictures a second".into(),
+            format: "GRAY 96 × 64, 100 frames a second".into(),
             exposure: Setting {
                 is_locked: true,
                 value: Some(157),
@@ -234,7 +234,7 @@ fn a_stale_picture_is_never_queued() {
     let settings = camera.settings().unwrap();
     assert_eq!(
         settings.to_string(),
-        "Fake, GRAY 96 × 64, 100 pictures a second: focus cannot be held by this program and may change from photo to photo"
+        "Fake, GRAY 96 × 64, 100 frames a second: focus cannot be held by this program and may change from photo to photo"
     );
     // Nobody listens any more: the thread lets the camera go.
     drop(camera);
@@ -347,7 +347,7 @@ fn a_camera_fills_the_session_and_goes_on_after_it_was_unplugged() {
     assert_eq!(count, 1);
     assert_eq!(
         sentence,
-        "the camera 3 gives no more pictures (no such device): plug it in again and run this again; what was accepted is kept"
+        "the camera 3 gives no more images (no such device): plug it in again and run this again; what was accepted is kept"
     );
     let (count, _) = filled(vec![view(2)], 120);
     assert_eq!(count, 2, "the first view is kept");

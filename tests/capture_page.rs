@@ -176,7 +176,7 @@ fn uploads_get_the_same_gates_and_the_same_advice() {
         (
             photo(1)[..60_000].to_vec(),
             "unreadable",
-            "Upload 6 ends in the middle of the picture",
+            "Upload 6 ends in the middle of the image",
         ),
     ];
     for (bytes, code, sentence) in cases {

@@ -472,7 +472,7 @@ fn pictures_of_iphones_are_refused_with_what_to_do() {
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     for words in [
-        "IMG_0.HEIC is a HEIC picture, which this program does not read: set the iPhone to Settings › Camera › Formats › Most Compatible",
+        "IMG_0.HEIC is a HEIC image, which this program does not read: set the iPhone to Settings › Camera › Formats › Most Compatible",
         "convert it with `heif-dec 'IMG_0.HEIC' 'IMG_0.jpg'`",
         "error: 5 more photos cannot be read for the same reason",
     ] {

@@ -14,7 +14,7 @@ use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum NoBoard {
-    #[error("no board was found: is this the board of the file, wholly in the picture, sharp and evenly lit?")]
+    #[error("no board was found: is this the board of the file, wholly in the photo, sharp and evenly lit?")]
     NotFound,
     #[error("{foreign} of the {seen} markers seen are not on this board: is the board file another board's?")]
     Foreign { foreign: usize, seen: usize },
@@ -84,18 +84,18 @@ pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorne
 
 fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
     let flat = Mat::from_slice(grey.as_raw().as_slice()).map_err(failed)?;
-    let picture = flat.reshape(1, grey.height() as i32).map_err(failed)?;
-    let picture = picture.try_clone().map_err(failed)?;
+    let image = flat.reshape(1, grey.height() as i32).map_err(failed)?;
+    let image = image.try_clone().map_err(failed)?;
     let found = match board {
-        Definition::Chessboard { inner_corners, .. } => chessboard(&picture, *inner_corners).map_err(failed)?,
+        Definition::Chessboard { inner_corners, .. } => chessboard(&image, *inner_corners).map_err(failed)?,
         Definition::Charuco { dictionary, .. } => {
-            let seen = known(markers(&picture, dictionary, 1)?, board, 0)?;
-            charuco(&picture, board, &seen).map_err(failed)?
+            let seen = known(markers(&image, dictionary, 1)?, board, 0)?;
+            charuco(&image, board, &seen).map_err(failed)?
         }
         Definition::Aprilgrid { border_modules, .. } => {
             // OpenCV's image of this family is turned by 180°: its first corner is the upright tag's lower right.
-            let seen = known(markers(&picture, "DICT_APRILTAG_36h11", *border_modules)?, board, 2)?;
-            aprilgrid(&picture, board, &seen).map_err(failed)?
+            let seen = known(markers(&image, "DICT_APRILTAG_36h11", *border_modules)?, board, 2)?;
+            aprilgrid(&image, board, &seen).map_err(failed)?
         }
     };
     match found.len() {
@@ -117,9 +117,9 @@ fn failed(e: opencv::Error) -> NoBoard {
 }
 
 /// Every marker of a dictionary, whose black border is so many modules wide.
-fn markers(picture: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, NoBoard> {
+fn markers(image: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, NoBoard> {
     let search = marker_search(dictionary, border_modules).map_err(|e| NoBoard::OpenCv(e.to_string()))?;
-    search.find(picture).map_err(failed)
+    search.find(image).map_err(failed)
 }
 
 /// A marker of the board, and where the photo shows its corners (upper left first).
@@ -161,7 +161,7 @@ fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<
     Ok(placed)
 }
 
-fn charuco(picture: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
+fn charuco(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
     let mut found = Vec::new();
     for (id, corner) in board.corners_mm().into_iter().enumerate() {
         // The two white squares that meet in this corner are the two with the nearest markers.
@@ -181,12 +181,12 @@ fn charuco(picture: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::
         };
         let nearest_mm = from.iter().map(|p| distance(*p, corner)).fold(f64::INFINITY, f64::min);
         let free_px = nearest_mm * a.px_per_mm().min(b.px_per_mm());
-        found.extend(refined(picture, guess, free_px)?.map(|px| SeenCorner { id, px }));
+        found.extend(refined(image, guess, free_px)?.map(|px| SeenCorner { id, px }));
     }
     Ok(found)
 }
 
-fn aprilgrid(picture: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
+fn aprilgrid(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Result<Vec<SeenCorner>> {
     let Definition::Aprilgrid {
         tag_mm,
         tag_spacing,
@@ -204,18 +204,18 @@ fn aprilgrid(picture: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv
         for (i, guess) in placed.corners_px.into_iter().enumerate() {
             let id = placed.marker.id as usize * 4 + i;
             let free_px = nearest_mm * placed.px_per_mm();
-            found.extend(refined(picture, guess, free_px)?.map(|px| SeenCorner { id, px }));
+            found.extend(refined(image, guess, free_px)?.map(|px| SeenCorner { id, px }));
         }
     }
     found.sort_by_key(|c| c.id);
     Ok(found)
 }
 
-fn chessboard(picture: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
+fn chessboard(image: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<SeenCorner>> {
     let size = Size::new(inner_corners[0] as i32, inner_corners[1] as i32);
     let flags = calib3d::CALIB_CB_NORMALIZE_IMAGE | calib3d::CALIB_CB_EXHAUSTIVE | calib3d::CALIB_CB_ACCURACY;
     let mut corners = Vector::<Point2f>::new();
-    if !calib3d::find_chessboard_corners_sb(picture, size, &mut corners, flags)? {
+    if !calib3d::find_chessboard_corners_sb(image, size, &mut corners, flags)? {
         return Ok(Vec::new());
     }
     let px = |p: Point2f| [f64::from(p.x), f64::from(p.y)];
@@ -227,17 +227,17 @@ fn chessboard(picture: &Mat, inner_corners: [u32; 2]) -> opencv::Result<Vec<Seen
 }
 
 /// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.
-fn refined(picture: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<[f64; 2]>> {
+fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<[f64; 2]>> {
     // The window's corner must not reach the next corner.
     let half = (free_px / std::f64::consts::SQRT_2 - 1.0).min(WIDEST_WINDOW_PX).floor();
     let inside = |at: f64, length: i32| at >= half + 1.0 && at <= f64::from(length) - half - 2.0;
-    if half < NARROWEST_WINDOW_PX || !inside(guess[0], picture.cols()) || !inside(guess[1], picture.rows()) {
+    if half < NARROWEST_WINDOW_PX || !inside(guess[0], image.cols()) || !inside(guess[1], image.rows()) {
         return Ok(None);
     }
     let mut corner = Vector::<Point2f>::from_iter([Point2f::new(guess[0] as f32, guess[1] as f32)]);
     let stop = TermCriteria::new(3, 60, 1e-4)?;
     let window = Size::new(half as i32, half as i32);
-    opencv::imgproc::corner_sub_pix(picture, &mut corner, window, Size::new(-1, -1), stop)?;
+    opencv::imgproc::corner_sub_pix(image, &mut corner, window, Size::new(-1, -1), stop)?;
     let point = corner.get(0)?;
     let px = [f64::from(point.x), f64::from(point.y)];
     Ok((distance(px, guess) < half.min(4.0)).then_some(px))

@@ -20,7 +20,7 @@ pub(crate) enum CalibrationError {
     )]
     SameTilt { spread_deg: f64 },
     #[error(
-        "these photos leave the focal length open (±{percent} %): tilt the board by 30° to 45° to several sides, and fill the picture with it"
+        "these photos leave the focal length open (±{percent} %): tilt the board by 30° to 45° to several sides, and fill the photo with it"
     )]
     FocalOpen { percent: String },
     #[error(
@@ -158,7 +158,7 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     let missing = missing_corners(&found.coverage);
     if !missing.is_empty() {
         say(format!(
-            "no photo shows the board in the {} of the picture{}, so the camera is a guess there: hold the board into the corners",
+            "no photo shows the board in the {} of the image{}, so the camera is a guess there: hold the board into the corners",
             listed(&missing),
             match found.photos.iter().any(|photo| photo.turned_deg != 0) {
                 true => " (as the sensor sees it, before EXIF turns it)",
@@ -169,7 +169,7 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     let folded = found.map.cells.iter().filter(|c| c.sigma_px.is_none()).count();
     if folded > 0 {
         say(format!(
-            "the lens model does not reach {folded} of {} cells of the picture, near its edge; do not use points there",
+            "the lens model does not reach {folded} of {} cells of the image, near its edge; do not use points there",
             found.map.cells.len()
         ));
     }

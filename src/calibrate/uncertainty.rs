@@ -86,7 +86,7 @@ impl Derivatives {
     }
 }
 
-/// The turn (3 × p) that best undoes each parameter's change over the picture.
+/// The turn (3 × p) that best undoes each parameter's change over the image.
 fn implied_turn<'a>(all: impl Iterator<Item = &'a Derivatives>, parameters: usize) -> Option<DMatrix<f64>> {
     let (mut h, mut g) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, parameters));
     for d in all {

@@ -82,7 +82,7 @@ impl fmt::Display for Advice {
             }
             Advice::Blurred { .. } => f.write_str("hold still and let it focus: blurred"),
             Advice::TooSmall => {
-                f.write_str("the tags are too small to tell whether it is sharp: closer, or a larger picture")
+                f.write_str("the tags are too small to tell whether it is sharp: closer, or a larger image")
             }
             Advice::Moving => f.write_str("hold still"),
             Advice::Hold => f.write_str("good: stay like this"),

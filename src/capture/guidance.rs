@@ -1,4 +1,4 @@
-//! Which views are wanted, which are there, and the step from where the camera is to the next one.
+//! Which views are required, which are there, and the step from where the camera is to the next one.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ pub(crate) struct Tolerance {
     pub distance_mm: f64,
 }
 
-/// One view that is wanted.
+/// One required view.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Target {
     pub viewpoint: Viewpoint,

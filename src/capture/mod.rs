@@ -1,6 +1,6 @@
-//! Guided capture: frames in, advice out, and a session that holds one good photo of each view that is wanted.
+//! Guided capture: frames in, advice out, and a session that holds one good photo of each required view.
 //!
-//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view that is still wanted); what
+//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); what
 //! holds is taken at once by `store`, and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
 //! numbers.
 
@@ -67,7 +67,7 @@ impl FrameAnswer {
 }
 
 /// What is said of a damaged image of a running camera.
-const DAMAGED: &str = "the camera sent a damaged picture: check its cable";
+const DAMAGED: &str = "the camera sent a damaged image: check its cable";
 
 /// In a stream, so many frames in a row must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
 /// second.
@@ -340,7 +340,7 @@ fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
         Original::Pixels(rgb) => {
             let mut bytes = Vec::new();
             let written = rgb.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png);
-            written.map_err(|e| format!("the camera's picture cannot be kept as PNG: {e}"))?;
+            written.map_err(|e| format!("the camera's image cannot be kept as PNG: {e}"))?;
             Ok((bytes, "png"))
         }
     }

@@ -73,7 +73,7 @@ pub(crate) enum SourceError {
     #[error("the camera {number} cannot be used ({reason}): see `scaleproof capture list-cameras`")]
     NoCamera { number: u32, reason: LiveCameraError },
     #[error(
-        "the camera {number} gives no more pictures ({reason}): plug it in again and run this again; what was accepted is kept"
+        "the camera {number} gives no more images ({reason}): plug it in again and run this again; what was accepted is kept"
     )]
     CameraGone { number: u32, reason: LiveCameraError },
 }

@@ -49,7 +49,7 @@ pub(crate) struct Sidecar {
     pub sha256: String,
     /// What the source called it.
     pub source: String,
-    /// The view that was wanted.
+    /// The view that was required.
     pub target: Viewpoint,
     /// From where it was taken.
     pub viewpoint: Viewpoint,

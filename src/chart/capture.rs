@@ -19,7 +19,7 @@ pub(crate) const LIMITS_MS: [f64; 2] = [60.0, 120.0];
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct CaptureRow {
     pub tag_detector: &'static str,
-    /// As frames of a running camera, of which a faster search is told first, rather than as photos.
+    /// As frames of a running camera, which a faster search sees first, rather than as photos.
     pub is_stream: bool,
     pub frames: usize,
     /// Share of the frames that got a pose.

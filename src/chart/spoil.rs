@@ -171,7 +171,7 @@ fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rn
 }
 
 /// Paints a convex outline.
-fn fill(picture: &mut GrayImage, outline: &TagCorners, grey: u8) {
+fn fill(image: &mut GrayImage, outline: &TagCorners, grey: u8) {
     let span = |k: usize, size: u32| {
         let values = outline.iter().map(|p| p[k]);
         let (low, high) = (
@@ -184,11 +184,11 @@ fn fill(picture: &mut GrayImage, outline: &TagCorners, grey: u8) {
         let (a, b) = (outline[i], outline[(i + 1) % 4]);
         (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
     };
-    for y in span(1, picture.height()) {
-        for x in span(0, picture.width()) {
+    for y in span(1, image.height()) {
+        for x in span(0, image.width()) {
             let signs: [f64; 4] = std::array::from_fn(|i| side(f64::from(x), f64::from(y), i));
             if signs.iter().all(|s| *s >= 0.0) || signs.iter().all(|s| *s <= 0.0) {
-                picture.put_pixel(x, y, Luma([grey]));
+                image.put_pixel(x, y, Luma([grey]));
             }
         }
     }

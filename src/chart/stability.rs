@@ -74,7 +74,7 @@ pub(crate) const SWEEPS: [Sweep; 14] = [
     },
     Sweep {
         name: "cropped_view",
-        unit: "share of the picture left",
+        unit: "share of the image left",
         amounts: &[1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2],
         kind: SweepKind::Fault(|share| Some(SimulatedFault::Cropped { share })),
     },

@@ -50,7 +50,7 @@ enum What {
     Demo(demo::DemoArgs),
 }
 
-/// Read every picture of frames and hold them against their list
+/// Read every image of frames and hold them against their list
 #[derive(clap::Args)]
 struct CheckArgs {
     /// A folder of frames

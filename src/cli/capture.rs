@@ -94,7 +94,7 @@ struct GuidedArgs {
     fps: Option<Duration>,
 }
 
-/// Which views are wanted: every azimuth bin at some pitches and distances, or another session's viewpoints.
+/// Which views are required: every azimuth bin at some pitches and distances, or another session's viewpoints.
 #[derive(clap::Args)]
 struct ViewArgs {
     /// Pitches of the scene's bins [default: the one nearest to 15°]

@@ -60,7 +60,7 @@ struct DemoFiles {
     scores: Scores,
 }
 
-/// The three steps, told to `out`.
+/// The three steps, reported to `out`.
 fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles, Box<dyn std::error::Error>> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;

@@ -19,7 +19,7 @@ pub(crate) struct FoundChart {
     pub layout: ChartLayout,
     /// Homography from the chart frame (mm) to pixels.
     to_px: Matrix3<f64>,
-    /// The way back.
+    /// Its inverse.
     to_mm: Matrix3<f64>,
     /// Root mean square distance of the tag corners from where a flat sheet has them.
     pub off_mm: f64,
@@ -46,7 +46,7 @@ impl FoundChart {
 pub(crate) fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
     let kind = the_kind(seen)?;
     let layout = ChartLayout::new(kind);
-    let (mut chart_mm, mut picture_px) = (Vec::new(), Vec::new());
+    let (mut chart_mm, mut image_px) = (Vec::new(), Vec::new());
     let mut missing = Vec::new();
     for tag in &layout.tags {
         let mut of_this: Vec<_> = seen.iter().filter(|s| s.family == FAMILY && s.id == tag.id).collect();
@@ -56,7 +56,7 @@ pub(crate) fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
             (Some(one), true) if !one.is_whole => return Err(ColourChartError::TagCovered { id: tag.id }),
             (Some(one), true) => {
                 chart_mm.extend(tag.corners_mm());
-                picture_px.extend(one.corners_px);
+                image_px.extend(one.corners_px);
             }
         }
     }
@@ -64,7 +64,7 @@ pub(crate) fn find(seen: &[SeenTag]) -> Result<FoundChart, ColourChartError> {
         let ids = missing.join(", ");
         return Err(ColourChartError::TagsMissing { ids });
     }
-    placed(layout, &chart_mm, &picture_px)
+    placed(layout, &chart_mm, &image_px)
 }
 
 fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ColourChartError> {
@@ -80,8 +80,8 @@ fn the_kind(seen: &[SeenTag]) -> Result<ChartKind, ColourChartError> {
     }
 }
 
-fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -> Result<FoundChart, ColourChartError> {
-    let to_px = homography::fitted(chart_mm, picture_px).ok_or(ColourChartError::OnALine)?;
+fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], image_px: &[[f64; 2]]) -> Result<FoundChart, ColourChartError> {
+    let to_px = homography::fitted(chart_mm, image_px).ok_or(ColourChartError::OnALine)?;
     let to_mm = to_px.try_inverse().ok_or(ColourChartError::OnALine)?;
     let mut found = FoundChart {
         layout,
@@ -92,7 +92,7 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], picture_px: &[[f64; 2]]) -
     };
     let squares = chart_mm
         .iter()
-        .zip(picture_px)
+        .zip(image_px)
         .map(|(mm, px)| distance(found.mm(*px), *mm).powi(2));
     found.off_mm = (squares.sum::<f64>() / chart_mm.len() as f64).sqrt();
     found.patch_px = smallest_patch(&found);

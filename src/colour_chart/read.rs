@@ -210,11 +210,11 @@ fn light_on(whites: &[(ChartCell, PatchSample)], chart: &FoundChart) -> Result<C
 
 fn refuse_reflections(inked: &[(ChartCell, PatchSample)], light: &ChartLight) -> Result<(), ColourChartError> {
     for (cell, sample) in inked {
-        let brightness = luminance(over(sample.light, light.at(cell.centre_mm())));
-        if brightness > MOST_BRIGHT {
+        let luminance = luminance(over(sample.light, light.at(cell.centre_mm())));
+        if luminance > MOST_BRIGHT {
             return Err(ColourChartError::Reflection {
                 place: place(*cell),
-                percent: 100.0 * brightness,
+                percent: 100.0 * luminance,
             });
         }
     }

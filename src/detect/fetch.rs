@@ -53,7 +53,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const LEAST_BYTES_PER_S: f64 = 100.0;
 const SLOW_START_S: f64 = 60.0;
 
-/// Downloads a detector's weights into a folder. `progress` is told the bytes so far and, if known, in all.
+/// Downloads a detector's weights into a folder. `progress` receives the bytes so far and, if known, in all.
 ///
 /// The bytes are collected in `FILE.part`, which a later call goes on with, and renamed when complete and verified. The right file that is
 /// there already stays, and another one is never replaced.

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn channels_last_is_the_same_picture() {
+    fn channels_last_is_the_same_image() {
         let photo = RgbImage::from_fn(97, 61, |x, y| image::Rgb([x as u8, y as u8, 7]));
         let planar = input(Resize::LetterboxCentreRounded);
         let last = Input {

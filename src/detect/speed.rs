@@ -61,7 +61,7 @@ pub enum SpeedError {
 }
 
 impl Speeds {
-    /// Times detectors, given with their weights, on decoded photos, one after the other; `on_each` is told each.
+    /// Times detectors, given with their weights, on decoded photos, one after the other; `on_each` receives each.
     ///
     /// # Errors
     /// A detector that cannot run; those of `on_each`.

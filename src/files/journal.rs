@@ -27,7 +27,7 @@ struct Journal {
 }
 
 /// Renames all to their places.
-pub(super) fn take_places(staged: Vec<Staged>) -> Result<(), FileError> {
+pub(super) fn persist_all(staged: Vec<Staged>) -> Result<(), FileError> {
     // One file is whole or absent by itself.
     let folders = match staged.len() {
         0 | 1 => BTreeMap::new(),
@@ -38,7 +38,7 @@ pub(super) fn take_places(staged: Vec<Staged>) -> Result<(), FileError> {
     let turns: Vec<Option<File>> = folders.keys().map(|folder| turn(folder)).collect();
     let journals = folders.iter().map(|(folder, names)| Journal::write(folder, names));
     let journals: Vec<Journal> = journals.collect::<Result<_, _>>()?;
-    staged.into_iter().try_for_each(|file| file.take_place().map(drop))?;
+    staged.into_iter().try_for_each(|file| file.persist().map(drop))?;
     drop(journals);
     drop(turns);
     Ok(())
@@ -71,7 +71,7 @@ impl Journal {
         let path = folder.join(format!(".{}{ENDING}", unique()));
         // It gets its name when it is whole and locked, so that nobody takes it for one left behind.
         let staged = Staged::write(&path, names.join("\n").as_bytes())?;
-        let lock = staged.take_place()?;
+        let lock = staged.persist()?;
         Ok(Journal { path, _lock: lock })
     }
 }

@@ -41,7 +41,7 @@ impl Staged {
     }
 
     /// Gives the file its name; returns its lock, for who needs it longer.
-    pub(super) fn take_place(mut self) -> Result<Option<File>, FileError> {
+    pub(super) fn persist(mut self) -> Result<Option<File>, FileError> {
         std::fs::rename(&self.temporary, &self.path).map_err(|e| FileError::write(&self.path, &e))?;
         Ok(self.lock.take())
     }

@@ -10,12 +10,12 @@ pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,
     #[error(
-        "no tag of this scene is visible for certain, only ids that are unknown or appear twice ({}): is this another scene, or is a copy in the picture?",
+        "no tag of this scene is visible for certain, only ids that are unknown or appear twice ({}): is this another scene, or is a copy in the photo?",
         list(ids)
     )]
     NoKnownTag { ids: Vec<u32> },
     #[error(
-        "no pose puts every seen tag before the camera and inside the picture its lens model covers: check the tag directions in the scene file and the distortion in the camera file"
+        "no pose puts every seen tag before the camera and inside the image its lens model covers: check the tag directions in the scene file and the distortion in the camera file"
     )]
     BehindCamera,
     #[error(
@@ -37,11 +37,11 @@ pub enum Abstention {
     #[error("only tag {id} is visible, seen straight on ({tilt_deg:.0}° of tilt): let a second tag be seen")]
     OneTagFrontal { id: u32, tilt_deg: f64 },
     #[error(
-        "only tag {id} is visible, and part of its border is covered or out of the picture, so that its corners cannot be trusted: let a second tag be seen"
+        "only tag {id} is visible, and part of its border is covered or out of the photo, so that its corners cannot be trusted: let a second tag be seen"
     )]
     OneTagCovered { id: u32 },
     #[error(
-        "only tag {id} is visible, and its pose puts the model outside the picture: was its card turned or exchanged? Let a second tag be seen"
+        "only tag {id} is visible, and its pose puts the model outside the photo: was its card turned or exchanged? Let a second tag be seen"
     )]
     OneTagNoModel { id: u32 },
     #[error(

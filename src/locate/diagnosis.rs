@@ -248,7 +248,7 @@ impl Diagnosis {
                     n => format!(", and no other family in the {n} that were searched for all"),
                 };
                 format!(
-                    "{where_none}: no {} of {scene_file}{others}. Are they in the picture, sharp, lit, with their white margin, and at \
+                    "{where_none}: no {} of {scene_file}{others}. Are they in the photo, sharp, lit, with their white margin, and at \
                      least 25 pixels wide? Look at one photo at full size",
                     families(scene)
                 )

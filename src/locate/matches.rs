@@ -50,7 +50,7 @@ impl fmt::Display for Ignored {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Ignored::NotInScene => "is not in the scene",
-            Ignored::SeenTwice => "is in the picture twice",
+            Ignored::SeenTwice => "is in the photo twice",
             Ignored::PartlyCovered => "is partly covered",
             Ignored::WrongId => "stands where the scene has another one",
             Ignored::Mirrored => "is printed in a mirror",

@@ -1,4 +1,4 @@
-//! Where a viewpoint stands on the dial: the model from above, one ring for each pitch and distance that is wanted.
+//! Where a viewpoint stands on the dial: the model from above, one ring for each pitch and required distance.
 
 use serde::Serialize;
 

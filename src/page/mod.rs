@@ -8,7 +8,7 @@ mod access;
 mod connections;
 mod dial;
 mod meters;
-mod picture;
+mod previews;
 mod routes;
 mod server;
 mod state;

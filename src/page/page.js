@@ -296,7 +296,7 @@ $("file").onchange = async () => {
   const [photo] = $("file").files;
   if (!photo) return;
   // The server refuses it as well, but by closing the connection, of which a browser does not say why.
-  if (photo.size > 32 * 2 ** 20) { say("The photo has more than 32 MB: let the camera make smaller pictures", "todo"); return; }
+  if (photo.size > 32 * 2 ** 20) { say("The photo has more than 32 MB: let the camera make smaller photos", "todo"); return; }
   $("send").classList.add("busy");
   $("send").textContent = "Sending …";
   await post("/upload", photo);

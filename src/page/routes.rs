@@ -18,7 +18,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 use super::access::Access;
 use super::connections::Connection;
 use super::worker::{ActionReply, Published, ReplySender, WorkerEvent};
-use super::{picture, upload};
+use super::{previews, upload};
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -57,7 +57,7 @@ pub(super) struct PageContext {
     pub session: PathBuf,
     pub uploads: Arc<Semaphore>,
     /// One image is made at a time.
-    pub pictures: Arc<Semaphore>,
+    pub previews: Arc<Semaphore>,
 }
 
 impl PageContext {
@@ -73,7 +73,7 @@ impl PageContext {
             events,
             session,
             uploads: Arc::new(Semaphore::new(MAX_UPLOADS)),
-            pictures: Arc::new(Semaphore::new(1)),
+            previews: Arc::new(Semaphore::new(1)),
         }
     }
 
@@ -152,12 +152,12 @@ async fn state(State(site): State<PageContext>, Path(seen): Path<u64>) -> Respon
 
 /// The newest frame; an older one is gone.
 async fn preview(State(site): State<PageContext>, Path(number): Path<u64>) -> Response {
-    let Ok(turn) = site.pictures.clone().acquire_owned().await else {
+    let Ok(turn) = site.previews.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
     };
     let newest = site.published.borrow().frame.clone();
-    match newest.filter(|picture| picture.number == number) {
-        Some(newest) => jpeg(turn, move || picture::of_frame(&newest.frame.original, PREVIEW_PX)).await,
+    match newest.filter(|frame| frame.number == number) {
+        Some(newest) => jpeg(turn, move || previews::of_frame(&newest.frame.original, PREVIEW_PX)).await,
         None => StatusCode::GONE.into_response(),
     }
 }
@@ -168,11 +168,11 @@ async fn photo(State(site): State<PageContext>, Path(name): Path<String>) -> Res
     if !is_one {
         return StatusCode::NOT_FOUND.into_response();
     }
-    let Ok(turn) = site.pictures.clone().acquire_owned().await else {
+    let Ok(turn) = site.previews.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
     };
     let path = site.session.join(name);
-    let mut response = jpeg(turn, move || picture::of_photo(&path, THUMBNAIL_PX)).await;
+    let mut response = jpeg(turn, move || previews::of_photo(&path, THUMBNAIL_PX)).await;
     // Names are given once.
     let kept = HeaderValue::from_static("private, max-age=86400, immutable");
     response.headers_mut().insert(CACHE_CONTROL, kept);

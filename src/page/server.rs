@@ -161,7 +161,7 @@ async fn connection(stream: TcpStream, router: Router, place: Arc<Connection>, m
     let _ = serving.await;
 }
 
-/// The router, told with every request on which connection it came.
+/// The router; every request carries the connection on which it came.
 struct TaggedRouter {
     router: TowerToHyperService<Router>,
     place: Arc<Connection>,

@@ -33,14 +33,14 @@ pub(super) struct PageState<'a> {
     pub views: Vec<ViewState<'a>>,
     pub filled: usize,
     pub frame: Option<&'a ShownFrame>,
-    /// The view that is wanted next, by where the camera was last.
+    /// The view that is required next, by where the camera was last.
     pub next: Option<usize>,
     pub source_ended: bool,
     /// The last words: how the capture ended.
     pub ended: Option<&'a str>,
 }
 
-/// A bin in which photos are wanted.
+/// A bin in which photos are required.
 #[derive(Debug, Serialize)]
 pub(super) struct Sector {
     pub azimuth_deg: f64,
@@ -51,7 +51,7 @@ pub(super) struct Sector {
     pub state: &'static str,
 }
 
-/// A view that is wanted.
+/// A required view.
 #[derive(Debug, Serialize)]
 pub(super) struct ViewState<'a> {
     pub azimuth_deg: f64,
@@ -89,7 +89,7 @@ pub(super) struct TagOutline {
     pub corners_px: [[f64; 2]; 4],
 }
 
-/// Sectors, one for each bin that is wanted, in the order of the bins.
+/// Sectors, one for each required bin, in the order of the bins.
 pub(super) fn bins(guidance: &Guidance) -> Vec<Bin> {
     let bins: BTreeSet<Bin> = guidance.targets().iter().map(|target| target.bin).collect();
     bins.into_iter().collect()

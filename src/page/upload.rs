@@ -42,10 +42,10 @@ pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
     let kind = text(headers, CONTENT_TYPE).trim().to_ascii_lowercase();
     let sentence = match kind.as_str() {
         "image/heic" | "image/heif" => {
-            "this is an HEIC picture: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)"
+            "this is an HEIC image: set the phone's camera to JPEG (iPhone: Camera, Formats, Most Compatible)"
         }
         // Of the types a form of another site could send without asking first, none is an image's.
-        kind if !kind.starts_with("image/") => "this is no picture: send a JPEG or PNG straight from the camera",
+        kind if !kind.starts_with("image/") => "this is no image: send a JPEG or PNG straight from the camera",
         _ => return Ok(()),
     };
     Err(refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, sentence))
@@ -108,7 +108,7 @@ pub(super) fn frame(number: u64, bytes: Vec<u8>) -> SourceFrame {
 
 fn too_large() -> Refusal {
     let sentence = format!(
-        "the photo has more than {} MB: let the camera make smaller pictures",
+        "the photo has more than {} MB: let the camera make smaller photos",
         MAX_BYTES >> 20
     );
     (StatusCode::PAYLOAD_TOO_LARGE, sentence)

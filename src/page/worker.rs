@@ -60,7 +60,7 @@ pub(super) struct Published {
     pub revision: u64,
     pub json: Bytes,
     pub frame: Option<Arc<NewestFrame>>,
-    /// Names of the photos that may be asked for.
+    /// Names of the photos that may be requested.
     pub photos: Vec<String>,
     pub has_ended: bool,
 }
@@ -341,7 +341,7 @@ impl<'a> CaptureWorker<'a> {
     }
 }
 
-/// Gives frames of the source one by one, each when it is asked for; the first at once. A source that waits for ever is left behind in its
+/// Gives frames of the source one by one, each when it is requested; the first at once. A source that waits for ever is left behind in its
 /// thread when the program ends.
 fn feed(mut source: Box<dyn FrameSource + Send>, events: Sender<WorkerEvent>) -> SyncSender<()> {
     let (more, asked) = sync_channel(1);

@@ -11,7 +11,7 @@ pub(crate) struct ColourFate {
     pub wanted_rgb: [u8; 3],
     /// How many cells have it.
     pub cells: usize,
-    /// What comes out when it is asked for as it is, and how far that is off (ΔE2000).
+    /// What comes out when it is printed as it is, and how far that is off (ΔE2000).
     pub printed_rgb: [u8; 3],
     pub printed_delta_e: f64,
     /// What to ask for instead, what then comes out, and how far that is off (ΔE2000).

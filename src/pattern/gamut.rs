@@ -15,7 +15,7 @@ const STARTS: usize = 4;
 /// The corners of a grid cell that each tetrahedron visits from (0, 0, 0) to (1, 1, 1): the order in which the channels step.
 const STEPS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
-/// A printer's map from what is asked for to what comes out.
+/// A printer's map from requested to printed colours.
 #[derive(Debug, Clone)]
 pub(crate) struct Gamut {
     levels: Vec<u8>,
@@ -54,7 +54,7 @@ impl Gamut {
         Self::new(levels, Lab::of)
     }
 
-    /// What comes out when a colour is asked for.
+    /// What comes out when a colour is requested.
     pub(crate) fn printed(&self, asked: [u8; 3]) -> Lab {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];

@@ -1,4 +1,4 @@
-//! What a printer makes of the colours it is asked for: measured on a chart, kept in the `[colour]` part of `printer.toml`.
+//! What a printer makes of the requested colours: measured on a chart, kept in the `[colour]` part of `printer.toml`.
 //!
 //! Colours are relative to the paper: bare paper is white (L* 100).
 
@@ -45,7 +45,7 @@ pub(crate) struct PrintedColour {
     pub measured_rgb: [u8; 3],
     /// L*, a*, b*, to 0.01.
     pub measured_lab: [f64; 3],
-    /// ΔE2000 between what was asked for and what came out.
+    /// ΔE2000 between the requested colour and what came out.
     pub delta_e: f64,
 }
 
@@ -95,7 +95,7 @@ impl PrintedColour {
 }
 
 impl PrintedColours {
-    /// From light relative to the paper's. A colour that was asked for several times is averaged. `source.levels` must be those of
+    /// From light relative to the paper's. A colour that was requested several times is averaged. `source.levels` must be those of
     /// a chart, all of whose colours are there.
     pub(crate) fn of_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
         let mut sums: BTreeMap<[u8; 3], ([f64; 3], f64)> = BTreeMap::new();

@@ -98,7 +98,7 @@ impl Side {
     }
 }
 
-/// A pattern laid over the world.
+/// A pattern mapped onto the world.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WorldAligned<'a> {
     pub pattern: &'a Pattern,

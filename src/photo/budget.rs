@@ -45,7 +45,7 @@ impl Budget {
     pub(super) fn check_bytes(&self, bytes: usize) -> Result<(), DecodeProblem> {
         match bytes as u64 > self.bytes {
             true => Err(DecodeProblem::TooLarge(format!(
-                "{} MB, more than the {} MB that a picture may have here",
+                "{} MB, more than the {} MB that an image may have here",
                 bytes >> 20,
                 self.bytes >> 20
             ))),

@@ -28,7 +28,7 @@ impl FileKind {
                 JpegStructure::of(bytes).ok_or(DecodeProblem::Truncated)?,
             )),
             Ok(ImageFormat::Png) => Ok(FileKind::Png),
-            _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif)),
+            _ => Err(heif_kind(bytes).map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif)),
         }
     }
 }
@@ -287,13 +287,11 @@ mod tests {
     }
 
     fn small_jpeg() -> Vec<u8> {
-        let picture = RgbImage::from_fn(64, 48, |x, y| {
+        let image = RgbImage::from_fn(64, 48, |x, y| {
             image::Rgb([(x * 4) as u8, (y * 5) as u8, ((x * y) % 256) as u8])
         });
         let mut bytes = Vec::new();
-        picture
-            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg)
-            .unwrap();
+        image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
         bytes
     }
 
@@ -368,16 +366,16 @@ mod tests {
     }
 
     #[test]
-    fn text_is_not_a_picture() {
+    fn text_is_not_an_image() {
         assert_eq!(
             decode(b"this is a shopping list").unwrap_err(),
-            DecodeProblem::NotAPicture
+            DecodeProblem::NotAnImage
         );
-        assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAPicture);
+        assert_eq!(decode(b"").unwrap_err(), DecodeProblem::NotAnImage);
     }
 
     #[test]
-    fn pictures_of_iphones_are_known_by_their_brands() {
+    fn photos_of_iphones_are_known_by_their_brands() {
         let ftyp = |brands: &[u8]| {
             [
                 &(8 + brands.len() as u32).to_be_bytes()[..],
@@ -396,7 +394,7 @@ mod tests {
             (b"", None),
         ] {
             let file = ftyp(brands);
-            let problem = kind.map_or(DecodeProblem::NotAPicture, DecodeProblem::Heif);
+            let problem = kind.map_or(DecodeProblem::NotAnImage, DecodeProblem::Heif);
             assert_eq!(decode(&file).unwrap_err(), problem, "{}", brands.escape_ascii());
             for cut in 0..file.len() {
                 let _ = decode(&file[..cut]);

@@ -45,11 +45,11 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
     let ended = started.and_then(within_time);
     let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
     // A file of several images becomes as many; the first is the one that is shown.
-    let picture = [to, folder.path().join("out-1.png")]
+    let image = [to, folder.path().join("out-1.png")]
         .into_iter()
         .find(|path| path.is_file());
-    match picture.filter(|_| is_done) {
-        Some(picture) => Ok(Some(pixels_only(&files::read_at_most(&picture, Budget::FILE.bytes)?))),
+    match image.filter(|_| is_done) {
+        Some(image) => Ok(Some(pixels_only(&files::read_at_most(&image, Budget::FILE.bytes)?))),
         None => {
             let said = files::read_at_most(&complaint, 1 << 20).unwrap_or_default();
             let said = String::from_utf8_lossy(&said)

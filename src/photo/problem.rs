@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::PhotoError;
 
-/// What is wrong with the bytes of a picture.
+/// What is wrong with the bytes of an image.
 #[derive(Debug, PartialEq)]
 pub(super) enum DecodeProblem {
-    NotAPicture,
+    NotAnImage,
     /// Its kind.
     Heif(&'static str),
     Truncated,
@@ -21,7 +21,7 @@ impl DecodeProblem {
     pub(super) fn at(self, path: &Path) -> PhotoError {
         let path = path.to_owned();
         match self {
-            DecodeProblem::NotAPicture => PhotoError::NotAPicture { path },
+            DecodeProblem::NotAnImage => PhotoError::NotAnImage { path },
             DecodeProblem::Heif(kind) => PhotoError::Heif { path, kind },
             DecodeProblem::Truncated => PhotoError::Truncated { path },
             DecodeProblem::TooLarge(size) => PhotoError::TooLarge { path, size },

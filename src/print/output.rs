@@ -35,7 +35,7 @@ pub(crate) struct SheetOutput {
 }
 
 impl SheetOutput {
-    /// An output in the format that was asked for, else in that of its ending. Standard output, pipes and devices take a PDF.
+    /// An output in the requested format, else in that of its ending. Standard output, pipes and devices take a PDF.
     ///
     /// # Errors
     /// Another ending, or none; SVG on standard output; what cannot be written to.

@@ -122,7 +122,7 @@ fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, d: &Difference)
     format!("{:<14} {pair:<32} {}{mark}", detector.manifest.name, interval(d))
 }
 
-/// The difference with its interval, and whether it can be told at all.
+/// The difference with its interval, and whether the photos suffice to show one.
 pub(super) fn interval(d: &Difference) -> String {
     let range = d
         .interval_95

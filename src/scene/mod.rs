@@ -1,5 +1,5 @@
-//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or laid
-//! out by a preset ([`TagRing`]).
+//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or made
+//! by a preset ([`TagRing`]).
 
 mod bins;
 mod classes;

@@ -1,4 +1,4 @@
-//! Renderer models against each other on the same frames: error in colours none of them has seen, against milliseconds.
+//! Surrogate renderers against each other on the same frames: error in colours none of them has seen, against milliseconds.
 
 use std::time::Instant;
 
@@ -356,7 +356,7 @@ pub(crate) fn table(rows: &[SurrogateFigures]) -> String {
     sorted.sort_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint));
     let mut text = format!(
         "{:<20} {:>7} {:>10} {:>10} {:>10} {:>6} {:>10} {:>10} {:>8} {:>8} {:>9}\n",
-        "model", "colours", "MSE paint", "worst", "picture", "power", "world", "repeated", "fit ms", "ms", "trained s"
+        "model", "colours", "MSE paint", "worst", "image", "power", "world", "repeated", "fit ms", "ms", "trained s"
     );
     let or_dash = |value: Option<f64>, digits: usize| value.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
     for row in sorted {
@@ -401,7 +401,7 @@ fn series_and_shape(row: &SurrogateFigures) -> (String, String) {
 pub(crate) fn draw(rows: &[SurrogateFigures]) -> String {
     let frames = rows.first().map_or(0, |row| row.frames);
     let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
-    let title = "Renderer models: error in unseen colours against time";
+    let title = "Surrogate renderers: error in unseen colours against time";
     cloud((title, note), "milliseconds a frame", rows, |row| row.predict_ms)
 }
 

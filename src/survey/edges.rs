@@ -2,7 +2,7 @@
 //!
 //! Light from the white ring spills over the black border (blur, gamma), so that every tag looks a little smaller, or larger. As a
 //! share of the tag it is an error of scale: on the skyline photos 1 % of every distance when only one tag is fixed, far beyond the
-//! σ of independent corner errors. It is one number in px, told by fixed tags' distances and by near against far tags.
+//! σ of independent corner errors. It is one number in px, estimated from fixed tags' distances and from near against far tags.
 
 use nalgebra::Vector6;
 

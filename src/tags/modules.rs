@@ -8,7 +8,7 @@ pub(crate) struct Modules {
 }
 
 impl Modules {
-    /// `side` × `side` modules; `is_black` is asked for each (row, column).
+    /// `side` × `side` modules; `is_black` is called for each (row, column).
     pub(crate) fn new(side: usize, mut is_black: impl FnMut(usize, usize) -> bool) -> Self {
         let places = (0..side).flat_map(|row| (0..side).map(move |column| (row, column)));
         let black = places.map(|(row, column)| is_black(row, column)).collect();

@@ -18,7 +18,7 @@ impl TagDetectorChoice {
         })
     }
 
-    /// A faster search for live images, where there is one. What it finds may be told; what is kept is found by [`Self::open`].
+    /// A faster search for live images, where there is one. What it finds may be shown; what is kept is found by [`Self::open`].
     ///
     /// # Errors
     /// As [`Self::open`].

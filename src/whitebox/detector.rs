@@ -21,7 +21,7 @@ impl OnnxDetector {
     /// Reads a detector's weights. `labels`: the indices into its labels that count as the model.
     ///
     /// # Errors
-    /// Labels it does not have; an input or a head that no gradient can be led through; unknown operators, by their names; a network whose
+    /// Labels it does not have; an input or a head that no gradient can pass; unknown operators, by their names; a network whose
     /// outputs are not those of the manifest's head.
     pub fn open(
         manifest: &Manifest,

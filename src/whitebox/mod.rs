@@ -84,7 +84,7 @@ pub trait WhiteBox {
     /// What the network cannot do with this image.
     fn forward(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError>;
 
-    /// The predictions alone, where no derivative will be asked for.
+    /// The predictions alone, where no derivative is required.
     ///
     /// # Errors
     /// Those of [`WhiteBox::forward`].

@@ -208,7 +208,7 @@ fn anchors_are_those_of_github() {
     for (title, anchor) in [
         ("scene.toml", "scenetoml"),
         ("Score: `scaleproof score`", "score-scaleproof-score"),
-        ("What a picture may cost", "what-a-picture-may-cost"),
+        ("What an image may cost", "what-an-image-may-cost"),
         ("See [the guide](guide.md) & more", "see-the-guide--more"),
         ("`locate --json`", "locate---json"),
     ] {

@@ -93,7 +93,7 @@ pub(crate) fn draw(histories: &[History]) -> String {
     scatter(&Cloud {
         title: "Patterns: AP@0.5 on held-out views against time".to_owned(),
         note: format!(
-            "{views} views by the renderer model; filled: share with a hit at confidence 0.5; lower left is better"
+            "{views} views by the surrogate renderer; filled: share with a hit at confidence 0.5; lower left is better"
         ),
         x: PlotAxis::around("seconds", Scale::Log, dots.iter().map(|d| d.x)),
         y: PlotAxis::around("AP@0.5", Scale::Linear, dots.iter().map(|d| d.y).chain([1.0])),

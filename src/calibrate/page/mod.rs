@@ -35,7 +35,7 @@ pub(crate) fn page(found: &Calibration) -> String {
                     section { h2 { "Camera" } (camera_table(found)) }
                     section { h2 { "Which model" } (ladder(found)) }
                     section {
-                        h2 { "Over the picture" }
+                        h2 { "Over the image" }
                         div.charts { (charts::coverage(found)) (charts::residuals(found)) (charts::uncertainty(found)) }
                     }
                     section { h2 { "Photos" } (photos(found)) (left_out(found)) }

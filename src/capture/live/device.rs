@@ -132,7 +132,7 @@ impl Device for NokhwaCamera {
         CameraSettings {
             device: self.0.info().human_name(),
             format: format!(
-                "{} {} × {}, {} pictures a second",
+                "{} {} × {}, {} frames a second",
                 format.format(),
                 format.width(),
                 format.height(),

@@ -141,13 +141,13 @@ impl LiveCamera {
 
 impl FrameSource for LiveCamera {
     fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
-        let (count, picture) = self.newest().map_err(|reason| SourceError::CameraGone {
+        let (count, image) = self.newest().map_err(|reason| SourceError::CameraGone {
             number: self.number,
             reason,
         })?;
-        let original = picture.original();
+        let original = image.original();
         Ok(Some(SourceFrame {
-            name: format!("camera {} picture {count}", self.number),
+            name: format!("camera {} image {count}", self.number),
             taken: None,
             original: original.unwrap_or_else(|reason| Original::Unreadable(reason.into())),
         }))
@@ -207,14 +207,14 @@ impl ReaderThread {
         let (mut count, mut failures) = (0, 0);
         while !shared.is_left.load(Ordering::Relaxed) {
             match device.image() {
-                Ok(picture) => {
+                Ok(image) => {
                     (count, failures) = (count + 1, 0);
                     if !is_locked && since.elapsed() >= SETTLING {
                         is_locked = true;
                         let settings = device.lock();
                         shared.change(|state| state.settings = Some(settings));
                     } else if is_locked {
-                        shared.change(|state| state.newest = Some((count, picture)));
+                        shared.change(|state| state.newest = Some((count, image)));
                     }
                 }
                 Err(reason) if failures + 1 == MAX_FAILURES => return end(reason),

@@ -30,7 +30,7 @@ pub(crate) struct RawImage {
     pub bytes: Vec<u8>,
 }
 
-const BROKEN: &str = "the camera sent half a picture: check its cable";
+const BROKEN: &str = "the camera sent half an image: check its cable";
 
 impl RawImage {
     /// The file or the pixels to keep of it.

@@ -64,7 +64,7 @@ struct FlatArgs {
 struct SearchArgs {
     #[command(flatten)]
     on: OnFrames,
-    /// Pictures it may look at
+    /// Images it may look at
     #[arg(long, default_value_t = 2400, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     queries: u64,
 }
@@ -191,8 +191,8 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     refuse_other_results(&args.on)?;
     let setup = args.on.open()?;
     check_seen(&setup, &patches)?;
-    let picture = |view: usize| painted(&setup, view, &patches, base);
-    let judgement = judge_images(&setup.view_set, &setup.detectors, picture)?;
+    let image = |view: usize| painted(&setup, view, &patches, base);
+    let judgement = judge_images(&setup.view_set, &setup.detectors, image)?;
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
     files::write_atomically(&path, &content)?;

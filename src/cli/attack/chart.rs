@@ -1,4 +1,4 @@
-//! `scaleproof attack chart`: renderer models against each other.
+//! `scaleproof attack chart`: surrogate renderers against each other.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::frames::{FrameSet, views};
 use crate::surrogate::chart::{draw, draw_training, measure, numbers, table};
 use crate::surrogate::renderer::NeuralRenderer;
 
-/// Every renderer model on frames: error in flat colours it has not seen, and with patterns, against milliseconds
+/// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
 pub(super) struct ChartArgs {
     /// A folder of frames

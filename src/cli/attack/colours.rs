@@ -55,11 +55,7 @@ fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
     let mut colours = args.flat.iter().map(|text| hex(text)).collect::<Result<Vec<_>, _>>()?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = colours.iter().find(|rgb| !seen.insert(**rgb)) {
-        return Err(format!(
-            "the colour {} is asked for twice; give each once",
-            light::to_hex(*twice)
-        )
-        .into());
+        return Err(format!("the colour {} is given twice; give each once", light::to_hex(*twice)).into());
     }
     let mut rng = Pcg32::seed_from_u64(args.seed);
     while colours.len() < args.flat.len() + args.random as usize {

@@ -80,7 +80,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     table(&setup, &cells, out)?;
     writeln!(
         out,
-        "\nThese are pictures as the renderer model predicts them. What counts are new ones: `attack render --pattern {}` needs the model's mesh, \
+        "\nThese are images as the surrogate renderer predicts them. What counts are new ones: `attack render --pattern {}` needs the model's mesh, \
          a camera needs the printed model.",
         png.display()
     )?;

@@ -29,7 +29,7 @@ pub(super) struct EvaluateArgs {
     /// What the plain model wears: a flat colour as hex sRGB, as in 808080, or original for the mesh file's own materials
     #[arg(long, value_name = "HEX|original")]
     normal: String,
-    /// Patterns and their names: PNG files with one pixel per cell, laid on the model as `print wrap` prints them
+    /// Patterns and their names: PNG files with one pixel per cell, mapped onto the model as `print wrap` prints them
     #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required = true)]
     patterns: Vec<String>,
     /// Width of one repeat of the patterns on the model, in mm
@@ -146,7 +146,7 @@ impl EvaluateArgs {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
         };
-        let laid = patterns
+        let mapped = patterns
             .into_iter()
             .map(|(name, pattern)| RenderPaint::Pattern(name, pattern, self.tile_mm));
         let lights = self.light.iter().map(|text| text.parse());
@@ -156,7 +156,7 @@ impl EvaluateArgs {
             materials: model.materials,
             lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
             viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
-            colours: std::iter::once(normal).chain(laid).collect(),
+            colours: std::iter::once(normal).chain(mapped).collect(),
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
             samples: self.samples,

@@ -66,7 +66,7 @@ fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
         "{:<10} {:>5} {:>8} {:>9} {:>8} {:>7} {:>9} {:>11}",
-        "method", "seed", "tile mm", "pictures", "seconds", "AP@0.5", "hit rate", "confidence"
+        "method", "seed", "tile mm", "images", "seconds", "AP@0.5", "hit rate", "confidence"
     )?;
     for history in histories {
         if let Some((entry, judged)) = history.last_judged() {

@@ -29,10 +29,10 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     }
     let same = |a: &PathBuf, b: &PathBuf| a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a));
     if same(&args.folder, &args.output) {
-        return Err("the frames would be written over the pictures they come from; give another folder".into());
+        return Err("the frames would be written over the images they come from; give another folder".into());
     }
     let new = import(&args.folder, &args.output, "attack import")?;
     files::replace_all_atomically(&new)?;
-    // Three pictures a frame, and the list.
+    // Three images a frame, and the list.
     super::say_frames(&list, new.len() / 3, args.json, out)
 }

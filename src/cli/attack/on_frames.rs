@@ -149,7 +149,7 @@ pub(super) fn say_figures(
             figures.hit_rate,
             figures.mean_confidence,
             counted(figures.views, "view"),
-            counted(entry.queries as usize, "picture"),
+            counted(entry.queries as usize, "image"),
             entry.wall_s
         )?;
     }
@@ -189,7 +189,7 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
 
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
-/// The detectors as networks that can be followed back, with their names and hashes.
+/// The differentiable detectors, with their names and hashes.
 #[cfg(feature = "attack")]
 pub(super) fn white_boxes(
     names: &[String],

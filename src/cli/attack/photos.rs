@@ -19,7 +19,7 @@ use crate::session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view
 ///
-/// Photos are located by their tags and laid onto the reference photo of their view through the mesh that the scene names, at its
+/// Photos are located by their tags and mapped onto the reference photo of their view through the mesh that the scene names, at its
 /// exposure. Photos and views that do not fit are left out and named; the photos are never changed.
 #[derive(clap::Args)]
 pub(super) struct PhotosArgs {

@@ -30,7 +30,7 @@ pub(super) struct RenderArgs {
     /// Flat colours as hex sRGB, as in 808080
     #[arg(long, value_name = "HEX", num_args = 1..)]
     flat: Vec<String>,
-    /// Patterns: PNG files with one pixel per cell, laid on the model as `print wrap` prints them
+    /// Patterns: PNG files with one pixel per cell, mapped onto the model as `print wrap` prints them
     #[arg(long, value_name = "PNG", num_args = 1.., requires = "tile_mm")]
     pattern: Vec<PathBuf>,
     /// Width of one repeat of the patterns on the model, in mm

@@ -1,4 +1,4 @@
-//! `scaleproof attack train-dtn`: a network that predicts the model in any paint from one picture of the view.
+//! `scaleproof attack train-dtn`: a network that predicts the model in any paint from one image of the view.
 
 use std::error::Error;
 use std::io::Write;
@@ -27,13 +27,13 @@ pub(super) struct TrainArgs {
     /// resnet, densenet or convnet
     #[arg(long, default_value = "resnet", value_parser = encoder)]
     encoder: Encoder,
-    /// k: how often the encoder halves the picture
+    /// k: how often the encoder halves the image
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=Architecture::MAX_DEPTH as i64))]
     depth: u8,
     /// texture (DTN) or multiply-add (NTR of ACTIVE)
     #[arg(long, default_value = "texture", value_parser = transformer)]
     transformer: Transformer,
-    /// Flat colours of the picture it starts from, as hex; several: one of them at random
+    /// Flat colours of the image it starts from, as hex; several: one of them at random
     #[arg(long, value_name = "HEX", num_args = 1..=16, default_values = ["808080"])]
     reference: Vec<String>,
     /// Reduce the frames to this width [default: the first folder's]

@@ -109,7 +109,7 @@ impl Saved {
         })
     }
 
-    /// Draws and writes the copies; with `json` their paths are not told, as each line there is a detection.
+    /// Draws and writes the copies; with `json` their paths are not printed, as each line there is a detection.
     fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<(), Box<dyn std::error::Error>> {
         for ((path, photo), marks) in self.paths.iter().zip(photos).zip(&self.marks) {
             let mut image = photo.rgb(1)?;

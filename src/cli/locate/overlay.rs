@@ -69,9 +69,9 @@ pub(super) fn write(
     outline: &EnvelopeShape,
 ) -> Result<(), OverlayError> {
     let file = Photo::open(photo)?;
-    let (mut picture, scale) = reduced(&file)?;
+    let (mut image, scale) = reduced(&file)?;
     Overlay {
-        picture: &mut picture,
+        image: &mut image,
         scale,
         examined,
         scene,
@@ -79,7 +79,7 @@ pub(super) fn write(
     }
     .draw(photo);
     let mut jpeg = Vec::new();
-    let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(&picture);
+    let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(&image);
     encoded.map_err(|_| OverlayError::Encode { path: place.to_owned() })?;
     Ok(files::replace_all_atomically(&[(
         place.to_owned(),
@@ -93,16 +93,16 @@ fn reduced(file: &Photo) -> Result<(RgbImage, [f64; 2]), PhotoError> {
     let share = (f64::from(LONGEST_SIDE_PX) / f64::from(sides[0].max(sides[1]))).min(1.0);
     let small = sides.map(|side| (f64::from(side) * share).round().max(1.0) as u32);
     let decoded = file.rgb(file.reduction(small))?;
-    let picture = match decoded.dimensions() == (small[0], small[1]) {
+    let image = match decoded.dimensions() == (small[0], small[1]) {
         true => decoded,
         false => imageops::resize(&decoded, small[0], small[1], FilterType::Triangle),
     };
-    Ok((picture, [0, 1].map(|i| f64::from(small[i]) / f64::from(sides[i]))))
+    Ok((image, [0, 1].map(|i| f64::from(small[i]) / f64::from(sides[i]))))
 }
 
 /// A copy that is drawn on; places are in pixels of the photo.
 struct Overlay<'a> {
-    picture: &'a mut RgbImage,
+    image: &'a mut RgbImage,
     scale: [f64; 2],
     examined: &'a LocatedPhoto,
     scene: &'a Scene,
@@ -130,7 +130,7 @@ impl Overlay<'_> {
     }
 
     fn sizes(&self) -> (f64, f64) {
-        draw::readable_px(self.picture)
+        draw::readable_px(self.image)
     }
 
     /// The model's box, the box that detections are held against, and the axes.
@@ -154,7 +154,7 @@ impl Overlay<'_> {
                 width_px,
             };
             let corners = [self.at([left, top]), self.at([right, bottom])];
-            draw::rectangle(self.picture, corners[0], corners[1], pen);
+            draw::rectangle(self.image, corners[0], corners[1], pen);
         }
         self.axes(pose, camera);
     }
@@ -181,7 +181,7 @@ impl Overlay<'_> {
                     size_px,
                 };
                 let at = self.at(pixel);
-                draw::label(self.picture, at, LabelAnchor::Centre, name, letters);
+                draw::label(self.image, at, LabelAnchor::Centre, name, letters);
             }
         }
     }
@@ -193,7 +193,7 @@ impl Overlay<'_> {
         for i in 0..PIECES {
             if let (Some(a), Some(b)) = (pixel(i), pixel(i + 1)) {
                 let [a, b] = [self.at(a), self.at(b)];
-                draw::line(self.picture, a, b, pen);
+                draw::line(self.image, a, b, pen);
             }
         }
     }
@@ -208,20 +208,14 @@ impl Overlay<'_> {
                 colour,
                 width_px: 1.3 * width_px,
             };
-            draw::polygon(self.picture, &corners, pen);
+            draw::polygon(self.image, &corners, pen);
             let middle = |axis: usize| corners.iter().map(|c| c[axis]).sum::<f64>() / 4.0;
             let letters = Lettering {
                 colour: [0; 3],
                 ground: colour,
                 size_px,
             };
-            draw::label(
-                self.picture,
-                [middle(0), middle(1)],
-                LabelAnchor::Centre,
-                &text,
-                letters,
-            );
+            draw::label(self.image, [middle(0), middle(1)], LabelAnchor::Centre, &text, letters);
         }
     }
 
@@ -254,20 +248,14 @@ impl Overlay<'_> {
     fn words(&mut self, text: &str, ground: DrawColour) {
         let (_, size_px) = self.sizes();
         let size_px = 1.15 * size_px;
-        let widest = 0.96 * f64::from(self.picture.width());
+        let widest = 0.96 * f64::from(self.image.width());
         let lines: Vec<String> = text.lines().flat_map(|line| wrapped(line, size_px, widest)).collect();
         let letters = Lettering {
             colour: WORDS,
             ground,
             size_px,
         };
-        draw::label(
-            self.picture,
-            [0.0, 0.0],
-            LabelAnchor::TopLeft,
-            &lines.join("\n"),
-            letters,
-        );
+        draw::label(self.image, [0.0, 0.0], LabelAnchor::TopLeft, &lines.join("\n"), letters);
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Proposal {
 #[non_exhaustive]
 pub(crate) enum ProposalNote {
     #[error(
-        "{title}: told from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
+        "{title}: inferred from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
     )]
     Recognised {
         title: &'static str,

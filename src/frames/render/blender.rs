@@ -31,7 +31,7 @@ pub(crate) enum BlenderEvent {
     Frame(String),
 }
 
-/// Finds Python 3.11 and, in `cache`, Blender; installs Blender there when it is missing, after it has told `say`.
+/// Finds Python 3.11 and, in `cache`, Blender; installs Blender there when it is missing, after it has called `say`.
 ///
 /// # Errors
 /// No Python 3.11, or no way to install.
@@ -64,7 +64,7 @@ pub(crate) fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, Rende
 
 /// Installs beside the place and renames, so that the folder is there only when it is whole.
 fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
-    let waiting = packages.with_extension(format!("5.{}.partial", std::process::id()));
+    let temporary = packages.with_extension(format!("5.{}.partial", std::process::id()));
     let arguments = [
         "-m",
         "pip",
@@ -76,7 +76,7 @@ fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
     ];
     let output = Command::new(program)
         .args(arguments)
-        .arg(&waiting)
+        .arg(&temporary)
         .arg(PACKAGE)
         .output();
     let reason = match &output {
@@ -86,13 +86,13 @@ fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
     };
     if let Some(reason) = reason {
         // Half an installation is of no use; that it cannot be removed is no second error.
-        let _ = std::fs::remove_dir_all(&waiting);
+        let _ = std::fs::remove_dir_all(&temporary);
         return Err(RenderError::Install {
             command: format!("{program} -m pip install {PACKAGE}"),
             reason,
         });
     }
-    std::fs::rename(&waiting, packages).map_err(|e| {
+    std::fs::rename(&temporary, packages).map_err(|e| {
         RenderError::File(FileError::Write {
             path: packages.to_owned(),
             reason: files::plain(&e),

@@ -102,7 +102,7 @@ pub(crate) fn render(
     python: &blender::Python,
     mut on_frame: impl FnMut(usize),
 ) -> Result<(), RenderError> {
-    claim(plan, folder)?;
+    reserve(plan, folder)?;
     let work = folder.join(".render");
     std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
         path: work.clone(),
@@ -140,7 +140,7 @@ pub(crate) fn render(
 }
 
 /// Writes what the folder is for, or refuses a folder that is for something else.
-fn claim(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
+fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
     let note = folder.join("render.json");
     let own = plan.identity();
     // What was refused before its first image leaves the folder free.

@@ -37,7 +37,7 @@ pub(crate) struct Rules {
 pub(crate) struct Stencil {
     /// To be cut out.
     pub openings: Area,
-    /// Material where the paint belongs: to be touched up. With `openings` it makes up what was asked for, exactly.
+    /// Material where the paint belongs: to be touched up. With `openings` it makes up the requested area, exactly.
     pub bridges: Area,
     /// The outer edge of the material: the region's bounds and the rim.
     pub outer: Bounds,

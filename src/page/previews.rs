@@ -40,8 +40,8 @@ fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {
     [width, height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
 }
 
-fn jpeg(picture: &RgbImage, [width, height]: [u32; 2]) -> Option<Vec<u8>> {
-    let small = imageops::resize(picture, width, height, FilterType::Triangle);
+fn jpeg(image: &RgbImage, [width, height]: [u32; 2]) -> Option<Vec<u8>> {
+    let small = imageops::resize(image, width, height, FilterType::Triangle);
     let mut jpeg = Vec::new();
     JpegEncoder::new_with_quality(&mut jpeg, 75).encode_image(&small).ok()?;
     Some(jpeg)
