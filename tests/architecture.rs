@@ -331,7 +331,7 @@ const ONE_PLACE: [(&str, &[&str]); 6] = [
     // A QR code is drawn with the colours that phones need.
     ("eprintln!", &["cli/capture/page.rs"]),
     (" println!", &[]),
-    // Every picture is measured before it is decoded; this one the program has made itself.
+    // Every image is measured before it is decoded; this one the program has made itself.
     ("ImageReader", &[]),
     ("load_from_memory", &["chart/spoil.rs"]),
 ];

@@ -175,7 +175,7 @@ fn a_shut_relu_can_be_opened_again() {
     assert_eq!(kind.vjp(dark, 0.5, 1.0).subtract, 0.0);
 }
 
-/// Every architecture starts about as the reference picture where the texture is the reference, scaled elsewhere (shut, it would be off by its
+/// Every architecture starts about as the reference image where the texture is the reference, scaled elsewhere (shut, it would be off by its
 /// brightness, 0.4), and every one takes steps.
 #[test]
 fn every_architecture_starts_alive_and_learns() {
@@ -430,7 +430,7 @@ fn what_cannot_be_trained_is_refused() {
         &command(&[&path, "--epochs", "1"], &network),
         &[&path, "808080", "flat"],
     );
-    // A picture in that colour is not there, and without linear light it cannot be made.
+    // An image in that colour is not there, and without linear light it cannot be made.
     let no_linear = copy_of_frames(|list| {
         for frame in list["frames"].as_array_mut().unwrap() {
             frame.as_object_mut().unwrap().remove("linear");

@@ -18,7 +18,7 @@ use scaleproof::session::Session;
 /// Length, width, height of the test's model.
 const SIZE_MM: [f64; 3] = [180.0, 90.0, 60.0];
 
-/// Stands in for Blender: copies the pictures that lie ready beside it, or black ones, and stops after the first when it is told to.
+/// Stands in for Blender: copies the images that lie ready beside it, or black ones, and stops after the first when it is told to.
 const STAND_IN: &str = r#"#!/bin/sh
 if [ "$1" = -c ]; then echo 3.11; exit 0; fi
 here=$(dirname "$0"); raw=$(dirname "$2"); echo run >> "$here/runs"; cp "$2" "$here/plan.json"
@@ -57,7 +57,7 @@ impl Bench {
         self.folder.path().join(name)
     }
 
-    /// A network for pictures of 64×64 px that finds a car with confidence 0.8, whatever it sees.
+    /// A network for images of 64×64 px that finds a car with confidence 0.8, whatever it sees.
     fn write_detector(&self, [x1, y1, x2, y2]: [f64; 4]) {
         let answer = [x1, y1, x2, y2, 0.8, 2.0].map(|v| v as f32).to_vec();
         let network = onnx::network(
@@ -368,7 +368,7 @@ fn what_would_give_wrong_tables_is_refused() {
     assert_eq!(std::fs::read(&photo).unwrap(), whole);
 }
 
-/// The stored frames of the skyline, as if Blender rendered them now: the same pictures, truth around what Blender's masks show, and scored by a
+/// The stored frames of the skyline, as if Blender rendered them now: the same images, truth around what Blender's masks show, and scored by a
 /// real detector.
 #[test]
 fn stored_frames_are_scored_with_the_truth_that_their_masks_show() {

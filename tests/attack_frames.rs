@@ -290,7 +290,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
         }
         assert!(reads > 0, "the script reads nothing of {name}");
     }
-    // The shape comes once for each viewpoint, the pictures for each light, viewpoint and paint.
+    // The shape comes once for each viewpoint, the images for each light, viewpoint and paint.
     let views = script["views"].as_array().unwrap();
     assert_eq!(views.iter().filter(|v| v["needs_geometry"] == true).count(), 2);
     assert_eq!(
@@ -355,7 +355,7 @@ facet normal 0 0 1\nouter loop\nvertex -90 -45 60\nvertex 90 -45 60\nvertex 90 4
 facet normal 0 0 -1\nouter loop\nvertex -90 -45 0\nvertex 90 45 0\nvertex 90 -45 0\nendloop\nendfacet
 endsolid box\n";
 
-/// Stands in for Blender: says it is Python 3.11, makes pictures of the right sizes, and stops after the first frame when it runs
+/// Stands in for Blender: says it is Python 3.11, makes images of the right sizes, and stops after the first frame when it runs
 /// for the first time.
 const STAND_IN: &str = r#"#!/bin/sh
 if [ "$1" = -c ]; then echo 3.11; exit 0; fi
@@ -451,7 +451,7 @@ fn carlas_poses_are_understood() {
             ahead.x.abs() < 1e-6 && ahead.y.abs() < 1e-6 && ahead.z > 0.0,
             "the camera looks at the vehicle: {ahead}"
         );
-        // The model's up is up in the picture.
+        // The model's up is up in the image.
         assert!((pose * Point3::new(0.0, 0.0, 100.0)).y < ahead.y);
         Viewpoint::of_camera(Point3::from(pose.inverse().translation.vector), target)
     };
@@ -485,7 +485,7 @@ fn carlas_poses_are_understood() {
     );
 }
 
-/// A picture, and a mask with the car in CARLA's blue and a red door on it.
+/// An image, and a mask with the car in CARLA's blue and a red door on it.
 fn carla_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

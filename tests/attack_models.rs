@@ -95,7 +95,7 @@ fn models_predict_unseen_colours() {
     }
 }
 
-/// Pictures of a view that follow a known model exactly, but for 8 bits.
+/// Images of a view that follow a known model exactly, but for 8 bits.
 fn known(tone: Tone, rng: &mut impl Rng, colours: &[[u8; 3]]) -> (Vec<[[f64; 2]; 3]>, Vec<FlatImage>) {
     let terms: Vec<[[f64; 2]; 3]> = (0..64)
         .map(|_| std::array::from_fn(|_| [rng.random_range(0.0..0.1), rng.random_range(0.2..0.8)]))
@@ -154,7 +154,7 @@ fn clipped_values_do_not_bend_the_fit() {
             (0..3).all(|c| (predicted[c] - truth[c]).abs() < 0.012),
             "{kind:?}: {predicted:?}, {truth:?}"
         );
-        // Where the picture is clipped, no paint changes it.
+        // Where the image is clipped, no paint changes it.
         assert_eq!(model.derivative(&[light::linear_of([90, 150, 255]); 16])[5][2], 0.0);
     }
 }
@@ -442,7 +442,7 @@ fn the_chart_is_drawn_and_the_colours_are_made() {
 
     assert_refused(
         &run(&["colours", frames, "-o", &at("none")]),
-        &["no colours were asked for"],
+        &["no colours were given"],
     );
     assert_refused(
         &run(&["colours", &at("fifty"), "--random", "2", "-o", &at("more")]),

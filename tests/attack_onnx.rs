@@ -330,7 +330,7 @@ fn arithmetic() -> Vec<Small> {
             vec![other, step(name, &["x", "c"], &["y"], &[])],
         ));
     }
-    // Both operands follow the picture, of different ranks.
+    // Both operands follow the image, of different ranks.
     let two = [
         constant("w", &[4, 1], &spread(4, 7)),
         step("MatMul", &["x", "w"], &["a"], &[]),
@@ -557,7 +557,7 @@ fn rearrangements() -> Vec<Small> {
             vec![constant, step(operator, &["x", "n"], &["y"], &[])],
         )
     };
-    // The shape of the picture, reckoned with: rows · columns as the new last side.
+    // The shape of the image, computed with: rows · columns as the new last side.
     let reckoned = [
         step("Shape", &["x"], &["s"], &[]),
         whole_constant("two", &[], &[2]),
@@ -642,7 +642,7 @@ fn every_operator_answers_and_derives_as_it_should() {
     println!("{count} small networks answer as ONNX Runtime and derive as finite differences say");
 }
 
-/// A YOLOv5 head of one box whose objectness and labels have all the logit `bias` + the picture's mean.
+/// A YOLOv5 head of one box whose objectness and labels have all the logit `bias` + the image's mean.
 fn one_box(bias: f32) -> Vec<u8> {
     use onnx::{constant, step, whole_attribute, whole_constant};
     let parts = [
@@ -688,7 +688,7 @@ fn one_box_manifest() -> Manifest {
     Manifest::parse(ONE_BOX, "one_box.toml").unwrap()
 }
 
-/// Small networks that end as those of the families do, with random weights, for pictures of 64 × 64.
+/// Small networks that end as those of the families do, with random weights, for images of 64 × 64.
 fn families() -> [(&'static str, Vec<u8>, &'static str); 3] {
     use onnx::{constant, list_attribute as list, step, whole_attribute as whole, whole_constant};
     let conv = |side: usize, channels: usize, from: &str, to: &str| {

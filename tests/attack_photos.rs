@@ -191,7 +191,7 @@ impl World {
         0.3
     }
 
-    /// Linear light of a picture; `parts`² rays a pixel.
+    /// Linear light of an image; `parts`² rays a pixel.
     fn picture(
         &self,
         size: [u32; 2],
@@ -576,7 +576,7 @@ fn masks_positions_and_the_background_are_the_reference_s() {
             frame.name
         );
         assert!(places > 10_000 && wrong * 100 < places);
-        // All frames of a view are one picture beside the model.
+        // All frames of a view are one image beside the model.
         let pictures: Vec<_> = view.iter().map(|f| set.rgb(f).unwrap()).collect();
         for (x, y, mask) in object.enumerate_pixels() {
             let first = pictures[0].get_pixel(x, y);

@@ -25,12 +25,12 @@ use scaleproof::pattern::world_aligned::Side;
 use scaleproof::surrogate::projection::Grid;
 use scaleproof::whitebox::{ForwardPass, Prediction, WhiteBox, WhiteBoxError};
 
-/// C = σ(z), z = gain · Σ w(x, y) · (picture − base) / pixels: sees the model the better, the more its picture is like
+/// C = σ(z), z = gain · Σ w(x, y) · (image − base) / pixels: sees the model the better, the more its image is like
 /// a fixed weave. Unsure of a grey model.
 struct Weave {
     gain: f64,
     boxes: Vec<BoxPx>,
-    /// The picture of this number is answered with NaN.
+    /// The image of this number is answered with NaN.
     bad_at: Option<usize>,
     looks: Rc<Cell<usize>>,
     base: f64,
@@ -110,7 +110,7 @@ impl ForwardPass for Woven {
     }
 
     fn vjp(self: Box<Self>, weights: &[f64]) -> Vec<Rgb> {
-        // The background's prediction does not depend on the picture.
+        // The background's prediction does not depend on the image.
         let weight: f64 = weights[..weights.len() - 1].iter().sum();
         self.slope.iter().map(|p| p.map(|v| weight * v)).collect()
     }

@@ -343,7 +343,7 @@ fn any_pose(random: &mut Random) -> Isometry3<f64> {
     posed(middle, tilt, random.uniform(-30.0, 30.0))
 }
 
-/// The board's corners as a camera sees them, with noise of `sigma_px` on each axis; corners outside the picture are not seen.
+/// The board's corners as a camera sees them, with noise of `sigma_px` on each axis; corners outside the image are not seen.
 fn board_photo(
     number: usize,
     camera: &Camera,

@@ -30,7 +30,7 @@ fn camera(arguments: &[&str], paths: &[&Path]) -> Output {
     program().arg("camera").args(arguments).args(paths).output().unwrap()
 }
 
-/// Where a camera sees points all over its picture and beyond; `None` outside its model.
+/// Where a camera sees points all over its image and beyond; `None` outside its model.
 fn pixels(camera: &Camera) -> Vec<Option<[f64; 2]>> {
     let grid = (-6..=6).flat_map(|x| (-6..=6).map(move |y| [f64::from(x) / 6.0, f64::from(y) / 6.0]));
     grid.map(|[x, y]| camera.project(&Point3::new(x, y, 1.0))).collect()
@@ -86,7 +86,7 @@ proptest! {
         }
     }
 
-    /// A pure resize keeps every ray; turning four times is no turn; and a turned picture shows each point turned.
+    /// A pure resize keeps every ray; turning four times is no turn; and a turned image shows each point turned.
     #[test]
     fn scaling_and_turning_move_pixels_as_the_picture_does(camera in cameras(), factor in 0.2f64..3.0) {
         let side = |s: u32| (f64::from(s) * factor).round().max(1.0) as u32;
@@ -504,13 +504,13 @@ fn a_camera_is_guessed_from_exif_with_its_bound() {
         text.contains("focal length ± 6.7 %, so distances ± 5.6 %, azimuths about 0.31° off"),
         "{text}"
     );
-    // Held upright: EXIF turns the picture, and the camera is the upright picture's.
+    // Held upright: EXIF turns the image, and the camera is the upright image's.
     for orientation in [6, 8] {
         assert!(guess(Exif { orientation, ..phone }).status.success());
         let turned = Camera::open(&path).unwrap();
         assert_eq!((turned.width, turned.height, turned.fx), (300, 400, found.fx));
     }
-    // A camera with a known sensor: 50 mm at 80 px per cm … of a small picture.
+    // A camera with a known sensor: 50 mm at 80 px per cm … of a small image.
     let sensor = Exif {
         focal_mm: Some((50, 1)),
         px_per_cm: Some((2000, 1)),
@@ -633,7 +633,7 @@ fn photos_of_another_size_or_turned_by_exif_are_located_or_refused() {
     use image::imageops::{FilterType, resize, rotate90, rotate180, rotate270};
     save(&resize(&original, 960, 720, FilterType::Lanczos3), 1);
     check(0.75, 0, 1);
-    // The sensor's picture as it is stored, shown turned: the camera was held upright, or upside down.
+    // The sensor's image as it is stored, shown turned: the camera was held upright, or upside down.
     for (orientation, turned) in [(6, 90), (3, 180), (8, 270)] {
         save(&original, orientation);
         check(1.0, turned, 0);

@@ -1,4 +1,4 @@
-//! A running camera without one: known pictures in every pixel format, a slow reader, and a cable that is pulled.
+//! A running camera without one: known images in every pixel format, a slow reader, and a cable that is pulled.
 
 use crate::tests::capture::live;
 use crate::tests::common;
@@ -36,7 +36,7 @@ fn ycbcr(rgb: &Rgb<u8>) -> [u8; 3] {
     .map(|v| v.round() as u8)
 }
 
-/// The bytes of a picture as a camera packs them, by the definition of each format.
+/// The bytes of an image as a camera packs them, by the definition of each format.
 fn packed(picture: &RgbImage, format: PixelFormat) -> Vec<u8> {
     let (width, height) = picture.dimensions();
     let at = |x: u32, y: u32| ycbcr(picture.get_pixel(x, y));
@@ -129,7 +129,7 @@ fn known_frames_of_every_format_are_decoded() {
         println!("{format:?}: worst {off} of 255");
         assert_eq!(whole.dimensions(), truth.dimensions());
         assert!(off <= limit, "{format:?}: {off}");
-        // Drivers hand out whole buffers: what an earlier picture left behind this one is not part of it.
+        // Drivers hand out whole buffers: what an earlier image left behind this one is not part of it.
         let longer = [bytes.clone(), bytes[bytes.len() / 3..].to_vec()].concat();
         assert_eq!(
             decoded(raw(&picture, format, longer).original().unwrap()),
@@ -168,7 +168,7 @@ fn motion_jpegs_become_whole_files() {
     assert!(rgb(kept(&bare)) == rgb(stored));
 }
 
-/// What a fake camera does: a picture every `every`, and after `last` of them only failures.
+/// What a fake camera does: an image every `every`, and after `last` of them only failures.
 struct Fake {
     pictures: Vec<RawImage>,
     every: Duration,
@@ -219,7 +219,7 @@ fn number(name: &str) -> u32 {
     name.rsplit_once(' ').unwrap().1.parse().unwrap()
 }
 
-/// Who judges a picture for 300 ms is given the newest one then, not the thirty that came meanwhile.
+/// Who judges an image for 300 ms is given the newest one then, not the thirty that came meanwhile.
 #[test]
 fn a_stale_picture_is_never_queued() {
     let grey = raw(&known(), PixelFormat::Grey, packed(&known(), PixelFormat::Grey));

@@ -83,7 +83,7 @@ fn the_dial_fills_while_a_replay_runs_and_views_are_taken_back_and_redone() {
     );
     let frame = &state["frame"];
     assert_eq!(frame["advice"], "Taken; all views are there");
-    // truth.json: 317.1°, and what a person would see in the picture.
+    // truth.json: 317.1°, and what a person would see in the image.
     assert!((frame["viewpoint"]["azimuth_deg"].as_f64().unwrap() - 317.1).abs() < 0.5);
     assert_eq!(
         (&frame["size_px"][0], &frame["size_px"][1]),
@@ -96,7 +96,7 @@ fn the_dial_fills_while_a_replay_runs_and_views_are_taken_back_and_redone() {
         [true.into(), true.into(), Value::Null].each_ref()
     );
 
-    // The newest picture, and no other; thumbnails of what was taken, and of nothing else.
+    // The newest image, and no other; thumbnails of what was taken, and of nothing else.
     let number = frame["number"].as_u64().unwrap();
     let preview = client.get(&format!("/preview/{number}"));
     assert_eq!(image::load_from_memory(&preview.body).unwrap().width(), 960);
@@ -241,7 +241,7 @@ fn tree(folder: &Path) -> BTreeSet<(PathBuf, u64)> {
     found
 }
 
-/// A small picture, as JPEG or PNG, without any tag.
+/// A small image, as JPEG or PNG, without any tag.
 fn small(format: image::ImageFormat) -> Vec<u8> {
     let picture = GrayImage::from_fn(64, 48, |x, y| Luma([(x * 3 + y) as u8]));
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -270,7 +270,7 @@ fn malformed(number: usize, rng: &mut Pcg64) -> Request {
             let rest = noise(rng, 3000);
             upload("image/jpeg", &[heads.choose(rng).unwrap(), rest.as_slice()].concat())
         }
-        // Some bytes of a picture, its head more often, are others.
+        // Some bytes of an image, its head more often, are others.
         2..=4 => {
             let mut bytes = small(formats[number % 2]);
             for _ in 0..rng.random_range(1..8) {
@@ -280,7 +280,7 @@ fn malformed(number: usize, rng: &mut Pcg64) -> Request {
             }
             upload("image/png", &bytes)
         }
-        // A picture that ends too early.
+        // An image that ends too early.
         5 => {
             let bytes = small(formats[number / 10 % 2]);
             upload("image/jpeg", &bytes[..rng.random_range(0..bytes.len() - 2)])
@@ -301,7 +301,7 @@ fn malformed(number: usize, rng: &mut Pcg64) -> Request {
             }
             upload("image/png", &bytes)
         }
-        // Types that are no picture's.
+        // Types that are no image's.
         7 => {
             let kinds = [
                 "text/plain",
@@ -679,7 +679,7 @@ fn a_capture_is_followed_and_finished_in_a_browser() {
         Some(&"normal_008.jpg"),
         "the name that was taken back is not given again"
     );
-    // The browser itself logs the refusal of the blurred photo (422), and a small picture it asked for while its photo was taken back.
+    // The browser itself logs the refusal of the blurred photo (422), and a small image it asked for while its photo was taken back.
     browser.complaints.retain(|complaint| {
         let is_taken_back = complaint.contains("404") && complaint.contains("/photo/");
         !complaint.contains("422") && !complaint.contains("410") && !is_taken_back
@@ -687,7 +687,7 @@ fn a_capture_is_followed_and_finished_in_a_browser() {
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
 
-/// Whoever opens the page when the source has ended sees the newest picture, as those do who watched.
+/// Whoever opens the page when the source has ended sees the newest image, as those do who watched.
 #[test]
 fn a_page_opened_after_the_last_frame_shows_it() {
     let running = Running::start(&replay(), &[]);

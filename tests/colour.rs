@@ -171,7 +171,7 @@ fn a_photo_is_read_rightly_or_refused() {
     assert!(answered >= 12 && refused >= 14);
 }
 
-/// The place of the chart's upper left corner on the page and a picture's pixels per mm.
+/// The place of the chart's upper left corner on the page and an image's pixels per mm.
 fn corner_px() -> ([f64; 2], f64) {
     let media = Media {
         paper: Paper::A4.into(),

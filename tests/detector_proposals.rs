@@ -414,7 +414,7 @@ fn the_manifest_that_add_writes_runs() {
     assert!(check.status.success(), "{}", common::stderr(&check));
 }
 
-/// A network that finds its second label, of "bus" and "PKW", on the whole picture, and the file with the labels.
+/// A network that finds its second label, of "bus" and "PKW", on the whole image, and the file with the labels.
 fn german(folder: &Path) -> (PathBuf, String) {
     let (model, names) = (folder.join("mine.onnx"), folder.join("names.txt"));
     let answer = Output::floats("output0", &[1, 300, 6], [10.0, 10.0, 50.0, 40.0, 0.5, 1.0].repeat(300));

@@ -185,7 +185,7 @@ fn small_picture() -> onnx::Input {
     onnx::Input::floats("images", &[1, 3, 64, 64])
 }
 
-/// `score` with a detector made here, on a session of three pictures with their truth given: grey, black, grey.
+/// `score` with a detector made here, on a session of three images with their truth given: grey, black, grey.
 fn score_with(network: &[u8], labels: &str, head: &str) -> (std::process::Output, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();

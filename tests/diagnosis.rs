@@ -441,7 +441,7 @@ fn good_photos_and_mixtures_have_no_single_cause() {
     for (i, photo) in changed.photos.clone().iter().enumerate().filter(|(i, _)| i % 2 == 0) {
         let covered = changed.file(&format!("covered_{i}.png"));
         let mut picture = image::open(photo).unwrap().into_rgb8();
-        // One half of a picture, or all of it.
+        // One half of an image, or all of it.
         let covered_from = if i % 4 == 0 { 0 } else { 640 };
         picture
             .enumerate_pixels_mut()
@@ -625,7 +625,7 @@ fn overlays_show_what_was_found_and_replace_only_overlays() {
     );
 }
 
-/// Two photos of one name have two overlays; one without a pose says so on its picture.
+/// Two photos of one name have two overlays; one without a pose says so on its image.
 #[test]
 fn photos_of_one_name_have_overlays_of_two() {
     let mut changed = Changed::new(as_it_is, as_it_is);

@@ -122,7 +122,7 @@ const MADE: [&str; 2] = ["--detector", "made.toml"];
 #[test]
 fn two_folders_have_the_figures_of_the_stored_session() {
     let desk = Desk::new();
-    // What lies about is passed over, and pictures are named.
+    // What lies about is passed over, and images are named.
     std::fs::write(desk.at(NORMAL).join("IMG_9.HEIC"), b"x").unwrap();
     std::fs::write(desk.at(NORMAL).join("notes.txt"), b"x").unwrap();
     std::fs::write(desk.at(NORMAL).join(".hidden.jpg"), b"x").unwrap();

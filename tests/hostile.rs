@@ -1,4 +1,4 @@
-//! Hostile input, as tables that grow by a line: picture × command, file × parser, request × route, place × output. Whatever comes from a
+//! Hostile input, as tables that grow by a line: image × command, file × parser, request × route, place × output. Whatever comes from a
 //! stranger ends in a sentence, or the program goes on serving; in time, within memory, and nothing is written where it should not be.
 
 mod bounded;

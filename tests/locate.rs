@@ -137,7 +137,7 @@ fn a_photo_without_tags_is_answered_with_the_reason() {
     assert_eq!(lines(&output)[0]["code"], "no_tags");
     assert_eq!(lines(&output)[0]["status"], "abstained");
     assert!(lines(&output)[0]["azimuth_deg"].is_null());
-    // Cropped away instead: the picture has no longer the size the camera was calibrated for.
+    // Cropped away instead: the image has no longer the size the camera was calibrated for.
     image::imageops::crop_imm(&photo, 400, 0, 300, 300)
         .to_image()
         .save(&path)

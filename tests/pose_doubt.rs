@@ -310,7 +310,7 @@ fn a_bad_tag_is_named_and_left_out() {
     }
 }
 
-/// What the camera file, the scene file or the picture hides from the residuals must still leave the bin right.
+/// What the camera file, the scene file or the image hides from the residuals must still leave the bin right.
 #[test]
 fn wrong_models_and_missing_tags_do_not_make_wrong_bins() {
     let (scene, camera) = skyline();
@@ -533,7 +533,7 @@ fn a_lone_tag_that_the_picture_contradicts_is_refused() {
         struck.print(&format!("lone tag, {fault:?}"));
         honest.print("  the same views without it");
         let contradicted = |tally: &Tally| tally.refusals.get("one_tag_contradicted").copied().unwrap_or(0);
-        // Not all: from the wrong place too, the model may be in the picture and no other tag.
+        // Not all: from the wrong place too, the model may be in the image and no other tag.
         assert!(contradicted(&struck) > 30, "{fault:?}");
         assert!(contradicted(&honest) == 0 && honest.answered > 0);
     }

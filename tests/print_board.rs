@@ -288,7 +288,7 @@ fn aprilgrids_are_kalibrs() {
     let upper_left: Vec<_> = from_bottom_left
         .map(|(row, column)| (gap + f64::from(column) * pitch, gap + f64::from(rows - 1 - row) * pitch))
         .collect();
-    // OpenCV's pictures of this family are turned by 180°: its first corner is the printed tag's lower right.
+    // OpenCV's images of this family are turned by 180°: its first corner is the printed tag's lower right.
     let found = markers(&printed, DICT_APRILTAG_36H11, 2);
     let worst = assert_markers(&printed, &found, &upper_left, tag_mm, 2);
     for row in 0..=rows {

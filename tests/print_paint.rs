@@ -1,4 +1,4 @@
-//! Paint mode: stencils rendered and measured as pictures; paints against formulas written for the test; what is refused.
+//! Paint mode: stencils rendered and measured as images; paints against formulas written for the test; what is refused.
 
 mod colour;
 use crate::tests::common;
@@ -604,7 +604,7 @@ fn impossible_requests_are_refused_in_one_sentence_and_leave_no_file() {
         (
             "two.png",
             format!("{usual} --paints 3"),
-            ["2 colours", "asked for; ask for 2"],
+            ["2 colours", "requested paints; ask for 2"],
         ),
         (
             "plain.png",

@@ -1,4 +1,4 @@
-//! Prints templates as SVG, reads the files, renders them with Chromium, and measures the picture.
+//! Prints templates as SVG, reads the files, renders them with Chromium, and measures the image.
 
 use crate::tests::common;
 use crate::tests::print_template::measure;

@@ -1,4 +1,4 @@
-//! Prints templates, renders the PDF with poppler at 600 dpi, and measures the picture.
+//! Prints templates, renders the PDF with poppler at 600 dpi, and measures the image.
 
 use crate::tests::common;
 pub(super) mod measure;

@@ -629,7 +629,7 @@ fn the_skyline_is_unrolled() {
     assert!(share >= 0.999, "{share}");
 }
 
-/// A patch of known pixels, measured on the page of its piece, as rectangles and as an embedded picture.
+/// A patch of known pixels, measured on the page of its piece, as rectangles and as an embedded image.
 #[test]
 fn patches_have_their_size_and_place() {
     let folder = tempfile::tempdir().unwrap();

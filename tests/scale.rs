@@ -414,7 +414,7 @@ fn a_reduced_photo_is_detected_as_the_whole_one() {
     assert!(worst_score < 0.1 && worst_px < 10.0);
 }
 
-/// The decoder of reduced pictures must not let pass what the other notices.
+/// The decoder of reduced images must not let pass what the other notices.
 #[test]
 fn damage_is_noticed_at_every_size() {
     let folder = tempfile::tempdir().unwrap();

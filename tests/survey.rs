@@ -117,7 +117,7 @@ fn the_skyline_photos_of_one_variant_give_the_tags_and_locate_the_other_variant(
             left_out.len()
         );
         assert!(surveyed >= 13 && mm < 0.5 && deg < 0.3 && ratio < 4.0);
-        // Its distance rests on one size in one picture, which its σ says.
+        // Its distance rests on one size in one image, which its σ says.
         assert!(!lone.tags.is_empty() && lone_mm < 2.0 && lone_deg < 0.5 && lone_ratio < 4.0);
         let located = program()
             .arg("locate")

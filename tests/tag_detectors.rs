@@ -265,7 +265,7 @@ impl Shot {
     }
 }
 
-/// Gaussian blur along one axis: `step` 1 along rows, the width along columns. The picture's border is left as it is.
+/// Gaussian blur along one axis: `step` 1 along rows, the width along columns. The image's border is left as it is.
 fn blurred(lights: &[f64], width: usize, step: usize, sigma: f64) -> Vec<f64> {
     const REACH: usize = 6;
     let weights: Vec<f64> = (0..=2 * REACH)
@@ -309,7 +309,7 @@ fn homography(corners: &Corners) -> nalgebra::Matrix3<f64> {
     nalgebra::Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0)
 }
 
-/// A tag of about 150 px seen from aside, turned in the picture by some quarters.
+/// A tag of about 150 px seen from aside, turned in the image by some quarters.
 fn aside(quarters: usize) -> Corners {
     let mut corners = [[121.3, 118.2], [268.9, 131.4], [259.6, 279.7], [114.1, 262.5]];
     corners.rotate_right(quarters);

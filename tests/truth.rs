@@ -1,4 +1,4 @@
-//! Truth boxes: box, hull and mesh against pictures drawn here, against the exact truth of the stored session, and bad input.
+//! Truth boxes: box, hull and mesh against images drawn here, against the exact truth of the stored session, and bad input.
 
 use crate::tests::common;
 
@@ -95,7 +95,7 @@ fn camera() -> Camera {
     Camera::pinhole(1280, 960, 1180.0, 1175.0, 640.0, 470.0).with_distortion(&LENS)
 }
 
-/// Where OpenCV puts some points of the camera frame, from the picture's corner: its pixels count from the middle of the first.
+/// Where OpenCV puts some points of the camera frame, from the image's corner: its pixels count from the middle of the first.
 fn by_opencv(points: &[Point3<f64>]) -> Vec<[f64; 2]> {
     let points: Vector<Point3d> = points.iter().map(|p| Point3d::new(p.x, p.y, p.z)).collect();
     let k = Mat::from_slice_2d(&[[1180.0, 0.0, 640.0], [0.0, 1175.0, 470.0], [0.0, 0.0, 1.0]]).unwrap();
@@ -106,7 +106,7 @@ fn by_opencv(points: &[Point3<f64>]) -> Vec<[f64; 2]> {
     pixels.iter().map(|p| [p.x + 0.5, p.y + 0.5]).collect()
 }
 
-/// The box around the points of the car that OpenCV puts into the picture: each triangle strewn with points 4 mm apart, its sides with
+/// The box around the points of the car that OpenCV puts into the image: each triangle strewn with points 4 mm apart, its sides with
 /// points `step_mm` apart.
 fn strewn(pose: &Rigid, step_mm: f64) -> Option<BoxPx> {
     let mut points = Vec::new();
@@ -124,7 +124,7 @@ fn strewn(pose: &Rigid, step_mm: f64) -> Option<BoxPx> {
             }
         }
     }
-    // What is far off the axis is out of this picture, and the lens formula means nothing there.
+    // What is far off the axis is out of this image, and the lens formula means nothing there.
     points.retain(|p| p.z > 1.0 && p.x.hypot(p.y) < 0.9 * p.z);
     let inside = |[x, y]: &[f64; 2]| (0.0..=1280.0).contains(x) && (0.0..=960.0).contains(y);
     BoxPx::around(by_opencv(&points).into_iter().filter(inside))
@@ -135,7 +135,7 @@ fn gap(a: &BoxPx, b: &BoxPx) -> f64 {
     sides.into_iter().fold(0.0, |worst, side| worst.max(side.abs()))
 }
 
-/// True when a box reaches two borders of the picture that meet.
+/// True when a box reaches two borders of the image that meet.
 fn covers_a_corner(b: &BoxPx) -> bool {
     (b.x1 < 0.1 || b.x2 > 1279.9) && (b.y1 < 0.1 || b.y2 > 959.9)
 }
@@ -167,7 +167,7 @@ proptest! {
         };
         let mesh = mesh.unwrap();
         prop_assert!(holds(&mesh, &seen), "{mesh:?} cuts {seen:?}");
-        // So far apart are the strewn points at the car's near end; only where it covers a corner of the picture do those within a
+        // So far apart are the strewn points at the car's near end; only where it covers a corner of the image do those within a
         // triangle matter.
         let px_per_mm = 1200.0 / (distance - 250.0);
         let apart_mm = if covers_a_corner(&mesh) { 6.0 } else { 0.7 };
@@ -186,7 +186,7 @@ proptest! {
 /// At the border the hull's box holds the hollow between the axles, the mesh's does not.
 #[test]
 fn a_cut_model_is_where_hull_and_mesh_differ() {
-    // So near to the left side that both axles are out of the picture there.
+    // So near to the left side that both axles are out of the image there.
     let pose = pose(90.0, 0.0, 243.0, [0.0; 2], 0.0);
     let [_, hull, mesh] = outlines().map(|o| o.box_in_photo(&pose, &camera()).unwrap());
     let seen = strewn(&pose, 0.2).unwrap();

@@ -306,7 +306,7 @@ impl<'a> Maker<'a> {
         simulator.view(&viewpoint, fault)
     }
 
-    /// A view of one of the scene's tags alone, from a direction that makes the wanted angle with the tag's normal; the model is in
+    /// A view of one of the scene's tags alone, from a direction that makes the required angle with the tag's normal; the model is in
     /// the image too.
     fn lone_tag(&self, noise: Noise, seed: u64) -> Option<SimulatedView> {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);

@@ -22,7 +22,7 @@ use crate::page::{CaptureInfo, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
 use crate::tags::TagDetectorChoice;
 
-/// Guide a photographer round the model: photos of every wanted view are taken into a session, the others get a sentence of advice.
+/// Guide a photographer round the model: photos of every required view are taken into a session, the others get a sentence of advice.
 ///
 /// Originals are never changed. A capture that was stopped goes on where it was when it is called again with the same session. Exit code
 /// 0 when every view is there, else 2.

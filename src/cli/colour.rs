@@ -26,7 +26,7 @@ enum What {
     /// Read the chart of `print chart` in photos of it
     ///
     /// Several photos of one print are averaged. Colours are relative to the paper's white under the photo's light; the
-    /// camera's own tone curve and colours cannot be told from the printer's and stay in them.
+    /// camera's own tone curve and colours cannot be separated from the printer's and stay in them.
     Read(ReadArgs),
 }
 
@@ -166,7 +166,7 @@ fn summarise(
     )?;
     writeln!(
         out,
-        "Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be told \
+        "Relative to the paper's white in this light; the camera's own tone curve and colours are in the figures and cannot be separated \
          from the printer's."
     )
 }

@@ -194,7 +194,7 @@ fn cause(photos: &[PathBuf], answers: &[PhotoAnswer], files: &LocateFiles) -> Op
     files.cause(&read.collect::<Vec<_>>())
 }
 
-/// Whether the photos without a pose are told of together: they have one cause, or no photo has a pose and all lack it for one reason.
+/// Whether the photos without a pose are reported together: they have one cause, or no photo has a pose and all lack it for one reason.
 fn is_alike(answers: &[PhotoAnswer], has_cause: bool) -> bool {
     let codes: BTreeSet<Option<&str>> = answers.iter().map(code).collect();
     let without_pose = answers.iter().filter(|answer| abstention(answer).is_some()).count();
@@ -226,7 +226,7 @@ fn without_pose(answers: &[PhotoAnswer]) -> String {
     }
 }
 
-/// Says on standard error why photos got no pose, which tags the others outvoted, and once each what to know before believing
+/// Says on standard error why photos got no pose, which tags were rejected, and once each what to know before believing
 /// the answers.
 fn explain(photos: &[PathBuf], answers: &[PhotoAnswer], alike: bool) {
     let each = || photos.iter().zip(answers);

@@ -160,7 +160,7 @@ fn describe(args: &CheckArgs, answer: &Answer, out: &mut dyn Write) -> std::io::
     writeln!(
         out,
         "out of the printer's gamut (no printable colour within ΔE2000 {PRINTABLE_DELTA_E}): {:.1} % of the cells; with the best colours \
-         asked for, ΔE2000 {:.1} off (mean)",
+         requested, ΔE2000 {:.1} off (mean)",
         100.0 * print.out_of_gamut_share,
         print.best_delta_e_mean
     )?;

@@ -98,7 +98,7 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// As many as were asked for.
+    /// As many as were requested.
     pub(super) fn threads(&self) -> Option<u32> {
         self.threads.map(u32::from)
     }

@@ -2,7 +2,7 @@
 //!
 //! A photo is read in this order: [`find`] the chart by its tags, [`sample`] its patches, take the [`light`] out by the bare
 //! paper between them, and judge what is left ([`read`]). Colours are relative to the paper's white in the photo's light. The
-//! camera's own tone curve and colours stay in them: they could only be fitted to the colours asked for, and that would hide
+//! camera's own tone curve and colours stay in them: they could only be fitted to the requested colours, and that would hide
 //! exactly what is measured, the printer.
 
 pub(crate) mod find;

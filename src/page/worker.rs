@@ -33,7 +33,7 @@ pub(super) enum WorkerEvent {
 
 pub(super) type ReplySender = oneshot::Sender<ActionReply>;
 
-/// The reply to what a browser asked for.
+/// The reply to a browser's request.
 #[derive(Debug, Serialize)]
 pub(super) struct ActionReply {
     #[serde(skip)]

@@ -31,7 +31,7 @@ pub(crate) struct PatternFate {
     pub nps: f64,
     /// Share of cells whose colour is not printable.
     pub out_of_gamut_share: f64,
-    /// Mean over cells of the ΔE2000 when the pattern is printed as it is, and with the best colours asked for.
+    /// Mean over cells of the ΔE2000 when the pattern is printed as it is, and with the best input colours.
     pub printed_delta_e_mean: f64,
     pub best_delta_e_mean: f64,
     /// Every colour of the pattern once, the worst printable first.

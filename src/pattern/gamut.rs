@@ -23,14 +23,14 @@ pub(crate) struct Gamut {
     nodes: Vec<Lab>,
 }
 
-/// The printable colour nearest to a wanted one.
+/// The printable colour nearest to a requested one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Best {
     /// 8-bit sRGB to ask the printer for.
     pub ask_rgb: [u8; 3],
     /// What then comes out.
     pub lab: Lab,
-    /// ΔE2000 from the wanted colour.
+    /// ΔE2000 from the requested colour.
     pub delta_e: f64,
 }
 
@@ -91,7 +91,7 @@ impl Gamut {
         signed.sum::<f64>().abs()
     }
 
-    /// The colour to ask for to come nearest to a wanted one: from the nearest grid nodes downhill, in steps that halve.
+    /// The input colour whose print comes nearest to a requested one: from the nearest grid nodes downhill, in steps that halve.
     pub(crate) fn best(&self, wanted: Lab) -> Best {
         let n = self.levels.len();
         let mut starts: Vec<Best> = (0..self.nodes.len())

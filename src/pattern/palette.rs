@@ -31,7 +31,7 @@ pub(crate) enum PaletteError {
     BadFile { path: PathBuf, reason: String },
     #[error("{asked} paint{} cannot be made; ask for 2 to {MAX_PAINTS}", if *asked == 1 { "" } else { "s" })]
     BadCount { asked: i64 },
-    #[error("the pattern has {distinct} colour{}, fewer than the {asked} paints asked for; ask for {}", if *distinct == 1 { "" } else { "s" },
+    #[error("the pattern has {distinct} colour{}, fewer than the {asked} requested paints; ask for {}", if *distinct == 1 { "" } else { "s" },
         if *distinct < 2 { "no paints: one colour needs no stencil".to_owned() } else if *distinct == 2 { "2".to_owned() } else { format!("2 to {distinct}") })]
     FewerColours { asked: usize, distinct: usize },
     #[error("the pattern's colours are too alike for {asked} paints: two of them would be {hex}; ask for fewer")]

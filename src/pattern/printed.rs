@@ -36,7 +36,7 @@ pub(crate) enum ColoursError {
     OtherFigures,
 }
 
-/// One colour asked for, and what came out.
+/// One requested colour, and what came out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PrintedColour {
@@ -67,7 +67,7 @@ pub(crate) struct PrintedColours {
     pub gamut_share_of_srgb: f64,
     pub darkest_rgb: [u8; 3],
     pub most_saturated_rgb: [u8; 3],
-    /// Each colour asked for once, ascending.
+    /// Each requested colour once, ascending.
     pub patches: Vec<PrintedColour>,
 }
 

@@ -4,7 +4,7 @@ use image::RgbImage;
 
 use crate::photo::{Photo, PhotoError};
 
-/// The colours of a photo at the sizes that somebody asked for.
+/// The colours of a photo at the sizes that were requested.
 pub(super) struct DecodedPhoto<'a> {
     pub file: &'a Photo,
     /// Each with the factor by which it is reduced.

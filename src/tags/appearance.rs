@@ -9,7 +9,7 @@ use crate::statistics::upper_median;
 const BAND_CELLS: f64 = 0.6;
 const MAX_BAND_PX: f64 = 6.0;
 
-/// Narrower cells are not told apart from blur.
+/// Narrower cells are not distinguished from blur.
 const MIN_CELL_PX: f64 = 3.0;
 
 /// Share of a cell left out at the ends of a side.

@@ -68,13 +68,13 @@ pub struct View {
     pub seed: u64,
     pub width: u32,
     pub height: u32,
-    /// How much of the picture the sheet fills, and how askew its corners are, as shares of the picture.
+    /// How much of the image the sheet fills, and how askew its corners are, as shares of the image.
     pub fill: f64,
     pub askew: f64,
     pub turn_deg: f64,
     /// Camera's light over the paper's, per channel: exposure and white balance.
     pub gain: [f64; 3],
-    /// Fall-off of the light over the picture along x and y, and from the middle to a corner (vignetting).
+    /// Fall-off of the light over the image along x and y, and from the middle to a corner (vignetting).
     pub slope: [f64; 2],
     pub vignette: f64,
     /// Standard deviation of the lens blur, px.
@@ -82,7 +82,7 @@ pub struct View {
     /// Standard deviation of the noise, in 8-bit levels.
     pub noise: f64,
     pub jpeg_quality: u8,
-    /// Barrel distortion at the picture's corners, as a share of their distance from the middle.
+    /// Barrel distortion at the image's corners, as a share of their distance from the middle.
     pub barrel: f64,
     /// How far the middle of the sheet is from where flat paper has it, px.
     pub bend_px: f64,
@@ -155,7 +155,7 @@ fn light(view: &View, x: u32, y: u32) -> f64 {
     (1.0 + view.slope[0] * u + view.slope[1] * v) * (1.0 - view.vignette * (u * u + v * v) / 2.0)
 }
 
-/// The sheet's corners in the picture: fitted in, turned, and each moved by chance.
+/// The sheet's corners in the image: fitted in, turned, and each moved by chance.
 fn corners(view: &View, rng: &mut Pcg64Mcg, aspect: f64) -> [[f64; 2]; 4] {
     let (w, h) = (f64::from(view.width), f64::from(view.height));
     let half_height = view.fill * (h / 2.0).min(w / 2.0 / aspect);

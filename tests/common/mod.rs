@@ -160,7 +160,7 @@ pub fn with_chromium<T>(profile: &Path, start: impl Fn(&mut Command) -> std::io:
     panic!("no Chromium found: run the tests through ./run test, which installs it, or set CHROMIUM");
 }
 
-/// The pages of a PDF as pdftoppm pictures them, in order; `read` makes what is kept of each PPM or PGM file's bytes.
+/// The pages of a PDF as pdftoppm renders them, in order; `read` makes what is kept of each PPM or PGM file's bytes.
 pub fn pictured<T>(pdf: &Path, arguments: &[&str], read: impl Fn(&[u8]) -> T) -> Vec<T> {
     let folder = tempfile::tempdir().unwrap();
     let run = Command::new("pdftoppm")

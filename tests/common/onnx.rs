@@ -1,4 +1,4 @@
-//! Just enough of ONNX's protobuf (onnx.proto3) to write small networks: with constant answers whatever the picture, or node by node.
+//! Just enough of ONNX's protobuf (onnx.proto3) to write small networks: with constant answers whatever the image, or node by node.
 #![allow(dead_code)] // each test file uses its part
 
 /// ONNX's numbers for element types.
@@ -77,7 +77,7 @@ pub fn network(inputs: &[Input], outputs: &[Output]) -> Vec<u8> {
     })
 }
 
-/// The same, but all numbers are NaN for pictures whose mean is below `darkest`: output = constant + 0 · √(mean − darkest).
+/// The same, but all numbers are NaN for images whose mean is below `darkest`: output = constant + 0 · √(mean − darkest).
 pub fn network_blind_in_the_dark(input: &Input, outputs: &[Output], darkest: f32) -> Vec<u8> {
     let scalar = |name: &str, value: f32| {
         let tensor = [int(2, FLOAT), bytes(8, name.as_bytes()), bytes(9, &value.to_le_bytes())].concat();
@@ -98,7 +98,7 @@ pub fn network_blind_in_the_dark(input: &Input, outputs: &[Output], darkest: f32
     })
 }
 
-/// A network written node by node, for one picture. Any output may be named; its shape is left open.
+/// A network written node by node, for one image. Any output may be named; its shape is left open.
 pub fn graph(input: &Input, parts: &[Vec<u8>], outputs: &[&str], opset: u64) -> Vec<u8> {
     let mut graph = bytes(2, b"graph");
     graph.extend(parts.concat());

@@ -95,7 +95,7 @@ fn frames(text: &str, at: &Path) -> Read {
     said(scaleproof::frames::FrameSet::open(at))
 }
 
-/// `import.json` and `poses.csv` in one example, with a blank line between; the pictures are made here.
+/// `import.json` and `poses.csv` in one example, with a blank line between; the images are made here.
 fn frames_of_another_engine(text: &str, at: &Path) -> Read {
     let (about, poses) = text
         .split_once("\n\n")

@@ -24,7 +24,7 @@ pub struct Block {
     pub remark: Option<String>,
 }
 
-/// A link or a picture.
+/// A link or an image.
 pub struct Link {
     pub line: usize,
     pub target: String,
@@ -113,7 +113,7 @@ impl Page {
         anchors
     }
 
-    /// Links and pictures outside code.
+    /// Links and images outside code.
     pub fn links(&self) -> Vec<Link> {
         let mut links = Vec::new();
         for (line, text) in &self.prose {

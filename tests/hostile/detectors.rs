@@ -208,7 +208,7 @@ fn picture() -> Input {
     Input::floats("images", &[1, 3, 64, 64])
 }
 
-/// A detector made of a network and a head, on a black picture of the network's size.
+/// A detector made of a network and a head, on a black image of the network's size.
 fn answered(network: &[u8], head: &str, time_limit: Option<Duration>) -> Result<Vec<Detection>, DetectError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("made.onnx");

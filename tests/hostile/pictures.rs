@@ -1,4 +1,4 @@
-//! Pictures that are tiny, huge, cut, or cost more than they seem, given to every command that reads one.
+//! Images that are tiny, huge, cut, or cost more than they seem, given to every command that reads one.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -15,7 +15,7 @@ use scaleproof::tags::TagDetectorChoice;
 use crate::tests::common::{home, program, skyline, stderr};
 use crate::tests::hostile::bounded;
 
-/// A name, its bytes, and words of the sentence about it; no words where a picture may be accepted or refused.
+/// A name, its bytes, and words of the sentence about it; no words where an image may be accepted or refused.
 type Case = (&'static str, Vec<u8>, &'static [&'static str]);
 
 fn cases() -> Vec<Case> {
@@ -56,7 +56,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Every command that reads a picture of a user's; `PICTURE` stands for it, `OUT` for a folder. `score` and `capture` follow below.
+/// Every command that reads an image of a user's; `PICTURE` stands for it, `OUT` for a folder. `score` and `capture` follow below.
 const COMMANDS: [&str; 8] = [
     "locate PICTURE --scene SCENE --camera CAMERA",
     "calibrate --board BOARD PICTURE -o OUT/camera.yaml",
@@ -234,7 +234,7 @@ fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
         assert!(said.contains("no tag"), "{said}");
         assert!(ended.memory < 2_000_000_000, "{} MB", ended.memory >> 20);
     }
-    // The other decoder, which makes reduced pictures for networks; and all three colours at full size.
+    // The other decoder, which makes reduced images for networks; and all three colours at full size.
     for (name, reduction) in [
         ("zeros.jpg", 8),
         ("nothing.jpg", 8),
@@ -249,7 +249,7 @@ fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
     }
 }
 
-/// In this process: what a C library reads beyond its picture would end the test.
+/// In this process: what a C library reads beyond its image would end the test.
 #[test]
 fn every_tag_detector_survives_all_small_sizes() {
     let mut random = Pcg64::seed_from_u64(13);
@@ -318,7 +318,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// A PNG that is all edges when it is searched: 64 × 64 squares, dark or light by chance, over and over. The smallest squares cost most, 2 px
-/// in the picture that is searched.
+/// in the image that is searched.
 fn texture(side: u32, square_px: u32) -> Vec<u8> {
     let mut random = Pcg64::seed_from_u64(1);
     let cells: Vec<u64> = (0..64).map(|_| random.next_u64()).collect();
@@ -344,7 +344,7 @@ fn texture(side: u32, square_px: u32) -> Vec<u8> {
 /// What a decoder does for each scan after the first.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Scans {
-    /// Refines AC coefficients, all zero: a walk over the picture for a dozen bytes each 200,000 blocks.
+    /// Refines AC coefficients, all zero: a walk over the image for a dozen bytes each 200,000 blocks.
     Refining,
     /// Reads all AC coefficients from data that is not there; decoders go on with zeros.
     Empty,
@@ -415,7 +415,7 @@ fn zeros(blocks: usize) -> Bits {
     data
 }
 
-/// A PNG with a colour profile that unpacks to some 300 MB. The packed zeros are those of a black picture's own data.
+/// A PNG with a colour profile that unpacks to some 300 MB. The packed zeros are those of a black image's own data.
 fn with_profile(png: &[u8]) -> Vec<u8> {
     let mut black = Vec::new();
     PngEncoder::new_with_quality(&mut black, CompressionType::Fast, FilterType::NoFilter)

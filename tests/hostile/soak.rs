@@ -36,7 +36,7 @@ struct Asked {
     ms: Vec<f64>,
     /// Request and answer.
     failed: Vec<String>,
-    /// Previews of a picture that was not the newest: honest, since another may come while one asks.
+    /// Previews of an image that was not the newest: honest, since another may come while one asks.
     outdated: usize,
 }
 

@@ -35,7 +35,7 @@ mod of_this_version {
 
     use super::*;
 
-    /// Every marker of a dictionary in a grey picture, refined.
+    /// Every marker of a dictionary in a grey image, refined.
     pub fn markers(picture: &Mat, dictionary: i32, border_bits: i32) -> Vec<Found> {
         let mut parameters = DetectorParameters::create().unwrap();
         parameters.set_marker_border_bits(border_bits);
@@ -54,7 +54,7 @@ mod of_this_version {
         CharucoBoard::create(across, down, b.square_mm as f32, b.marker_mm as f32, &dictionary).unwrap()
     }
 
-    /// OpenCV's own picture of the board.
+    /// OpenCV's own image of the board.
     pub fn drawing(b: Charuco, size: Size) -> Mat {
         let mut drawing = Mat::default();
         board(b).draw(size, &mut drawing, 0, 1).unwrap();
@@ -81,7 +81,7 @@ mod of_this_version {
 
     use super::*;
 
-    /// Every marker of a dictionary in a grey picture, refined.
+    /// Every marker of a dictionary in a grey image, refined.
     pub fn markers(picture: &Mat, dictionary: i32, border_bits: i32) -> Vec<Found> {
         let mut parameters = DetectorParameters::default().unwrap();
         parameters.set_marker_border_bits(border_bits);
@@ -101,7 +101,7 @@ mod of_this_version {
         CharucoBoard::new_def(size, b.square_mm as f32, b.marker_mm as f32, &dictionary).unwrap()
     }
 
-    /// OpenCV's own picture of the board.
+    /// OpenCV's own image of the board.
     pub fn drawing(b: Charuco, size: Size) -> Mat {
         let mut drawing = Mat::default();
         board(b).generate_image(size, &mut drawing, 0, 1).unwrap();

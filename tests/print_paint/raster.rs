@@ -1,6 +1,6 @@
-//! What a stencil is, measured on a picture of it: pieces, holes, widths, areas. Nothing here knows how it was made.
+//! What a stencil is, measured on an image of it: pieces, holes, widths, areas. Nothing here knows how it was made.
 
-/// A picture of a stencil: where it is cut open. Everything else is material.
+/// An image of a stencil: where it is cut open. Everything else is material.
 pub struct Stencil {
     pub width: usize,
     pub height: usize,
@@ -28,7 +28,7 @@ impl Stencil {
             "{what}: a bridge is narrower than {least_mm} mm"
         );
         let holes = |solid: &[bool]| self.pieces(&solid.iter().map(|s| !s).collect::<Vec<_>>(), true);
-        // Beyond the picture all is open, so the core has one opening more: its border.
+        // Beyond the image all is open, so the core has one opening more: its border.
         assert_eq!(
             holes(&core),
             holes(&material) + 1,
@@ -84,7 +84,7 @@ impl Stencil {
         label
     }
 
-    /// How far each pixel's centre is from the nearest centre that does not belong, in pixels; beyond the picture nothing does.
+    /// How far each pixel's centre is from the nearest centre that does not belong, in pixels; beyond the image nothing does.
     /// Felzenszwalb & Huttenlocher 2012.
     fn distances(&self, of: &[bool]) -> Vec<f64> {
         let (wide, high) = (self.width + 2, self.height + 2);
@@ -138,7 +138,7 @@ fn lower_envelope(f: &[f64]) -> Vec<f64> {
     done
 }
 
-/// Closed outlines filled by the even-odd rule, `x` and `y` in mm from the picture's top-left corner: a pixel belongs if its centre does.
+/// Closed outlines filled by the even-odd rule, `x` and `y` in mm from the image's top-left corner: a pixel belongs if its centre does.
 pub fn filled(outlines: &[Vec<(f64, f64)>], size_mm: (f64, f64), mm_per_px: f64) -> Stencil {
     let (width, height) = (
         (size_mm.0 / mm_per_px).round() as usize,

@@ -23,13 +23,13 @@ pub struct Page {
 }
 
 impl Page {
-    /// The place of a point of the picture; pixel (0, 0) is the centre of the top left pixel.
+    /// The place of a point of the image; pixel (0, 0) is the centre of the top left pixel.
     pub fn mm(&self, [x, y]: [f64; 2]) -> Mm {
         let mm = |pixels: f64| (pixels + 0.5) * 25.4 / self.dpi;
         [mm(x), self.height_mm - mm(y)]
     }
 
-    /// Whether the picture is black at a place.
+    /// Whether the image is black at a place.
     pub fn is_black(&self, [x, y]: Mm) -> bool {
         let pixel = |mm: f64| (mm / 25.4 * self.dpi) as u32;
         self.picture.get_pixel(pixel(x), pixel(self.height_mm - y)).0[0] < 128

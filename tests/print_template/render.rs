@@ -1,4 +1,4 @@
-//! Runs the program, and makes pictures of what it wrote.
+//! Runs the program, and makes images of what it wrote.
 #![allow(dead_code)] // each test file uses its part
 
 use std::path::{Path, PathBuf};

@@ -54,7 +54,7 @@ pub(crate) struct LiveCamera {
 struct SharedState {
     state: Mutex<ReaderState>,
     changed: Condvar,
-    /// Nobody asks for frames any more.
+    /// Nobody requests frames any more.
     is_left: AtomicBool,
 }
 

@@ -65,7 +65,7 @@ fn colours(args: &ColoursArgs) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
         }
     }
     match colours.is_empty() {
-        true => Err("no colours were asked for: give --flat, --random, or both".into()),
+        true => Err("no colours were given: give --flat, --random, or both".into()),
         false => Ok(colours),
     }
 }

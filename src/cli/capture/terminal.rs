@@ -18,7 +18,7 @@ struct FrameLine<'a> {
     status: &'static str,
     /// The photo's name in the session.
     photo: Option<&'a str>,
-    /// What was taken of the frame, or wanted.
+    /// What was taken of the frame, or is required.
     bin: Option<Bin>,
     code: Option<&'static str>,
     advice: Option<String>,

@@ -90,7 +90,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// The copies that `--save` asks for; nothing without it.
+/// The copies for `--save`; nothing without it.
 struct Saved {
     paths: Vec<PathBuf>,
     /// By the photo's number: detector, box and text of each detection.

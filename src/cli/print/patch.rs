@@ -93,7 +93,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// The patches as they were asked for: the options belong together in order.
+/// The patches as they were requested: the options belong together in order.
 pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
     let count = args.patch.len();
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {

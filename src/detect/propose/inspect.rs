@@ -157,7 +157,7 @@ fn listed(ports: &[Port]) -> String {
     ports.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// What the network asks for.
+/// What the network requires.
 struct Asked {
     layout: Layout,
     values: Values,

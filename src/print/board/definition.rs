@@ -89,7 +89,7 @@ fn aprilgrid(request: &BoardRequest) -> Result<Definition, BoardError> {
     })
 }
 
-/// The marker's size, asked for or usual, in thousandths of a millimetre.
+/// The marker's size, requested or usual, in thousandths of a millimetre.
 fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError> {
     let usual = (request.square_mm * usual_share * 1000.0).round() / 1000.0;
     let marker_mm = length::size_mm("marker", request.marker_mm.unwrap_or(usual))?;
