@@ -9,14 +9,12 @@ use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
 use super::{BLEED_MM, PaintedSurface, Wrap, WrapError, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
-use crate::print::SheetError;
 use crate::print::frame::{PageFrame, PageSetup};
 use crate::print::lettering::{counted, wrapped};
-use crate::print::pack;
 use crate::print::paper::{Paper, Stock};
-use crate::print::printer;
 use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::furniture;
+use crate::print::{SheetError, pack, printer};
 
 /// Around a strip on its page.
 const ROOM_MM: f64 = BLEED_MM + CUT_ROOM_MM;
