@@ -10,10 +10,10 @@ use super::{CommandResult, Outcome, write_files, write_json};
 use crate::cli::progress;
 use crate::pattern::Pattern;
 use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
-use crate::print::lettering::counted;
 use crate::print::output::SheetOutput;
 use crate::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
 use crate::print::template::TemplateRequest;
+use crate::spelling::count;
 
 #[derive(clap::Args)]
 pub(crate) struct PaintArgs {
@@ -138,8 +138,8 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
         out,
         "{}: {paints} paints, {} to paint by number, {}; print at 100 %",
         file.display(),
-        counted(sheets, "sheet"),
-        counted(made.stencils(), "stencil")
+        count(sheets, "sheet"),
+        count(made.stencils(), "stencil")
     )?;
     let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
         let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);
