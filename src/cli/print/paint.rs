@@ -22,7 +22,7 @@ pub(crate) struct PaintArgs {
     paints: Option<i64>,
     /// The same, with the nearest paints of a palette file: [[paint]] tables with name and rgb
     #[arg(long, value_name = "TOML", group = "paint")]
-    palette: Option<PathBuf>,
+    pub palette: Option<PathBuf>,
     /// With paints: the least width of a stencil's bridges and openings, in mm
     #[arg(
         long,
@@ -62,10 +62,6 @@ impl PaintArgs {
             min_feature_mm: self.min_feature_mm,
             mirror: self.mirror,
         }))
-    }
-
-    pub(crate) fn palette_file(&self) -> Option<&Path> {
-        self.palette.as_deref()
     }
 }
 

@@ -197,7 +197,8 @@ impl TagMap<'_> {
 
     /// Model, tags, tent cards and strips.
     fn things(&self, ground: &Ground, window: &GroundWindow, strips: &[OutlineMm]) -> Vec<Mark> {
-        let mut marks = vec![area(window_all(window, &ground.mat.model), GREY)];
+        let model = ground.mat.model.iter().map(|outline| window.outline(outline));
+        let mut marks = vec![area(model.collect(), GREY)];
         let mut named = |outline: &OutlineMm, colour: Srgb8, name: String| {
             let outline = window.outline(outline);
             let around = bounds(&outline);
@@ -277,10 +278,6 @@ fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
         marks.push(Mark::text(middle, size_mm, TextAnchor::Centre, name.clone()));
     }
     marks
-}
-
-fn window_all(window: &GroundWindow, outlines: &[OutlineMm]) -> Vec<OutlineMm> {
-    outlines.iter().map(|outline| window.outline(outline)).collect()
 }
 
 fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {
