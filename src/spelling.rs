@@ -10,6 +10,11 @@ pub(crate) fn count(number: usize, one: &str) -> String {
     format!("{number} {one}{}", choose(number, "", "s"))
 }
 
+/// Ids one after the other: `1, 2, 3`.
+pub(crate) fn list(ids: &[u32]) -> String {
+    ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+}
+
 /// The word for one thing, or that for several.
 pub(crate) fn choose<'a>(number: usize, one: &'a str, several: &'a str) -> &'a str {
     if number == 1 { one } else { several }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::files;
-use crate::geometry::length::{self, BadLength};
+use crate::geometry::length::{self, BadLength, number};
 
 /// Why a board file was refused, or could not be put together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -231,10 +231,4 @@ impl Definition {
             self.line()
         ))
     }
-}
-
-/// A length in mm as people write it, to a thousandth.
-fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -8,6 +8,7 @@ use opencv::prelude::*;
 use super::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use crate::board::{Definition, Marker};
+use crate::geometry::distance;
 use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, reduced};
 
 /// Why a photo gave no corners.
@@ -286,8 +287,4 @@ fn points(list: &[[f64; 2]]) -> Vector<Point2d> {
 fn centre(marker: &Marker) -> [f64; 2] {
     let [a, _, c, _] = marker.corners_mm;
     [(a[0] + c[0]) / 2.0, (a[1] + c[1]) / 2.0]
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }

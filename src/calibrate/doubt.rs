@@ -6,6 +6,7 @@ use super::model::LensModel;
 use super::sharpness::BLURRED_PX;
 use super::view::BoardView;
 use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
+use crate::statistics::upper_median;
 
 /// Why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -57,9 +58,8 @@ pub(super) fn alike(
     // The first of the most frequent sizes.
     let most = board_photos.iter().map(|s| count(s.size)).max().unwrap_or(0);
     let usual = board_photos.iter().map(|s| s.size).find(|size| count(*size) == most);
-    let mut widths: Vec<f64> = board_photos.iter().filter_map(|s| s.edge_width_px).collect();
-    widths.sort_by(f64::total_cmp);
-    let blurred = BLURRED_PX.max(BLUR_TIMES * widths.get(widths.len() / 2).copied().unwrap_or(0.0));
+    let widths: Vec<f64> = board_photos.iter().filter_map(|s| s.edge_width_px).collect();
+    let blurred = BLURRED_PX.max(BLUR_TIMES * upper_median(&widths).unwrap_or(0.0));
     let mut kept = Vec::new();
     for board_photo in board_photos {
         let reason = match (usual, board_photo.edge_width_px) {

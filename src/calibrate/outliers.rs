@@ -71,7 +71,8 @@ fn judge(first: &CameraFit, views: &[BoardView]) -> Option<CameraFit> {
 
 /// The photo that does not fit the others, and the sentence that says so.
 fn worst_photo(lengths: &[Vec<f64>]) -> Option<(usize, String)> {
-    let rms: Vec<f64> = lengths.iter().map(|l| root_mean_square(l)).collect();
+    let mean_square = |l: &Vec<f64>| l.iter().map(|v| v * v).sum::<f64>() / l.len().max(1) as f64;
+    let rms: Vec<f64> = lengths.iter().map(|l| mean_square(l).sqrt()).collect();
     let usual = upper_median(&rms).unwrap_or(0.0);
     let limit = corner_limit(lengths);
     let lost = |l: &[f64]| l.iter().filter(|d| **d > limit).count() as f64 > LOST_SHARE * l.len() as f64;
@@ -104,8 +105,4 @@ fn drop_corners(board_photos: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize 
 fn corner_limit(lengths: &[Vec<f64>]) -> f64 {
     let sigma = upper_median(&lengths.concat()).unwrap_or(0.0) / 1.1774;
     CORNER_PX.max(CORNER_TIMES * sigma)
-}
-
-fn root_mean_square(list: &[f64]) -> f64 {
-    (list.iter().map(|v| v * v).sum::<f64>() / list.len().max(1) as f64).sqrt()
 }

@@ -3,6 +3,7 @@
 use image::GrayImage;
 
 use super::SeenCorner;
+use crate::statistics::upper_median;
 
 /// Edges wider than this are blurred: a corner is then found, but where a moving camera smeared it. Sharp photos measure 3 to 5 px.
 pub(super) const BLURRED_PX: f64 = 9.0;
@@ -16,9 +17,8 @@ const HALF: i64 = 7;
 /// An edge of contrast C and width w, crossing a square of side s, adds s·C²/w to the sum of squared gradients across it, so w follows
 /// from the smaller eigenvalue of the structure tensor (Förstner & Gülch 1987).
 pub(super) fn edge_width_px(grey: &GrayImage, corners: &[SeenCorner]) -> Option<f64> {
-    let mut widths: Vec<f64> = corners.iter().filter_map(|c| width_at(grey, c.px)).collect();
-    widths.sort_by(f64::total_cmp);
-    widths.get(widths.len() / 2).copied()
+    let widths: Vec<f64> = corners.iter().filter_map(|c| width_at(grey, c.px)).collect();
+    upper_median(&widths)
 }
 
 fn width_at(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {

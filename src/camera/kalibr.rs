@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::yaml;
-use super::{Camera, CameraFault, marks};
+use super::{Camera, CameraFault, marks, yaml};
 
 /// One camera of the chain; where it stands in the chain does not matter here.
 #[derive(Deserialize)]

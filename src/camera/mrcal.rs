@@ -5,8 +5,7 @@
 
 use serde::Deserialize;
 
-use super::yaml;
-use super::{Camera, CameraFault, marks};
+use super::{Camera, CameraFault, marks, yaml};
 
 /// The keys we need; where the camera stood and what it was calibrated from are passed over.
 #[derive(Deserialize)]

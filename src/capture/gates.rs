@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::advice::Advice;
 use super::guidance::Guidance;
 use crate::camera::{Camera, SizeError};
-use crate::geometry::Rigid;
+use crate::geometry::{Rigid, distance};
 use crate::locate::{Abstention, Located, LocatedPhoto, locate_luma};
 use crate::scene::{Scene, Tag};
+use crate::statistics::upper_median;
 use crate::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
 /// Standard deviation of blur, px in an image 1280 px long, above which a photo is not sharp; in a larger one as many times more, since
@@ -344,9 +345,8 @@ fn moved_px(last: &[SeenTag], seen: &[SeenTag]) -> Option<f64> {
         let before = last.iter().find(|l| (l.family, l.id) == (tag.family, tag.id))?;
         Some(tag.corners_px.iter().zip(&before.corners_px))
     });
-    let mut ways: Vec<f64> = pairs.flatten().map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).collect();
-    ways.sort_by(f64::total_cmp);
-    ways.get(ways.len() / 2).copied()
+    let ways: Vec<f64> = pairs.flatten().map(|(a, b)| distance(*a, *b)).collect();
+    upper_median(&ways)
 }
 
 /// The nearest other tag that faces a similar way.

@@ -82,7 +82,7 @@ pub(crate) struct Capture {
     variant: String,
     place: String,
     /// Whether frames of a stream are taken by themselves.
-    is_auto: bool,
+    pub is_auto: bool,
     /// The target that the last frames of a stream were fit for, and how many were.
     held: Option<(usize, u32)>,
     camera_settings: Option<CameraSettings>,
@@ -138,13 +138,6 @@ impl Capture {
                 self.guidance.fill(index, &photo);
             }
         }
-    }
-
-    /// Whether frames of a stream are taken by themselves once all gates have held for a moment (they are at first), or only by
-    /// [`Capture::shoot`]. Photos that come one by one are taken either way: somebody took them on purpose.
-    #[cfg(test)]
-    pub(crate) fn set_auto(&mut self, is_auto: bool) {
-        self.is_auto = is_auto;
     }
 
     /// What the camera was set to, for the sidecars of the photos that follow.

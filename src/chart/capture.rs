@@ -4,13 +4,13 @@ use serde::Serialize;
 
 use super::MeasureError;
 use super::locate::detectors;
-use super::timing::fastest;
 use crate::camera::Camera;
 use crate::capture::{Guidance, Judge, Tolerance, viewpoints_of};
 use crate::photo::{Budget, Photo};
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::scene::{Bins, Scene};
 use crate::tags::{CornersBy, TagDetectorChoice};
+use crate::workers::fastest;
 
 /// What a person who moves a camera does not notice yet: the limits of guided capture for the median and for 95 % of the frames, ms.
 pub(crate) const LIMITS_MS: [f64; 2] = [60.0, 120.0];

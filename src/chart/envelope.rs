@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use super::timing::fastest;
 use crate::camera::Camera;
 use crate::envelope::EnvelopeShape;
 use crate::geometry::{BoxPx, Rigid};
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::statistics::median;
+use crate::workers::fastest;
 
 /// A photo with its pose, and the truth about it.
 #[derive(Debug, Clone)]

@@ -4,13 +4,14 @@ use image::GrayImage;
 use serde::Serialize;
 
 use super::MeasureError;
-use super::timing::fastest;
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::scene::{Scene, Viewpoint};
+use crate::statistics::upper_median;
 use crate::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
+use crate::workers::fastest;
 
 /// How much of the camera file's lens model is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -201,12 +202,11 @@ struct Spread {
 }
 
 impl Spread {
-    fn of(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
+    fn of(values: Vec<f64>) -> Self {
         Self {
             count: values.len(),
-            median: values.get(values.len() / 2).copied(),
-            max: values.last().copied(),
+            median: upper_median(&values),
+            max: values.into_iter().max_by(f64::total_cmp),
         }
     }
 }

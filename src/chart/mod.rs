@@ -6,7 +6,6 @@ pub(crate) mod envelope;
 pub(crate) mod locate;
 mod spoil;
 pub(crate) mod stability;
-mod timing;
 mod truth;
 
 use crate::camera::SizeError;

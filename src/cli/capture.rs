@@ -20,6 +20,7 @@ use crate::capture::{
 };
 use crate::page::{CaptureInfo, Page};
 use crate::scene::{Bin, Bins, Scene, Viewpoint};
+use crate::spelling::count;
 use crate::tags::TagDetectorChoice;
 
 /// Guide a photographer round the model: photos of every required view are taken into a session, the others get a sentence of advice.
@@ -292,10 +293,10 @@ fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::
         return Ok(());
     }
     let views = match open == all {
-        true => format!("{} to take; start {}", counted(all), place(&first.viewpoint)),
+        true => format!("{} to take; start {}", count(all, "view"), place(&first.viewpoint)),
         false => format!(
             "{open} of {} still open; go on {}",
-            counted(all),
+            count(all, "view"),
             place(&first.viewpoint)
         ),
     };
@@ -308,10 +309,6 @@ fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::
     };
     writeln!(out, "{views}; {how}")?;
     out.flush()
-}
-
-fn counted(views: usize) -> String {
-    format!("{views} view{}", if views == 1 { "" } else { "s" })
 }
 
 /// Where to stand, as people say it.

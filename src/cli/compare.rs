@@ -5,9 +5,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, Outcome, at_hand, detectors, score as score_command, sessions};
-use crate::files;
-use crate::report;
 use crate::score::{self, ApDefinition, CompareError, Criteria};
+use crate::{files, report};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]

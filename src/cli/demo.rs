@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome, advice, detectors, locate, print, score};
 use crate::detect::{Manifest, Runtime, WeightFolders};
-use crate::files;
 use crate::pattern::Pattern;
 use crate::print::paper::{Orientation, Paper};
 use crate::print::printer::Printer;
 use crate::print::template::{Front, LayoutRequest, TemplateRequest};
-use crate::report;
 use crate::score::{EvaluatedDetector, Options, Scores};
 use crate::session::Session;
+use crate::{files, report};
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.
 ///

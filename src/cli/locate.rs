@@ -19,9 +19,8 @@ use crate::photo::{Photo, PhotoError};
 use crate::scene::{Bin, Scene};
 use crate::score::ScoreError;
 use crate::session::Session;
-use crate::spelling;
 use crate::tags::{StartError, TagDetector, TagDetectorChoice};
-use crate::workers;
+use crate::{spelling, workers};
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
 ///

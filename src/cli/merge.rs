@@ -5,10 +5,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, detectors, score as score_command};
-use crate::files;
-use crate::report;
-use crate::score;
 use crate::score::shard::{self, ShardError};
+use crate::{files, report, score};
 
 /// Put the shards of `score --shard` together: the same files as one run over all photos writes, byte for byte.
 ///

@@ -8,9 +8,8 @@ use serde_json::json;
 
 use super::print::write_json;
 use super::{CommandResult, Outcome, units};
-use crate::files;
 use crate::scene::{Bins, Classes, Envelope, ScaleModel, Scene, TagFamily, TagRing};
-use crate::spelling;
+use crate::{files, spelling};
 
 /// Make scene files
 #[derive(clap::Args)]

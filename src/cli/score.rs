@@ -4,15 +4,12 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::sessions;
-use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress};
+use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress, sessions};
 use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds, chosen_as};
-use crate::files;
-use crate::report;
 use crate::score::shard::{Run, Shard, ShardId};
 use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
 use crate::session::Session;
-use crate::workers;
+use crate::{files, report, workers};
 
 /// Score detectors on photos: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
 ///

@@ -4,6 +4,7 @@ use nalgebra::Matrix3;
 
 use super::ColourChartError;
 use super::layout::{CELL_MM, ChartKind, ChartLayout, FAMILY, PATCH_MM};
+use crate::geometry::distance;
 use crate::geometry::homography::{self, mapped};
 use crate::tags::SeenTag;
 
@@ -126,8 +127,4 @@ fn smallest_patch(chart: &FoundChart) -> f64 {
         across.min(distance(chart.px([x, y - h]), chart.px([x, y + h])))
     };
     corners.into_iter().map(side).fold(f64::INFINITY, f64::min)
-}
-
-fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
-    (ax - bx).hypot(ay - by)
 }

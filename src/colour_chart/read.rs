@@ -77,10 +77,8 @@ pub(crate) fn read(
 }
 
 fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<ChartReading, ColourChartError> {
-    let take = |cell: ChartCell| match sample(rgb, chart, cell) {
-        Some(sample) => Ok((cell, sample)),
-        None => Err(ColourChartError::NoChart),
-    };
+    let sampled = |cell: ChartCell| Some((cell, sample(rgb, chart, cell)?));
+    let take = |cell| sampled(cell).ok_or(ColourChartError::NoChart);
     let whites = chart
         .layout
         .whites

@@ -47,8 +47,7 @@ pub use runtime::DetectError;
 pub(crate) use runtime::{Detector, Runtime};
 pub use speed::Speeds;
 pub(crate) use speed::{Speed, SpeedError};
-pub use weights::WeightFolders;
-pub use weights::WeightsError;
+pub use weights::{WeightFolders, WeightsError};
 
 /// Candidates below this score are dropped; AP needs them down to here.
 pub(crate) const SCORE_FLOOR: f64 = 0.001;

@@ -57,7 +57,8 @@ const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// The loaded ONNX Runtime.
 pub(crate) struct Runtime {
-    environment: Environment,
+    /// The one a process may have.
+    pub environment: Environment,
     /// The library's file name; distributions put the version into it.
     library: String,
 }
@@ -67,12 +68,6 @@ impl Runtime {
     pub(crate) fn load() -> Result<&'static Runtime, DetectError> {
         static RUNTIME: OnceLock<Result<Runtime, DetectError>> = OnceLock::new();
         RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
-    }
-
-    /// The one environment a process may have, for sessions beside the detectors'.
-    #[cfg(test)]
-    pub(crate) fn environment(&self) -> &Environment {
-        &self.environment
     }
 
     /// Version and build of the loaded library, for provenance.
@@ -123,7 +118,8 @@ fn default_library() -> String {
 pub(crate) struct Detector {
     pub manifest: Manifest,
     session: Session,
-    time_limit: Duration,
+    /// For one photo.
+    pub time_limit: Duration,
 }
 
 impl Detector {
@@ -138,12 +134,6 @@ impl Detector {
             session,
             time_limit: TIME_LIMIT,
         })
-    }
-
-    /// The same detector, which is stopped after another time than two minutes a photo.
-    #[cfg(test)]
-    pub(crate) fn with_time_limit(self, time_limit: Duration) -> Detector {
-        Detector { time_limit, ..self }
     }
 
     /// Every detection of a photo above the score floor, best first, at most [`MAX_DETECTIONS`].

@@ -53,6 +53,12 @@ pub(crate) fn shown(value: f64) -> String {
     }
 }
 
+/// A number with up to three decimals and no trailing zeros.
+pub(crate) fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 fn within(what: &str, value: f64, range: RangeInclusive<f64>) -> Result<f64, BadLength> {
     // False for NaN.
     if range.contains(&value) {
@@ -111,5 +117,6 @@ mod tests {
         let plain = [0.0, -118.0, 0.01, 1e6, f64::NAN].map(shown);
         assert_eq!(plain, ["0", "-118", "0.01", "1000000", "NaN"]);
         assert_eq!([1e200, -1e-300].map(shown), ["1e200", "-1e-300"]);
+        assert_eq!([118.0, 7.375, 0.1 + 0.2].map(number), ["118", "7.375", "0.3"]);
     }
 }

@@ -10,3 +10,7 @@ pub(crate) mod rigid;
 pub use bbox::BoxPx;
 pub(crate) use hull::convex_hull;
 pub use rigid::Rigid;
+
+pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}

@@ -1,6 +1,7 @@
 //! Why a photo gets no pose.
 
 use crate::camera::SizeError;
+use crate::spelling::list;
 
 /// Why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -86,8 +87,4 @@ impl Abstention {
             Abstention::WrongCameraSize { .. } => "wrong_camera_size",
         }
     }
-}
-
-fn list(ids: &[u32]) -> String {
-    ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
 }

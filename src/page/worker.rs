@@ -10,10 +10,9 @@ use axum::http::StatusCode;
 use serde::Serialize;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
-use super::PageError;
 use super::dial::DialRings;
 use super::state::{self, CaptureInfo, PageState, ShownFrame};
-use super::upload;
+use super::{PageError, upload};
 use crate::capture::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame};
 use crate::scene::{Bin, Scene};
 

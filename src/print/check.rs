@@ -1,13 +1,12 @@
 //! The page that measures a printer: rulers along both axes, boxes, diagonals, and room to write down.
 
-use super::SheetError;
 use super::date::Date;
 use super::frame::{PageFrame, PageSetup};
 use super::lettering::{CAP_HEIGHT, fitting_size_mm, number, size, wrapped};
 use super::paper::{Paper, Stock};
 use super::printer::{self, Printer};
-use super::ruler;
 use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
+use super::{SheetError, ruler};
 
 /// The square with its diagonals.
 pub(crate) const SQUARE_MM: f64 = 100.0;

@@ -3,12 +3,11 @@
 //! Everything is planned in the millimetres that come out on paper. A printer that stretches is answered last, by
 //! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
 
-use super::SheetError;
 use super::lettering::size;
 use super::paper::Paper;
 use super::printer::Printer;
-use super::ruler;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::{SheetError, ruler};
 use crate::geometry::length;
 
 /// Free strip around the content in which crop marks stand.

@@ -2,6 +2,8 @@
 //!
 //! Every sheet is lettered in DejaVu Sans (`fonts`).
 
+pub(crate) use crate::geometry::length::number;
+
 /// The font's name where it is not embedded (SVG).
 pub(crate) const FAMILY: &str = "DejaVu Sans";
 /// Height of capitals, as a share of the em (its `H` is 1493 of 2048 units high).
@@ -100,17 +102,6 @@ pub(crate) fn fitting_size_mm(text: &str, size_mm: f64, most_mm: f64) -> f64 {
     size_mm.min(size_mm * most_mm / width_mm(text, size_mm).max(f64::MIN_POSITIVE))
 }
 
-/// `1 sheet`, `2 sheets`.
-pub(crate) fn counted(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
-/// A number with up to three decimals and no trailing zeros.
-pub(crate) fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,13 +121,5 @@ mod tests {
     fn lines_break_at_spaces() {
         assert_eq!(wrapped("one two three four", 2.0, 12.0), ["one two", "three four"]);
         assert_eq!(wrapped("unbreakable", 2.0, 1.0), ["unbreakable"]);
-    }
-
-    #[test]
-    fn numbers_are_plain() {
-        assert_eq!(
-            [number(118.0), number(7.375), number(0.1 + 0.2)],
-            ["118", "7.375", "0.3"]
-        );
     }
 }

@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
-use super::SheetError;
-use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::template::{TemplateError, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
+use super::{SheetError, printer};
 use crate::files;
 use crate::geometry::length::{self, BadLength, shown};
 use crate::pattern::world_aligned::Side;

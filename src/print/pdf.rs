@@ -14,9 +14,8 @@ use printpdf::{
     WindingOrder, XObject, XObjectId, XObjectTransform,
 };
 
-use super::SheetError;
-use super::lettering;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor};
+use super::{SheetError, lettering};
 use crate::files;
 
 /// Writes the sheets as the pages of one PDF.

@@ -18,12 +18,8 @@ pub(crate) fn horizontal(origin: PointMm) -> Vec<Mark> {
     let (x, y) = (origin.x_mm, origin.y_mm);
     let label_y = y - LONGEST_TICK_MM - LABEL_GAP_MM - CAP_HEIGHT * LABEL_MM;
     let mut marks = vec![Mark::line((x, y), (x + LENGTH_MM, y), LINE_MM)];
-    for (at, tick) in ticks() {
-        marks.push(Mark::line((x + at, y), (x + at, y - tick), LINE_MM));
-    }
-    for (at, label) in labels() {
-        marks.push(Mark::text((x + at, label_y), LABEL_MM, TextAnchor::Centre, label));
-    }
+    marks.extend(ticks().map(|(at, tick)| Mark::line((x + at, y), (x + at, y - tick), LINE_MM)));
+    marks.extend(labels().map(|(at, label)| Mark::text((x + at, label_y), LABEL_MM, TextAnchor::Centre, label)));
     marks
 }
 
@@ -32,9 +28,7 @@ pub(crate) fn vertical(origin: PointMm) -> Vec<Mark> {
     let (x, y) = (origin.x_mm, origin.y_mm);
     let label_x = x - LONGEST_TICK_MM - LABEL_GAP_MM;
     let mut marks = vec![Mark::line((x, y), (x, y + LENGTH_MM), LINE_MM)];
-    for (at, tick) in ticks() {
-        marks.push(Mark::line((x, y + at), (x - tick, y + at), LINE_MM));
-    }
+    marks.extend(ticks().map(|(at, tick)| Mark::line((x, y + at), (x - tick, y + at), LINE_MM)));
     for (at, label) in labels() {
         let baseline = y + at - 0.5 * CAP_HEIGHT * LABEL_MM;
         marks.push(Mark::text((label_x, baseline), LABEL_MM, TextAnchor::Right, label));

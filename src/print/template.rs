@@ -9,14 +9,12 @@ use std::sync::Arc;
 
 pub(crate) use furniture::{Captions, around, guides, rulers};
 pub use layout::LayoutRequest;
-pub(crate) use layout::letters;
-pub(crate) use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout};
+pub(crate) use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
 
-use super::SheetError;
 use super::date::Date;
 use super::lettering::number;
-use super::printer;
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::{SheetError, printer};
 use crate::geometry::length::{SCALES, shown};
 use crate::pattern::Pattern;
 

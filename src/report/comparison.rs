@@ -8,9 +8,8 @@ use serde::Serialize;
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
 use super::{ReportError, counted, latex, p_value};
-use crate::files;
 use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, NotScored, Scores};
-use crate::spelling;
+use crate::{files, spelling};
 
 #[derive(Serialize)]
 struct Page<'a> {

@@ -24,11 +24,10 @@ pub use crate::ap::ApDefinition;
 pub(crate) use crate::ap::average_precision;
 pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 pub use cache::Cache;
-pub use compare::CompareError;
 #[cfg(test)]
 pub(crate) use compare::power;
+pub use compare::{CompareError, Comparison, compare};
 pub(crate) use compare::{Compared, Difference, Finding, compare_with, pairs_needed};
-pub use compare::{Comparison, compare};
 pub use criteria::Criteria;
 pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};

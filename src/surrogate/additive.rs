@@ -20,7 +20,7 @@ type Files = Vec<(PathBuf, Vec<u8>)>;
 #[derive(Debug, Clone)]
 pub(crate) struct Additive {
     /// Reflectance of each image's colour.
-    colours: Vec<[f64; 3]>,
+    pub colours: Vec<[f64; 3]>,
     images: Vec<Vec<[f32; 3]>>,
 }
 
@@ -75,12 +75,6 @@ impl Additive {
             images: self.images.iter().map(|image| map(image)).collect(),
             colours: self.colours,
         }
-    }
-
-    /// Colours it is made of.
-    #[cfg(test)]
-    pub(crate) fn len(&self) -> usize {
-        self.colours.len()
     }
 
     /// The view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.

@@ -1,7 +1,5 @@
 //! Surrogate renderers against each other on the same frames: error in colours none of them has seen, against milliseconds.
 
-use std::time::Instant;
-
 use image::RgbImage;
 use serde::Serialize;
 
@@ -9,6 +7,7 @@ use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, NotComputed, PerPixel, Renderer};
+use crate::workers::fastest;
 
 /// Why there is no chart.
 #[derive(Debug, thiserror::Error)]
@@ -298,17 +297,6 @@ fn add(method: &Method, view: &View, sums: &mut Sums) -> Result<(), SurrogateCha
         }
     }
     Ok(())
-}
-
-/// The result of some work, and the milliseconds the fastest of three runs took: what else the machine does only ever adds.
-fn fastest<R>(work: impl Fn() -> R) -> (R, f64) {
-    let run = || {
-        let start = Instant::now();
-        let result = work();
-        (result, start.elapsed().as_secs_f64() * 1e3)
-    };
-    let (result, first) = run();
-    (result, first.min(run().1).min(run().1))
 }
 
 /// Mean squared error over the pixels the paint covers by half or more (`None` without such pixels), and over all.

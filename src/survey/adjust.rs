@@ -92,7 +92,7 @@ pub(super) fn covariances(net: &TagNetwork, poses: &Poses, camera: &Camera) -> O
         camera,
     };
     let normal = NetworkEquations::at(problem, poses.clone());
-    let inverse = Cholesky::new(normal.reduced(0.0)?.matrix)?.inverse();
+    let inverse = Cholesky::new(normal.reduced(0.0)?.0)?.inverse();
     let block = |slot: &Option<usize>| slot.map(|s| inverse.fixed_view::<6, 6>(6 * s, 6 * s).into_owned());
     Some(normal.slots.tags.iter().map(block).collect())
 }
@@ -154,12 +154,8 @@ struct NetworkEquations<'a> {
     photo_gradient: Vec<Vector6<f64>>,
 }
 
-/// The tags' own system, and the inverses of the photos' blocks that led to it.
-struct Reduced {
-    matrix: DMatrix<f64>,
-    right: DVector<f64>,
-    inverses: Vec<Matrix6<f64>>,
-}
+/// The tags' own system (matrix and right side), and the inverses of the photos' blocks that led to it.
+type Reduced = (DMatrix<f64>, DVector<f64>, Vec<Matrix6<f64>>);
 
 struct Step {
     tags: DVector<f64>,
@@ -242,19 +238,11 @@ impl<'a> NetworkEquations<'a> {
             }
             inverses.push(inverse);
         }
-        Some(Reduced {
-            matrix,
-            right,
-            inverses,
-        })
+        Some((matrix, right, inverses))
     }
 
     fn step(&self, damping: f64) -> Option<Step> {
-        let Reduced {
-            matrix,
-            right,
-            inverses,
-        } = self.reduced(damping)?;
+        let (matrix, right, inverses) = self.reduced(damping)?;
         let tags = if right.is_empty() {
             right
         } else {

@@ -1,5 +1,7 @@
 //! Why there is no survey, or a tag is not in it: sentences that a photographer can act on.
 
+use crate::spelling::list;
+
 /// Why there is no survey at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -105,10 +107,6 @@ impl std::fmt::Display for LeftOutReason {
             ),
         }
     }
-}
-
-fn list(ids: &[u32]) -> String {
-    ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
 }
 
 fn groups(all: &[Vec<u32>]) -> String {

@@ -3,7 +3,7 @@
 use apriltag::{Detection, Detector, DetectorBuilder, Family, Image};
 use image::GrayImage;
 
-use super::search::{Found, Search, within_bounds};
+use super::search::{Found, Search};
 use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
@@ -32,12 +32,6 @@ impl AprilTagC {
 
 impl Search for AprilTagC {
     /// Ghosts are left out.
-    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
-        within_bounds(grey, |grey| self.search_all(grey))
-    }
-}
-
-impl AprilTagC {
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let Some(image) = c_image(grey) else { return Vec::new() };
         let mut found = Vec::new();

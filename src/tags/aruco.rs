@@ -4,7 +4,7 @@ use image::GrayImage;
 use opencv::core::Mat;
 
 use super::opencv_markers::{MarkerSearch, SeenMarker};
-use super::search::{Found, Search, within_bounds};
+use super::search::{Found, Search};
 use super::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
@@ -42,13 +42,7 @@ impl TagDetector for ArucoOpenCv {
 }
 
 impl Search for ArucoOpenCv {
-    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
-        within_bounds(grey, |grey| self.search_all(grey))
-    }
-}
-
-impl ArucoOpenCv {
-    fn search_all(&self, grey: &GrayImage) -> Vec<Found> {
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
         for (family, search) in &self.searches {
             // An exception of OpenCV is an image it finds nothing in.

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::TagDetector;
 use super::fit::WithFittedCorners;
 use super::search::Search;
-use super::{TagDetector, rivals};
 use crate::scene::TagFamily;
 use crate::spelling;
 
@@ -125,8 +125,10 @@ impl TagDetectorChoice {
     pub fn reads(self, family: TagFamily) -> bool {
         match self {
             TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
-            TagDetectorChoice::Aruco(..) => rivals::aruco_reads(family),
-            TagDetectorChoice::Locus(_) => rivals::locus_reads(family),
+            TagDetectorChoice::Aruco(..) => {
+                matches!(family, TagFamily::Tag16h5 | TagFamily::Tag25h9 | TagFamily::Tag36h11)
+            }
+            TagDetectorChoice::Locus(_) => matches!(family, TagFamily::Tag16h5 | TagFamily::Tag36h11),
         }
     }
 

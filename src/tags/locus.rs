@@ -3,7 +3,7 @@
 use image::GrayImage;
 use locus_core::{DetectorBuilder, DetectorConfig, ImageView, TagFamily as LocusFamily};
 
-use super::search::{Found, Search, within_bounds};
+use super::search::{Found, Search};
 use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
@@ -43,12 +43,6 @@ impl TagDetector for Locus {
 }
 
 impl Search for Locus {
-    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
-        within_bounds(grey, |grey| self.search_all(grey))
-    }
-}
-
-impl Locus {
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let (width, height) = (grey.width() as usize, grey.height() as usize);
         let Ok(view) = ImageView::new(grey.as_raw(), width, height, width) else {

@@ -37,8 +37,7 @@ pub(crate) use aruco::ArucoOpenCv;
 #[cfg(feature = "full")]
 pub(crate) use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
 pub(crate) use choice::ArucoRefiner;
-pub use choice::StartError;
-pub use choice::{CornersBy, TagDetectorChoice};
+pub use choice::{CornersBy, StartError, TagDetectorChoice};
 pub(crate) use coarse_to_fine::CoarseToFine;
 #[cfg(feature = "full")]
 pub(crate) use locus::Locus;

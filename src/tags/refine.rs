@@ -9,6 +9,7 @@ use image::GrayImage;
 
 use super::TagHomography;
 use super::edge::{self, Edge, EdgePixel};
+use crate::geometry::distance;
 
 /// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
 const REACH_PX: f64 = 64.0;
@@ -218,10 +219,6 @@ impl EdgeSegment {
         }
         Some(samples)
     }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 fn shortest_side(corners: &[[f64; 2]; 4]) -> f64 {

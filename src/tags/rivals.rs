@@ -1,20 +1,9 @@
 //! The tag detectors that are there for comparison, and what they need OpenCV and locus-core for: the feature `full` has them.
 
-use crate::scene::TagFamily;
-
-/// OpenCV and locus-core know these codes of the AprilTag families.
-pub(super) fn aruco_reads(family: TagFamily) -> bool {
-    matches!(family, TagFamily::Tag16h5 | TagFamily::Tag25h9 | TagFamily::Tag36h11)
-}
-
-pub(super) fn locus_reads(family: TagFamily) -> bool {
-    matches!(family, TagFamily::Tag16h5 | TagFamily::Tag36h11)
-}
-
 #[cfg(feature = "full")]
 mod built {
     use super::super::{ArucoOpenCv, ArucoRefiner, CornersBy, Locus, StartError, TagDetector};
-    use super::TagFamily;
+    use crate::scene::TagFamily;
 
     pub(in super::super) fn aruco(
         families: &[TagFamily],
@@ -37,7 +26,7 @@ mod built {
 #[cfg(not(feature = "full"))]
 mod built {
     use super::super::{ArucoRefiner, CornersBy, StartError, TagDetector, TagDetectorChoice};
-    use super::TagFamily;
+    use crate::scene::TagFamily;
 
     pub(in super::super) fn aruco(
         _: &[TagFamily],

@@ -22,8 +22,13 @@ impl Found {
 
 /// A library that finds tags.
 pub(super) trait Search {
+    /// Every tag of the library's families in an image that the library can search.
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found>;
+
     /// Every tag of the library's families, in any order.
-    fn search(&mut self, grey: &GrayImage) -> Vec<Found>;
+    fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
+        within_bounds(grey, |grey| self.search_all(grey))
+    }
 }
 
 /// No tag of any family fits a smaller image: the least has 6 modules across, its white ring 8, and libraries need some 2 px for each. Their
@@ -35,7 +40,7 @@ const LEAST_SIDE_PX: u32 = 16;
 const MOST_SEARCHED_PX: u64 = 34_000_000;
 
 /// Searches what a library can search: nothing in a tiny image, a huge one reduced.
-pub(super) fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
+fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
     match grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
         true => Vec::new(),

@@ -20,7 +20,7 @@ impl TagImage {
         let c = CFamily::new(family)?;
         let drawn = c.modules(id)?;
         // The Standard families have bits outside their border, up to the image's edge; the white ring is ours to add.
-        let modules = if c.bits_reach_the_edge() {
+        let modules = if c.raw().reversed_border {
             drawn.framed(1, false)
         } else {
             drawn
@@ -81,10 +81,6 @@ impl CFamily {
 
     fn width_at_border(&self) -> usize {
         usize::try_from(self.raw().width_at_border).unwrap_or_default()
-    }
-
-    fn bits_reach_the_edge(&self) -> bool {
-        self.raw().reversed_border
     }
 
     /// The library's image of a tag.

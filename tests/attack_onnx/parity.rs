@@ -57,7 +57,7 @@ pub fn by_onnx_runtime(session: &mut Session, shape: &[usize], numbers: &[f32]) 
 }
 
 pub fn session(bytes: &[u8]) -> Session {
-    Session::builder(Runtime::load().unwrap().environment())
+    Session::builder(&Runtime::load().unwrap().environment)
         .unwrap()
         .commit_from_memory(bytes)
         .unwrap()
@@ -65,7 +65,7 @@ pub fn session(bytes: &[u8]) -> Session {
 
 /// Node by node, without the fusions that change where it rounds.
 pub fn as_written(bytes: &[u8]) -> Session {
-    Session::builder(Runtime::load().unwrap().environment())
+    Session::builder(&Runtime::load().unwrap().environment)
         .unwrap()
         .with_optimization_level(GraphOptimizationLevel::Disable)
         .unwrap()

@@ -217,7 +217,7 @@ fn answered(network: &[u8], head: &str, time_limit: Option<Duration>) -> Result<
     let manifest = Manifest::parse(&manifest(&weights, head), "made.toml").unwrap();
     let mut detector = Detector::open(Runtime::load().unwrap(), &manifest, &path).unwrap();
     if let Some(limit) = time_limit {
-        detector = detector.with_time_limit(limit);
+        detector.time_limit = limit;
     }
     detector.detect(&RgbImage::new(64, 64))
 }

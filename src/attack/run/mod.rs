@@ -384,11 +384,10 @@ pub(crate) fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>)
 fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
     let palette = srgb(&config.palette.rgb);
     let on_palette = |cell: &Rgb| penalty::nearest(*cell, &palette).unwrap_or(*cell);
-    cells.iter().map(|cell| on_palette(cell).map(eight_bits)).collect()
-}
-
-fn eight_bits(v: f64) -> f64 {
-    (255.0 * v).round() / 255.0
+    cells
+        .iter()
+        .map(|cell| on_palette(cell).map(|v| (255.0 * v).round() / 255.0))
+        .collect()
 }
 
 /// Views of a step: every view comes once before any comes again, in an order drawn anew each time.

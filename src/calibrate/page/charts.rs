@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use crate::calibrate::{COVERAGE, Calibration};
 use crate::geometry::convex_hull;
+use crate::statistics::upper_median;
 
 const DOT: &str = "#c62f3b";
 
@@ -34,14 +35,13 @@ pub(super) fn coverage(found: &Calibration) -> Markup {
 /// Seen minus projected, enlarged.
 pub(super) fn residuals(found: &Calibration) -> Markup {
     let (w, _) = size(found);
-    let mut lengths: Vec<f64> = found
+    let lengths: Vec<f64> = found
         .photos
         .iter()
         .flat_map(|p| &p.residuals_px)
         .map(|[x, y]| x.hypot(*y))
         .collect();
-    lengths.sort_by(f64::total_cmp);
-    let usual = lengths.get(lengths.len() / 2).copied().unwrap_or(1.0).max(1e-6);
+    let usual = upper_median(&lengths).unwrap_or(1.0).max(1e-6);
     let times = round_to_one_digit(w / 45.0 / usual);
     let body = html! {
         @for photo in &found.photos {

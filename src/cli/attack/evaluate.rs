@@ -11,13 +11,12 @@ use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
 use crate::detect::Manifest;
-use crate::files;
 use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;
-use crate::report;
 use crate::scene::Classes;
 use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with, evaluated_detectors};
 use crate::session::Session;
+use crate::{files, report};
 
 /// Judge patterns on the model: render them anew at the paper's viewpoints under other lights, and score the detectors on the photos
 ///

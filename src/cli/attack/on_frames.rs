@@ -20,8 +20,8 @@ use crate::cli::detectors::Folder;
 use crate::files;
 use crate::frames::{FrameSet, views};
 use crate::pattern::{MAX_CELLS, Pattern};
-use crate::print::lettering::counted;
 use crate::scene::Classes;
+use crate::spelling::count;
 use crate::whitebox::WhiteBox;
 #[cfg(feature = "attack")]
 use crate::whitebox::detector::OnnxDetector;
@@ -148,8 +148,8 @@ pub(super) fn say_figures(
             figures.ap50,
             figures.hit_rate,
             figures.mean_confidence,
-            counted(figures.views, "view"),
-            counted(entry.queries as usize, "image"),
+            count(figures.views, "view"),
+            count(entry.queries as usize, "image"),
             entry.wall_s
         )?;
     }
@@ -157,7 +157,7 @@ pub(super) fn say_figures(
         writeln!(
             out,
             "left out, as the model's paint is not seen: {}",
-            counted(setup.view_set.unseen, "view")
+            count(setup.view_set.unseen, "view")
         )?;
     }
     Ok(())

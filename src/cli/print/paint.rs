@@ -10,10 +10,10 @@ use super::{CommandResult, Outcome, write_files, write_json};
 use crate::cli::progress;
 use crate::pattern::Pattern;
 use crate::pattern::palette::{Paint, Painted, Palette, PaletteError};
-use crate::print::lettering::counted;
 use crate::print::output::SheetOutput;
 use crate::print::paint::{PaintArea, PaintError, PaintRequest, PaintSheets, paint_sheets};
 use crate::print::template::TemplateRequest;
+use crate::spelling::count;
 
 #[derive(clap::Args)]
 pub(crate) struct PaintArgs {
@@ -22,7 +22,7 @@ pub(crate) struct PaintArgs {
     paints: Option<i64>,
     /// The same, with the nearest paints of a palette file: [[paint]] tables with name and rgb
     #[arg(long, value_name = "TOML", group = "paint")]
-    palette: Option<PathBuf>,
+    pub palette: Option<PathBuf>,
     /// With paints: the least width of a stencil's bridges and openings, in mm
     #[arg(
         long,
@@ -62,10 +62,6 @@ impl PaintArgs {
             min_feature_mm: self.min_feature_mm,
             mirror: self.mirror,
         }))
-    }
-
-    pub(crate) fn palette_file(&self) -> Option<&Path> {
-        self.palette.as_deref()
     }
 }
 
@@ -138,8 +134,8 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
         out,
         "{}: {paints} paints, {} to paint by number, {}; print at 100 %",
         file.display(),
-        counted(sheets, "sheet"),
-        counted(made.stencils(), "stencil")
+        count(sheets, "sheet"),
+        count(made.stencils(), "stencil")
     )?;
     let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
         let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);

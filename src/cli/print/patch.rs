@@ -10,9 +10,9 @@ use super::wrap::{ModelArgs, SheetArgs};
 use super::{CommandResult, Outcome, value_names, write_files, write_json};
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
-use crate::print::lettering::counted;
 use crate::print::patch::{PanelPatch, PatchImage, patches};
 use crate::print::{paper, wrap};
+use crate::spelling::count;
 
 #[derive(clap::Args)]
 pub(crate) struct PatchArgs {
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
         out,
         "{}: {} of panels and patches; print at 100 %",
         files[0].0.display(),
-        counted(made.pages.len(), "page")
+        count(made.pages.len(), "page")
     )?;
     Ok(Outcome::Done)
 }

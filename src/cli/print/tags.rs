@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 
 use super::{CutSheetArgs, NewFile, write_files};
 use crate::cli::{CommandResult, Outcome};
-use crate::print::lettering::counted;
 use crate::print::tags::{Ground, Instead, TagNote, TagPrintError, TagRequest, TagSheets, tag_sheets};
 use crate::scene::Scene;
+use crate::spelling::count;
 
 #[derive(clap::Args)]
 pub(crate) struct TagsArgs {
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
         writeln!(out, "{}", json(&made, &files))?;
         return Ok(Outcome::Done);
     }
-    let sheets = counted(made.sheets.len(), "sheet");
+    let sheets = count(made.sheets.len(), "sheet");
     let contents = made.contents.join(", ");
     writeln!(out, "{}: {sheets}: {contents}; print at 100 %", files[0].0.display())?;
     for note in &made.notes {

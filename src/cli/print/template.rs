@@ -75,7 +75,7 @@ pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
         let inputs = [
             Some(&*args.pattern),
             args.paper.printer.as_deref(),
-            args.paint.palette_file(),
+            args.paint.palette.as_deref(),
         ];
         paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
     } else {

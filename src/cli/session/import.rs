@@ -5,9 +5,8 @@ use std::path::PathBuf;
 
 use super::{by_variant, in_words};
 use crate::cli::{CommandResult, Outcome};
-use crate::files;
 use crate::session::import::{self, ImportRequest};
-use crate::spelling;
+use crate::{files, spelling};
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]

@@ -73,9 +73,6 @@ fn folders(args: &Args) -> Result<Vec<PhotoFolder>, Box<dyn std::error::Error>> 
             None => "no photos are named: add VARIANT=FOLDER for each texture, as in normal=monday".into(),
         });
     }
-    let mut folders = Vec::new();
-    for given in &args.photos {
-        folders.push(pair(given)?.ok_or_else(|| not_alone(given))?);
-    }
-    Ok(folders)
+    let named = |given: &PathBuf| Ok(pair(given)?.ok_or_else(|| not_alone(given))?);
+    args.photos.iter().map(named).collect()
 }

@@ -12,8 +12,7 @@ use crate::detect::{Manifest, Recorded, Recording};
 use crate::photo::Photo;
 use crate::score::EvaluatedDetector;
 use crate::session::{Contents, Look, PhotoEntry, Session};
-use crate::spelling;
-use crate::workers;
+use crate::{spelling, workers};
 
 /// So many groups of photos are listed; the rest is counted.
 const MOST_GROUPS: usize = 16;

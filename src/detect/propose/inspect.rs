@@ -141,10 +141,6 @@ impl Port {
             _ => None,
         }
     }
-
-    fn is_photo_size(&self) -> bool {
-        self.element == Some(TensorElementType::Int64) && matches!(self.shape[..], [1 | -1, 2])
-    }
 }
 
 fn listed(ports: &[Port]) -> String {
@@ -180,9 +176,11 @@ impl Asked {
             Some(TensorElementType::Uint8) => Values::U8,
             _ => return Err(ProposeError::OtherNumbers { inputs: all }),
         };
+        let is_photo_size =
+            |port: &Port| port.element == Some(TensorElementType::Int64) && matches!(port.shape[..], [1 | -1, 2]);
         let takes_photo_size = match inputs {
             [_] => false,
-            [first, size] if first.image().is_some() && size.is_photo_size() => true,
+            [first, size] if first.image().is_some() && is_photo_size(size) => true,
             _ => return Err(ProposeError::OtherInputs { inputs: all }),
         };
         let (batch, sides) = match (layout, &port.shape[..]) {

@@ -13,12 +13,11 @@ mod stencil_sheet;
 
 pub(crate) use stencil::{NoStencil, Rules, Stencil, stencil};
 
-use super::SheetError;
 use super::lettering::number;
-use super::printer;
 use super::sheet::Sheet;
 use super::template::cover::cover;
 use super::template::{Captions, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm};
+use super::{SheetError, printer};
 use crate::geometry::length::shown;
 use crate::pattern::Pattern;
 use crate::pattern::palette::Painted;

@@ -4,11 +4,10 @@
 
 use super::arrange::Arrangement;
 use super::mat::Mat;
-use super::piece;
 use super::seams::SeamAxis;
 use super::strip::{PlaceStrip, Standing};
 use super::window::{bounds, union, within};
-use super::{TagPrintError, TagRequest};
+use super::{TagPrintError, TagRequest, piece};
 use crate::print::SheetError;
 use crate::print::page::{FreePage, Media};
 use crate::print::paper::Stock;

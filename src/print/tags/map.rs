@@ -5,7 +5,7 @@ use super::mat::GREY;
 use super::piece::PiecePage;
 use super::window::{GroundWindow, bounds, union};
 use super::{Arrangement, TagPrintError, captions};
-use crate::print::lettering::{CAP_HEIGHT, counted, fitting_size_mm, printable};
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use crate::print::page::{FreePage, Media};
 use crate::print::paper::Orientation;
 use crate::print::shapes::{OutlineMm, stroked};
@@ -13,6 +13,7 @@ use crate::print::sheet::{BLACK, Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Text
 use crate::print::template::cover::{CHECK_MM, scale_check, steps};
 use crate::print::template::layout::ROLL_COVER_MM;
 use crate::scene::Scene;
+use crate::spelling::count;
 
 const TITLE_MM: f64 = 5.0;
 const GAP_MM: f64 = 4.0;
@@ -111,7 +112,7 @@ impl TagMap<'_> {
         let mut steps = vec![
             format!(
                 "Print all {} at 100 %, without fit to page: this map, {}.",
-                counted(all, "sheet"),
+                count(all, "sheet"),
                 named.join(", ")
             ),
             "Measure both rulers below with a steel ruler before you cut anything.".to_owned(),
@@ -196,7 +197,8 @@ impl TagMap<'_> {
 
     /// Model, tags, tent cards and strips.
     fn things(&self, ground: &Ground, window: &GroundWindow, strips: &[OutlineMm]) -> Vec<Mark> {
-        let mut marks = vec![area(window_all(window, &ground.mat.model), GREY)];
+        let model = ground.mat.model.iter().map(|outline| window.outline(outline));
+        let mut marks = vec![area(model.collect(), GREY)];
         let mut named = |outline: &OutlineMm, colour: Srgb8, name: String| {
             let outline = window.outline(outline);
             let around = bounds(&outline);
@@ -276,10 +278,6 @@ fn small(page: &PiecePage, cell: RectMm) -> Vec<Mark> {
         marks.push(Mark::text(middle, size_mm, TextAnchor::Centre, name.clone()));
     }
     marks
-}
-
-fn window_all(window: &GroundWindow, outlines: &[OutlineMm]) -> Vec<OutlineMm> {
-    outlines.iter().map(|outline| window.outline(outline)).collect()
 }
 
 fn area(outlines: Vec<OutlineMm>, colour: Srgb8) -> Mark {

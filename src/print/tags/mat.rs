@@ -73,7 +73,8 @@ impl Mat {
         for tag in &arrangement.flat {
             mat.add_flat_tag(tag)?;
         }
-        mat.core = grown(mat.drawn_on(), BORDER_MM);
+        let drawn_on = bounds(mat.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten()));
+        mat.core = grown(drawn_on, BORDER_MM);
         for (i, tent) in arrangement.tents.iter().enumerate() {
             mat.add_tent(i + 1, tent);
         }
@@ -164,11 +165,6 @@ impl Mat {
     fn label(&mut self, (x, y): (f64, f64), size_mm: f64, text: String) {
         let at = PointMm::new(x, y - 0.5 * CAP_HEIGHT * size_mm);
         self.labels.push(Label { at, size_mm, text });
-    }
-
-    /// The rectangle around all shapes.
-    fn drawn_on(&self) -> RectMm {
-        bounds(self.shapes.iter().flat_map(|shape| shape.outlines.iter().flatten()))
     }
 
     /// The ground with all tent cards.

@@ -23,10 +23,11 @@ pub(crate) use ground::Ground;
 use std::fmt;
 
 use super::SheetError;
-use super::lettering::{counted, number};
+use super::lettering::number;
 use super::page::Media;
 use super::sheet::{RectMm, Sheet};
 use crate::scene::{Scene, Tag, TagFamily};
+use crate::spelling::count;
 use crate::tags::TagImage;
 
 /// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
@@ -250,18 +251,18 @@ fn contents(arrangement: &Arrangement, ground: Option<&Ground>, plans: usize, ca
     let kinds: Vec<_> = kinds
         .into_iter()
         .filter(|(n, _)| *n > 0)
-        .map(|(n, what)| counted(n, what))
+        .map(|(n, what)| count(n, what))
         .collect();
     let mut contents = vec!["a map".to_owned()];
     if plans > 0 {
-        contents.push(format!("a floor plan on {}", counted(plans, "sheet")));
+        contents.push(format!("a floor plan on {}", count(plans, "sheet")));
     }
     if cards > 0 {
-        contents.push(format!("{} on {}", kinds.join(" and "), counted(cards, "sheet")));
+        contents.push(format!("{} on {}", kinds.join(" and "), count(cards, "sheet")));
     }
     if let Some(ground) = ground {
         let (wide, high) = (ground.paper.width_mm(), ground.paper.height_mm());
-        let sheets = counted(ground.layout.sheets.len(), "sheet");
+        let sheets = count(ground.layout.sheets.len(), "sheet");
         contents.push(format!("a ground mat of {wide:.0} × {high:.0} mm on {sheets}"));
     }
     contents

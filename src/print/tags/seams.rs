@@ -97,14 +97,14 @@ impl SeamAxis {
     }
 
     fn cost(&self, seam: f64, even: f64) -> f64 {
-        let cut = self.keep.iter().filter(|span| runs_through(seam, span)).count();
+        let cut = self
+            .keep
+            .iter()
+            .filter(|(low, high)| seam > *low && seam < *high)
+            .count();
         let clear = clearance(seam, &self.keep).min(CLEAR_MM);
         TAG_WEIGHT * cut as f64 + CLEAR_WEIGHT * (CLEAR_MM - clear) + (seam - even).abs()
     }
-}
-
-fn runs_through(seam: f64, (low, high): &(f64, f64)) -> bool {
-    seam > *low && seam < *high
 }
 
 /// From a seam to the nearest span; 0 within one.

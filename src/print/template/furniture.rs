@@ -109,14 +109,12 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
     };
     let mut marks = Vec::new();
     for x in [trim.left_mm, trim.right_mm] {
-        for (from, to) in spans(printed.bottom_mm, printed.top_mm) {
-            marks.push(Mark::line((x, from), (x, to), CROP_LINE_MM));
-        }
+        let both = spans(printed.bottom_mm, printed.top_mm);
+        marks.extend(both.map(|(from, to)| Mark::line((x, from), (x, to), CROP_LINE_MM)));
     }
     for y in [trim.bottom_mm, trim.top_mm] {
-        for (from, to) in spans(printed.left_mm, printed.right_mm) {
-            marks.push(Mark::line((from, y), (to, y), CROP_LINE_MM));
-        }
+        let both = spans(printed.left_mm, printed.right_mm);
+        marks.extend(both.map(|(from, to)| Mark::line((from, y), (to, y), CROP_LINE_MM)));
     }
     marks
 }

@@ -5,11 +5,10 @@ use super::seams::PanelSeams;
 use super::{Panel, Point, Region, Strip, Wrap, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
-use crate::print::SheetError;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
-use crate::print::printer;
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{cover, furniture, layout};
+use crate::print::{SheetError, printer};
 
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.5;

@@ -8,11 +8,10 @@ use super::{
 };
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
-use crate::print::SheetError;
 use crate::print::lettering::CAP_HEIGHT;
-use crate::print::printer;
 use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout};
+use crate::print::{SheetError, printer};
 
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;

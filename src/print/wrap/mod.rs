@@ -27,7 +27,7 @@ pub(crate) use unroll::{Kept, Strip, Unrolling};
 
 use super::SheetError;
 use super::date::Date;
-use super::lettering::{counted, number};
+use super::lettering::number;
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
 use super::sheet::Sheet;
@@ -36,6 +36,7 @@ use crate::geometry::length::shown;
 use crate::mesh::Mesh;
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
+use crate::spelling::count;
 
 /// How far the pattern runs on beyond a panel's outline.
 pub(crate) const BLEED_MM: f64 = 2.0;
@@ -216,7 +217,7 @@ impl Wrap {
         let cm2 = |mm2: f64| format!("{:.1} cm²", mm2 / 100.0);
         let mut facts: Vec<String> = Vec::new();
         for SpreadPanel { panel, layout, .. } in &self.pieces {
-            let sheets = counted(layout.sheets.len(), "sheet");
+            let sheets = count(layout.sheets.len(), "sheet");
             let hidden = match panel.hidden_mm2() {
                 mm2 if mm2 < 1.0 => String::new(),
                 mm2 => format!(", {mm2:.0} mm² lie behind it and are printed with it"),

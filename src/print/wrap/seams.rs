@@ -6,6 +6,7 @@ use nalgebra::Point3;
 
 use super::panel::{PaintedSurface, Panel, corner_of};
 use super::region::{Point, Region};
+use crate::geometry::distance;
 use crate::pattern::world_aligned::Side;
 
 /// Shorter seams find their place by themselves.
@@ -138,7 +139,7 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
     let mut best: Option<(f64, Point, Point)> = None;
     for ends in &seam.edges {
         let [a, b] = ends.map(|p| side.project(&p));
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length = distance(a, b);
         if length < 1e-6 {
             continue;
         }
@@ -147,7 +148,7 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Poin
         for step in 0..steps {
             let share = (step as f64 + 0.5) / steps as f64;
             let p = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
-            let off_middle = (p[0] - middle[0]).hypot(p[1] - middle[1]);
+            let off_middle = distance(p, middle);
             if best.as_ref().is_some_and(|(found, ..)| *found <= off_middle) || region.distance_mm(p) < -0.1 {
                 continue;
             }
@@ -166,9 +167,7 @@ fn free(p: Point, direction: Point, grown: &Region, taken: &[Point]) -> Option<P
     let outwards = (0..=12).map(|step| f64::from(step) / 12.0 * (CLEAR_MM + FARTHEST_MM));
     let places = outwards.map(|mm| [p[0] + mm * direction[0], p[1] + mm * direction[1]]);
     let mut clear = places.filter(|at| {
-        let alone = taken
-            .iter()
-            .all(|t| (t[0] - at[0]).hypot(t[1] - at[1]) > 2.0 * CLEAR_MM);
+        let alone = taken.iter().all(|t| distance(*t, *at) > 2.0 * CLEAR_MM);
         alone && grown.distance_mm(*at) >= CLEAR_MM
     });
     clear.next()

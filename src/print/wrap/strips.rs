@@ -9,14 +9,13 @@ use super::unroll::{Kept, LEAST_MM2, Strip, Unrolled, Unrolling, unroll};
 use super::{BLEED_MM, PaintedSurface, Wrap, WrapError, WrapRequest};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::{Side, WorldAligned};
-use crate::print::SheetError;
 use crate::print::frame::{PageFrame, PageSetup};
-use crate::print::lettering::{counted, wrapped};
-use crate::print::pack;
+use crate::print::lettering::wrapped;
 use crate::print::paper::{Paper, Stock};
-use crate::print::printer;
 use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
 use crate::print::template::furniture;
+use crate::print::{SheetError, pack, printer};
+use crate::spelling::count;
 
 /// Around a strip on its page.
 const ROOM_MM: f64 = BLEED_MM + CUT_ROOM_MM;
@@ -115,11 +114,11 @@ pub(crate) fn fact(wrap: &Wrap) -> Option<String> {
         small,
         small_mm2,
     } = wrap.kept;
-    let large = (too_large > 0).then(|| format!("{} larger than a sheet", counted(too_large, "triangle")));
+    let large = (too_large > 0).then(|| format!("{} larger than a sheet", count(too_large, "triangle")));
     let small = (small > 0).then(|| {
         format!(
             "{} smaller than {:.2} cm² ({:.1} cm² in all)",
-            counted(small, "part"),
+            count(small, "part"),
             LEAST_MM2 / 100.0,
             small_mm2 / 100.0
         )
@@ -137,11 +136,11 @@ pub(crate) fn fact(wrap: &Wrap) -> Option<String> {
     });
     Some(format!(
         "unrolled: {}, {:.1} cm² of surface, from {:.2} to {:.1} cm² each, {}{stay}",
-        counted(areas.len(), "strip"),
+        count(areas.len(), "strip"),
         wrap.strips_mm2() / 100.0,
         least / 100.0,
         most / 100.0,
-        counted(wrap.strip_pages(), "page"),
+        count(wrap.strip_pages(), "page"),
     ))
 }
 

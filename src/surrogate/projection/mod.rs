@@ -48,9 +48,10 @@ pub(crate) enum Sampling {
 /// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Projection {
-    cells: usize,
+    /// Cells of the pattern.
+    pub cells: usize,
     /// Where each pixel's entries start, and the end.
-    starts: Vec<usize>,
+    pub starts: Vec<usize>,
     /// Cell and weight; the weights of a pixel add up to 1.
     entries: Vec<(u32, f64)>,
 }
@@ -84,22 +85,10 @@ impl Projection {
         self.starts.len() - 1
     }
 
-    /// Cells of the pattern.
-    #[cfg(test)]
-    pub(crate) fn cells(&self) -> usize {
-        self.cells
-    }
-
-    /// Whether a pixel sees paint.
-    #[cfg(test)]
-    pub(crate) fn sees_paint(&self, pixel: usize) -> bool {
-        self.starts[pixel] < self.starts[pixel + 1]
-    }
-
     /// The paint in each pixel.
     ///
     /// # Panics
-    /// When there are not [`Projection::cells`] colours.
+    /// When there are not `cells` colours.
     pub(crate) fn forward(&self, cells: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(cells.len(), self.cells, "one colour a cell");
         let mean = scaled(

@@ -95,10 +95,6 @@ impl ClosedForm {
             Self::Quadratic | Self::QuadraticCurve => 2,
         }
     }
-
-    fn has_curve(self) -> bool {
-        matches!(self, Self::AffineCurve | Self::QuadraticCurve)
-    }
 }
 
 /// Why a model could not be fitted.

@@ -51,7 +51,8 @@ impl PerPixel {
         {
             return Err(FitError::Sizes);
         }
-        let tone = kind.has_curve().then(|| fitted_tone(flats, found));
+        let has_curve = matches!(kind, ClosedForm::AffineCurve | ClosedForm::QuadraticCurve);
+        let tone = has_curve.then(|| fitted_tone(flats, found));
         Ok(polynomial(kind.degree(), tone, flats, 1))
     }
 

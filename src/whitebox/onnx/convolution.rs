@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use burn::tensor::Tensor;
-use burn::tensor::module;
 use burn::tensor::ops::{AvgPoolOptions, ConvOptions, ConvTransposeOptions, MaxPoolOptions};
+use burn::tensor::{Tensor, module};
 use onnx_ir::Node;
 use onnx_ir::node::padding::{AutoPad, PaddingConfig2d};
 
@@ -58,10 +57,7 @@ impl Operator for Convolution {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let weight = inputs.floats(1)?.of_rank::<4>()?;
-        let bias = match inputs.optional_floats(2)? {
-            Some(bias) => Some(bias.of_rank::<1>()?),
-            None => None,
-        };
+        let bias = inputs.optional_floats(2)?.map(|bias| bias.of_rank::<1>()).transpose()?;
         let ([_, channels, rows, columns], [_, per_group, ..]) = (x.dims(), weight.dims());
         if channels != per_group * self.groups {
             return Err(NetworkFault::Count("channels", per_group * self.groups, channels));
@@ -81,10 +77,7 @@ impl Operator for TransposedConvolution {
     fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let weight = inputs.floats(1)?.of_rank::<4>()?;
-        let bias = match inputs.optional_floats(2)? {
-            Some(bias) => Some(bias.of_rank::<1>()?),
-            None => None,
-        };
+        let bias = inputs.optional_floats(2)?.map(|bias| bias.of_rank::<1>()).transpose()?;
         let ([_, _, rows, columns], [_, per_group, kernel_rows, kernel_columns]) = (x.dims(), weight.dims());
         let side = |axis: usize, side: usize, kernel: usize| {
             let reach = kernel.saturating_mul(self.options.dilation[axis]);
