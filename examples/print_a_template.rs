@@ -28,6 +28,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let made = template(&Pattern::load(pattern)?, &request)?;
     std::fs::write(output, write_pdf("template", &made.pages)?)?;
-    println!("{} sheets", made.pages.len());
+    println!("{} pages", made.pages.len());
     Ok(())
 }
