@@ -68,6 +68,7 @@ mod surrogate;
 #[cfg(feature = "full")]
 mod survey;
 mod tags;
+mod texture;
 #[cfg(feature = "full")]
 mod whitebox;
 mod workers;

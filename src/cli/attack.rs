@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
-use super::{CommandResult, Outcome, detectors, print, progress, score};
+use super::{CommandResult, Outcome, detectors, progress, score};
 use crate::frames::FrameSet;
 
 /// From frames of a painted model to a pattern that detectors do not see it in

@@ -24,6 +24,7 @@ mod failing_alike;
 mod locate;
 mod merge;
 mod mistakes;
+mod model;
 mod output;
 mod overview;
 mod pattern;
@@ -105,7 +106,7 @@ const ADVICE: &[advice::Advise] = &[
     detectors::advice,
     locate::advice,
     merge::advice,
-    print::wrap::advice,
+    model::advice,
     score::advice,
     session::advice,
 ];

@@ -36,7 +36,7 @@
 
 mod images;
 pub(crate) mod import;
-pub(crate) mod light;
+pub(crate) use crate::pattern::light;
 pub(crate) mod photos;
 mod read;
 pub(crate) mod render;

@@ -83,7 +83,12 @@ pub struct Mesh {
     points: Vec<Point3<f64>>,
     triangles: Vec<Triangle>,
     materials: Vec<String>,
+    /// Of each triangle; empty when the file has none.
+    coordinates: Vec<Option<TextureCoordinates>>,
 }
+
+/// The places of a triangle's corners in its image: u to the right, v up, the image fills the unit square.
+pub(crate) type TextureCoordinates = [[f64; 2]; 3];
 
 /// Three corners, counter-clockwise seen from outside, and a material, as indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -155,6 +160,7 @@ impl Mesh {
             points: (0..8).map(corner).collect(),
             triangles: halves.map(|corners| Triangle { corners, material: 0 }).collect(),
             materials: vec!["box".to_owned()],
+            coordinates: Vec::new(),
         }
     }
 
@@ -165,6 +171,11 @@ impl Mesh {
 
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
+    }
+
+    /// Where the corners of a triangle lie in its image; `None` where the file does not say.
+    pub fn coordinates(&self, triangle: usize) -> Option<TextureCoordinates> {
+        self.coordinates.get(triangle).copied().flatten()
     }
 
     /// Model frame, mm.
@@ -322,6 +333,7 @@ impl Soup {
             points: self.points,
             triangles: self.triangles,
             materials: self.materials,
+            coordinates: Vec::new(),
         }
     }
 }

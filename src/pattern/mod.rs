@@ -5,6 +5,7 @@ pub(crate) mod colour;
 pub(crate) mod contrast;
 pub(crate) mod fate;
 pub(crate) mod gamut;
+pub(crate) mod light;
 pub(crate) mod palette;
 pub(crate) mod printed;
 pub(crate) mod world_aligned;

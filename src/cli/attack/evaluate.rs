@@ -5,11 +5,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::detectors::{self, Folder};
-use super::print::wrap::ModelArgs;
 use super::render::{azimuths, cache, hex, size, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
+use crate::cli::model::ModelArgs;
 use crate::detect::Manifest;
 use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::print::wrap::ModelArgs;
 use super::{CommandResult, progress};
+use crate::cli::model::ModelArgs;
 use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
 use crate::frames::{LIST, light};
 use crate::geometry::angle::wrap_360;

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::wrap::{ModelArgs, SheetArgs};
+use super::wrap::SheetArgs;
 use super::{CommandResult, Outcome, value_names, write_files, write_json};
+use crate::cli::model::ModelArgs;
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::patch::{PanelPatch, PatchImage, patches};
