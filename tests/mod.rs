@@ -8,6 +8,7 @@ mod architecture;
 mod attack_dtn;
 mod attack_evaluate;
 mod attack_frames;
+mod attack_import;
 mod attack_models;
 #[cfg(feature = "attack")]
 mod attack_onnx;
