@@ -145,6 +145,11 @@ impl Photo {
         }
     }
 
+    /// Whether a JPEG stores inks instead of light.
+    pub(crate) fn is_cmyk(&self) -> bool {
+        self.header.jpeg.is_some_and(|jpeg| jpeg.components == 4)
+    }
+
     /// Luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is
     /// measured on it. Decoding it alone takes less than half the time of decoding colours too.
     pub fn luma(&self) -> Result<GrayImage, PhotoError> {

@@ -105,6 +105,8 @@ const ADVICE: &[advice::Advise] = &[
     detectors::advice,
     locate::advice,
     merge::advice,
+    pattern::advice,
+    print::template::advice,
     print::wrap::advice,
     score::advice,
     session::advice,
