@@ -38,6 +38,7 @@ mod locate;
 mod manners;
 mod package;
 mod parsers;
+mod pattern_import;
 mod pose_doubt;
 mod print_board;
 mod print_paint;

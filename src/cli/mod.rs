@@ -20,6 +20,7 @@ mod completions;
 mod copies;
 mod demo;
 mod detectors;
+mod enlarged;
 mod failing_alike;
 mod locate;
 mod merge;

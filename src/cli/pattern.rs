@@ -3,16 +3,16 @@
 use std::error::Error;
 use std::ffi::OsStr;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Subcommand;
 use serde::Serialize;
 use serde_json::json;
 
+use super::enlarged::note_enlarged;
 use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
 use crate::files;
-use crate::pattern::enlarged::grid_of;
 use crate::pattern::fate::{PatternFate, fate};
 use crate::pattern::gamut::PRINTABLE_DELTA_E;
 use crate::pattern::import::{enlarged_pattern, in_cells, rows_for};
@@ -187,24 +187,6 @@ fn cells(text: &str, picture: &Picture) -> Result<[u32; 2], String> {
         None => number(text).map(|columns| [columns, rows_for(picture, columns)]),
     };
     cells.ok_or_else(|| format!("'{text}' is no number of cells; write 24, or 24x16 for columns and rows"))
-}
-
-/// From here on a pattern is looked at: smaller ones have cells of several pixels by chance or by design.
-const LARGE: u32 = 64;
-
-/// Says so where a pattern is another one, enlarged.
-pub(crate) fn note_enlarged(path: &Path, pattern: &Pattern) {
-    let [columns, rows] = [pattern.columns(), pattern.rows()];
-    if columns.max(rows) < LARGE {
-        return;
-    }
-    if let Some([across, down]) = grid_of(pattern.cells()) {
-        let path = path.display();
-        say!(
-            "note: {path} is an enlarged grid of {across}×{down} cells, and its {columns}×{rows} pixels were taken as cells; make it a pattern by \
-             scaleproof pattern import {path} -o pattern.png"
-        );
-    }
 }
 
 /// What to do about an error of the library.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
+use super::print::NewFile;
 use super::print::wrap::ModelArgs;
 use super::render::hex;
 use super::{CommandResult, progress};
@@ -78,7 +79,7 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     super::say_frames(&list, new.len() / images, args.json, out)
 }
 
-fn import_fca(args: &ImportArgs) -> Result<Vec<(PathBuf, Vec<u8>)>, Box<dyn Error>> {
+fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
     if args.model.mesh.is_none() {
         return Err("this layout brings no masks: give the vehicle's mesh by --mesh, as long as your model, as in --length-mm 487 --scale 10".into());
     }

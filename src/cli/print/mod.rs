@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde_json::Value;
 
-use super::pattern::note_enlarged;
+use super::enlarged::note_enlarged;
 use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::Pattern;
