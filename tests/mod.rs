@@ -8,6 +8,7 @@ mod architecture;
 mod attack_dtn;
 mod attack_evaluate;
 mod attack_frames;
+mod attack_import;
 mod attack_models;
 #[cfg(feature = "attack")]
 mod attack_onnx;
@@ -37,6 +38,7 @@ mod locate;
 mod manners;
 mod package;
 mod parsers;
+mod pattern_import;
 mod pose_doubt;
 mod print_board;
 mod print_paint;

@@ -20,6 +20,7 @@ mod completions;
 mod copies;
 mod demo;
 mod detectors;
+mod enlarged;
 mod failing_alike;
 mod locate;
 mod merge;
@@ -108,6 +109,8 @@ const ADVICE: &[advice::Advise] = &[
     locate::advice,
     merge::advice,
     model::advice,
+    pattern::advice,
+    print::template::advice,
     score::advice,
     session::advice,
     texture::advice,

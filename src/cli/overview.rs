@@ -17,7 +17,10 @@ const GROUPS: [(&str, &[(&str, &str)]); 6] = [
     (
         "Print",
         &[
-            ("pattern", "Make a random pattern; see what your printer makes of any"),
+            (
+                "pattern",
+                "Make a random pattern, or one of an image; see what your printer makes of any",
+            ),
             (
                 "print",
                 "Sheets at true size: patterns, panels of a model, tags, boards, charts",
@@ -78,10 +81,17 @@ const GROUPS: [(&str, &[(&str, &str)]); 6] = [
 ];
 
 /// Commands and lines to try.
-const EXAMPLES: [(&str, &[&str]); 27] = [
+const EXAMPLES: [(&str, &[&str]); 28] = [
     (
         "pattern random",
         &["scaleproof pattern random --cells 16 --seed 1 -o P.png"],
+    ),
+    (
+        "pattern import",
+        &[
+            "scaleproof pattern import photo.jpg --cells 24 -o P.png",
+            "scaleproof pattern import figure.png -o P.png",
+        ],
     ),
     (
         "pattern check",
@@ -96,6 +106,7 @@ const EXAMPLES: [(&str, &[&str]); 27] = [
             "scaleproof print template --pattern P.png --tile-mm 118 --size-mm 600x300 -o sheets.pdf",
             "scaleproof print template --pattern P.png --tile-mm 118 --size-mm 600x300 --paper roll610 -o roll.pdf",
             "scaleproof print template --pattern P.png --tile-mm 118 --size-mm 600x300 --paints 5 -o stencils.svg",
+            "scaleproof print template --texture photo.jpg --tile-mm 118 --size-mm 600x300 -o sheets.pdf",
         ],
     ),
     (

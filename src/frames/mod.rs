@@ -34,10 +34,12 @@
 //! Frames with the same `T_camera_model` may share masks, positions and sides. Those made of photos ([`photos`]) have the camera's
 //! tone curve instead of sRGB's, and only paint in the mask that every photo sees.
 
+pub(crate) mod drawn;
 mod images;
 pub(crate) mod import;
 pub(crate) use crate::pattern::light;
 pub(crate) mod photos;
+pub(crate) mod raster;
 mod read;
 pub(crate) mod render;
 mod write;
@@ -47,13 +49,14 @@ pub(crate) use read::{outline, syntax};
 
 use std::path::PathBuf;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::files::FileError;
 use crate::geometry::BoxPx;
 use crate::geometry::rigid::Rigid;
+use crate::mesh::Mesh;
 use crate::pattern::PatternError;
 use crate::pattern::world_aligned::Side;
 use crate::scene::Viewpoint;
@@ -199,7 +202,43 @@ impl FrameList {
     }
 }
 
+impl Positions {
+    /// Room for every point of a mesh.
+    pub(crate) fn of(mesh: &Mesh, factor: u32) -> Self {
+        let (low, high) = mesh.bounds_mm();
+        // Rounding must not leave it.
+        let wider = Vector3::repeat(1.0);
+        Self {
+            low_mm: (low - wider).coords.into(),
+            high_mm: (high + wider).coords.into(),
+            factor,
+        }
+    }
+
+    pub(crate) fn bounds_mm(&self) -> ([f64; 3], [f64; 3]) {
+        (self.low_mm, self.high_mm)
+    }
+}
+
 impl Pinhole {
+    /// With its centre in the middle of images of this size.
+    pub(crate) fn with_field_of_view([width, height]: [u32; 2], horizontal_deg: f64) -> Self {
+        let half = 0.5 * horizontal_deg.to_radians();
+        Self {
+            focal_length_px: 0.5 * f64::from(width) / half.tan(),
+            centre_px: [width, height].map(|side| 0.5 * (f64::from(side) - 1.0)),
+        }
+    }
+
+    /// The camera of an image in which a pixel is `factor` pixels wide and high.
+    pub(crate) fn finer(&self, factor: u32) -> Self {
+        let factor = f64::from(factor);
+        Self {
+            focal_length_px: factor * self.focal_length_px,
+            centre_px: self.centre_px.map(|c| factor * (c + 0.5) - 0.5),
+        }
+    }
+
     /// The same for images of a size: width, height.
     pub fn camera(&self, [width, height]: [u32; 2]) -> Camera {
         let (f, [cx, cy]) = (self.focal_length_px, self.centre_px);

@@ -7,7 +7,7 @@ mod check;
 mod paint;
 pub(crate) mod patch;
 mod tags;
-mod template;
+pub(crate) mod template;
 mod verify;
 pub(crate) mod wrap;
 
@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde_json::Value;
 
+use super::enlarged::note_enlarged;
 use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::Pattern;
@@ -187,7 +188,11 @@ impl CutSheetArgs {
 
 /// The width of a repeat: as given, else as the pattern's card says.
 pub(super) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
-    card::tile_mm(given, path, pattern).map_err(|error| match error {
+    let found = card::tile_mm(given, path, pattern);
+    if found.is_ok() {
+        note_enlarged(path, pattern);
+    }
+    found.map_err(|error| match error {
         CardError::None { .. } => format!("{error}: give --tile-mm"),
         CardError::Content { .. } | CardError::OtherPattern { .. } => {
             format!("{error}: give --tile-mm, or remove the file")
