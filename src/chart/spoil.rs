@@ -31,53 +31,18 @@ pub(crate) enum Spoil {
 }
 
 impl Spoil {
-    pub(crate) const ALL: [Self; 7] = [
-        Self::Blur,
-        Self::Motion,
-        Self::Noise,
-        Self::Exposure,
-        Self::Cover,
-        Self::Crop,
-        Self::Jpeg,
-    ];
-
-    /// A stable name.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Blur => "blur",
-            Self::Motion => "motion_blur",
-            Self::Noise => "noise",
-            Self::Exposure => "exposure",
-            Self::Cover => "occlusion",
-            Self::Crop => "cropping",
-            Self::Jpeg => "jpeg_quality",
-        }
-    }
-
-    /// What the amounts are.
-    pub(crate) fn unit(self) -> &'static str {
-        match self {
-            Self::Blur => "Gaussian blur, σ in px",
-            Self::Motion => "motion blur, px",
-            Self::Noise => "noise, σ in grey levels",
-            Self::Exposure => "exposure, stops",
-            Self::Cover => "share of each tag covered",
-            Self::Crop => "share of the sides that is left",
-            Self::Jpeg => "JPEG quality",
-        }
-    }
-
-    /// From harmless to hopeless.
-    pub(crate) fn amounts(self) -> &'static [f64] {
-        match self {
-            Self::Blur => &[0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0],
-            Self::Motion => &[0.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0],
-            Self::Noise => &[0.0, 5.0, 10.0, 20.0, 40.0, 60.0, 90.0],
-            Self::Exposure => &[0.0, -2.0, -4.0, -6.0, 1.0, 2.0, 3.0],
-            Self::Cover => &[0.0, 0.03, 0.06, 0.1, 0.2, 0.3, 0.5],
-            Self::Crop => &[1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5],
-            Self::Jpeg => &[100.0, 80.0, 50.0, 30.0, 20.0, 10.0, 4.0],
-        }
+    /// What a sweep of this name does to a photo.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "blur" => Self::Blur,
+            "motion_blur" => Self::Motion,
+            "noise" => Self::Noise,
+            "exposure" => Self::Exposure,
+            "occlusion" => Self::Cover,
+            "cropping" => Self::Crop,
+            "jpeg_quality" => Self::Jpeg,
+            _ => return None,
+        })
     }
 
     /// The photo as it would look. `tags` are where the tags of the scene are in it.
