@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Subcommand, ValueEnum};
 
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, Result};
 use crate::camera::{Camera, CameraFormat};
 use crate::files;
 use crate::photo::Photo;
@@ -87,7 +87,7 @@ pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<()> {
     let ends_in_cameramodel = args.output.extension().is_some_and(|e| e == "cameramodel");
     let format = match args.format {
         Some(name) => name.format(),
@@ -105,7 +105,7 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::e
 }
 
 /// Writes a file that is not the one it was made from.
-fn save(path: &Path, text: &str, made_from: &Path) -> Result<(), Box<dyn std::error::Error>> {
+fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
     let same = path
         .canonicalize()
         .is_ok_and(|p| made_from.canonicalize().is_ok_and(|m| m == p));
@@ -176,7 +176,7 @@ fn lens_model(camera: &Camera) -> String {
     }
 }
 
-fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<()> {
     let photo = Photo::open(&args.photo)?;
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;

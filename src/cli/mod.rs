@@ -95,7 +95,9 @@ enum Outcome {
     SomeInputBad,
 }
 
-type CommandResult = Result<Outcome, Box<dyn Error>>;
+type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
+
+type CommandResult = Result<Outcome>;
 
 /// The advice of each command that has some.
 const ADVICE: &[advice::Advise] = &[
@@ -108,6 +110,8 @@ const ADVICE: &[advice::Advise] = &[
     print::wrap::advice,
     score::advice,
     session::advice,
+    #[cfg(feature = "full")]
+    survey::advice,
 ];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
