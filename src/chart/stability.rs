@@ -9,7 +9,7 @@ use super::spoil::{Spoil, TagCorners};
 use crate::camera::Camera;
 use crate::geometry::angle;
 use crate::locate::{self, Located, Solver, locate_luma};
-use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
+use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, distinct, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
 use crate::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
 use crate::statistics::upper_median;
@@ -364,16 +364,8 @@ fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>
 /// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
 /// error of the answered.
 pub(crate) fn draw(title: &str, steps: &[SweepStep]) -> String {
-    let mut methods: Vec<&str> = Vec::new();
-    let mut sweeps: Vec<&str> = Vec::new();
-    for step in steps {
-        if !methods.contains(&step.method) {
-            methods.push(step.method);
-        }
-        if !sweeps.contains(&step.sweep) {
-            sweeps.push(step.sweep);
-        }
-    }
+    let methods = distinct(steps.iter().map(|step| step.method));
+    let sweeps = distinct(steps.iter().map(|step| step.sweep));
     let most = steps.iter().map(|step| step.views).max().unwrap_or(0);
     let total: usize = steps.iter().map(|step| step.views).sum::<usize>() / methods.len().max(1);
     let notes = [
@@ -463,16 +455,9 @@ pub(crate) fn summary(steps: &[SweepStep]) -> String {
         "{:<22} {:<16} {:>7} {:>22} {:>26}\n",
         "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"
     );
-    let mut seen: Vec<(&str, &str)> = Vec::new();
-    for step in steps {
-        if seen.contains(&(step.sweep, step.method)) {
-            continue;
-        }
-        seen.push((step.sweep, step.method));
-        let of: Vec<&SweepStep> = steps
-            .iter()
-            .filter(|s| (s.sweep, s.method) == (step.sweep, step.method))
-            .collect();
+    for (sweep, method) in distinct(steps.iter().map(|step| (step.sweep, step.method))) {
+        let of = steps.iter().filter(|s| (s.sweep, s.method) == (sweep, method));
+        let of: Vec<&SweepStep> = of.collect();
         let views: usize = of.iter().map(|s| s.views).sum();
         let good = of.iter().take_while(|s| s.answered >= 0.9).last();
         let good = good.map_or("–".to_owned(), |s| s.amount.to_string());
@@ -481,10 +466,7 @@ pub(crate) fn summary(steps: &[SweepStep]) -> String {
             0.0 => "never".to_owned(),
             share => format!("{:.2} % at {}", 100.0 * share, s.amount),
         });
-        text += &format!(
-            "{:<22} {:<16} {views:>7} {good:>22} {worst:>26}\n",
-            step.sweep, step.method
-        );
+        text += &format!("{sweep:<22} {method:<16} {views:>7} {good:>22} {worst:>26}\n");
     }
     text
 }
