@@ -108,28 +108,9 @@ fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rn
         // The strip reaches over the tag's white ring as well: a hand, not a sticker.
         let corner = |i: usize| tag[(side + i) % 4];
         let towards = |from: [f64; 2], to: [f64; 2], t: f64| [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
-        let strip = [
-            towards(
-                towards(corner(0), corner(3), -0.3),
-                towards(corner(1), corner(2), -0.3),
-                -0.3,
-            ),
-            towards(
-                towards(corner(1), corner(2), -0.3),
-                towards(corner(0), corner(3), -0.3),
-                -0.3,
-            ),
-            towards(
-                towards(corner(1), corner(2), share),
-                towards(corner(0), corner(3), share),
-                -0.3,
-            ),
-            towards(
-                towards(corner(0), corner(3), share),
-                towards(corner(1), corner(2), share),
-                -0.3,
-            ),
-        ];
+        let edge = |t: f64| [towards(corner(0), corner(3), t), towards(corner(1), corner(2), t)];
+        let ([a, b], [c, d]) = (edge(-0.3), edge(share));
+        let strip = [(a, b), (b, a), (d, c), (c, d)].map(|(from, to)| towards(from, to, -0.3));
         fill(&mut out, &strip, grey);
     }
     out
