@@ -16,23 +16,42 @@ use staged::Staged;
 
 pub(crate) use whole_folder::{copy, make_folder};
 
-/// A file that could not be read or written, as a sentence.
+/// A file that could not be read or written, or that holds something else than it should; as a sentence.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // each variant is its sentence
 pub enum FileError {
     #[error("cannot read {path}: {reason}", path = path.display())]
     Read { path: PathBuf, reason: String },
     #[error("cannot write {path}: {reason}", path = path.display())]
     Write { path: PathBuf, reason: String },
+    #[error("{path}, line {line}: {message}", path = path.display())]
+    Syntax {
+        path: PathBuf,
+        line: usize,
+        message: String,
+    },
+    #[error("{path}: {message}", path = path.display())]
+    Content { path: PathBuf, message: String },
 }
 
 impl FileError {
-    pub fn read(path: &Path, e: &std::io::Error) -> FileError {
+    pub(crate) fn content(path: &Path, message: impl ToString) -> FileError {
+        let (path, message) = (path.to_owned(), message.to_string());
+        FileError::Content { path, message }
+    }
+
+    pub(crate) fn syntax(path: &Path, line: usize, message: String) -> FileError {
+        let path = path.to_owned();
+        FileError::Syntax { path, line, message }
+    }
+
+    pub(crate) fn read(path: &Path, e: &std::io::Error) -> FileError {
         let (path, reason) = (path.to_owned(), plain(e));
         FileError::Read { path, reason }
     }
 
-    pub fn write(path: &Path, e: &std::io::Error) -> FileError {
+    pub(crate) fn write(path: &Path, e: &std::io::Error) -> FileError {
         let (path, reason) = (path.to_owned(), plain(e));
         FileError::Write { path, reason }
     }

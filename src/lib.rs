@@ -75,6 +75,7 @@ mod workers;
 
 pub use camera::{Camera, CameraError, CameraFormat, FittedCamera, SizeError};
 pub use detect::{DetectError, Detection, Manifest, ManifestError, Speeds, WeightFolders, WeightsError};
+pub use files::FileError;
 pub use geometry::{BoxPx, Rigid};
 pub use locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate, locate_photo};
 pub use pattern::{Pattern, PatternError};
@@ -85,7 +86,7 @@ pub use print::pdf::write as write_pdf;
 pub use print::printer::Printer;
 pub use print::template::{Front, LayoutRequest, Template, TemplateError, TemplateRequest, template};
 pub use report::{ReportError, summary_table, write as write_report};
-pub use scene::{Bin, Bins, Classes, Envelope, ScaleModel, Scene, SceneError, Tag, TagFamily, Viewpoint};
+pub use scene::{Bin, Bins, Classes, Envelope, ScaleModel, Scene, Tag, TagFamily, Viewpoint};
 pub use score::{
     ApDefinition, Cache, CompareError, Comparison, Criteria, EvaluatedDetector, EvaluatedDetectorError, NotScored,
     Options, ScoreError, ScoredPhoto, Scores, compare, score,

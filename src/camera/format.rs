@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Camera, CameraError, CameraFault, kalibr, marks, mrcal, opencv_yaml, ros_yaml};
-use crate::files;
+use crate::files::{self, FileError};
 
 /// A camera file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,10 +71,7 @@ impl Camera {
 
     /// Parses the text of a camera file; `path` is only named in errors.
     pub fn parse(text: &str, path: &Path) -> Result<Camera, CameraError> {
-        parse(text).map_err(|fault| CameraError::Content {
-            path: path.to_owned(),
-            fault,
-        })
+        parse(text).map_err(|fault| FileError::content(path, fault).into())
     }
 
     /// The camera as the text of a file; every number reads back as it is. Refuses what the format's models cannot say.

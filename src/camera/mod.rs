@@ -13,8 +13,6 @@ mod ray;
 mod ros_yaml;
 mod yaml;
 
-use std::path::PathBuf;
-
 use crate::files;
 
 pub(crate) use fault::CameraFault;
@@ -29,8 +27,6 @@ pub(crate) use guess::Guess;
 pub enum CameraError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("{path}: {fault}", path = path.display())]
-    Content { path: PathBuf, fault: CameraFault },
     #[error("the camera cannot be written as {format}: {fault}")]
     NotInFormat { format: &'static str, fault: CameraFault },
 }

@@ -10,7 +10,7 @@
 use std::path::Path;
 
 use super::store::{SESSION, Store, StoreError, TAKEN_BACK, is_ours, names, number, sidecar_of, sidecars};
-use crate::files;
+use crate::files::{self, FileError};
 use crate::session::Session;
 
 impl Store {
@@ -45,32 +45,25 @@ fn recover(store: &mut Store, variant: &str) -> Result<(), StoreError> {
     let put_away = names(&folder.join(TAKEN_BACK))?;
     for photo in listed.iter().filter(|photo| !valid.contains_key(*photo)) {
         if !away.contains_key(photo) {
-            return Err(StoreError::Content {
-                path: folder.join(SESSION),
-                message: format!(
-                    "{photo} has no {}: no capture made this session, so capture into a new folder",
-                    sidecar_of(photo)
-                ),
-            });
+            let sidecar = sidecar_of(photo);
+            let message =
+                format!("{photo} has no {sidecar}: no capture made this session, so capture into a new folder");
+            return Err(FileError::content(&folder.join(SESSION), message).into());
         }
     }
     // A sidecar without photo: somebody removed the photo. One that is listed is missed.
     for photo in valid.keys().filter(|photo| !there.contains(photo)) {
         if listed.contains(photo) {
-            return Err(StoreError::Content {
-                path: folder.join(photo),
-                message: "this accepted photo is gone: bring it back, or remove its line from session.json".into(),
-            });
+            let why = "this accepted photo is gone: bring it back, or remove its line from session.json";
+            return Err(FileError::content(&folder.join(photo), why).into());
         }
     }
     valid.retain(|photo, _| there.contains(photo));
     for (photo, sidecar) in &valid {
         let path = folder.join(photo);
         if files::sha256_hex(&files::read(&path)?) != sidecar.sha256 {
-            return Err(StoreError::Content {
-                path,
-                message: "this is not the photo that was accepted: bring the original back".into(),
-            });
+            let why = "this is not the photo that was accepted: bring the original back";
+            return Err(FileError::content(&path, why).into());
         }
     }
     store.next = there

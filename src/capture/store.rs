@@ -30,8 +30,6 @@ pub(crate) enum StoreError {
     InUse { folder: PathBuf },
     #[error("{folder} was captured with another {what}: give that one, or capture into a new folder", folder = folder.display())]
     Other { folder: PathBuf, what: &'static str },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
     #[error("the session's folder {folder} is gone or was emptied: bring it back and run this again", folder = folder.display())]
     Gone { folder: PathBuf },
     #[error("the scene's mesh {mesh} does not lie below the scene's folder, so that it cannot be copied into the session: put it there", mesh = mesh.display())]
@@ -90,11 +88,11 @@ pub(crate) struct Store {
 impl Store {
     /// Opens a session, or begins one with copies of the scene (and its mesh) and the camera; what an earlier capture left unfinished stays so.
     pub(super) fn begin(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
-        let read = Scene::open(scene).map_err(SessionError::from)?;
+        let read = Scene::open(scene)?;
         Camera::open(camera).map_err(SessionError::from)?;
         let mesh = session::mesh_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
         refuse_foreign(folder)?;
-        std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, &e))?;
+        std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))?;
         let lock = locked(folder)?;
         let extension = camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
         let camera_name = format!("camera.{extension}");
@@ -180,13 +178,10 @@ impl Store {
         let (from, away) = (self.folder.join(name), self.folder.join(TAKEN_BACK));
         // A link would lead the photo out of the session.
         if std::fs::symlink_metadata(&away).is_ok_and(|about| !about.is_dir()) {
-            return Err(StoreError::Content {
-                path: away,
-                message: "it is no folder that a capture made: remove it".into(),
-            });
+            return Err(FileError::content(&away, "it is no folder that a capture made: remove it").into());
         }
         let moved = std::fs::create_dir_all(&away).and_then(|()| std::fs::rename(&from, away.join(name)));
-        Ok(moved.map_err(|e| unwritable(&from, &e))?)
+        Ok(moved.map_err(|e| FileError::write(&from, &e))?)
     }
 
     /// Writes `session.json`; there is none while it would list no photo.
@@ -224,10 +219,8 @@ fn refuse_foreign(folder: &Path) -> Result<(), StoreError> {
     if there.iter().any(|name| name == SESSION || name == LOCK) || there.iter().all(|name| name.starts_with('.')) {
         return Ok(());
     }
-    Err(StoreError::Content {
-        path: folder.to_owned(),
-        message: "it has files and is no session: capture into a new folder".into(),
-    })
+    let why = "it has files and is no session: capture into a new folder";
+    Err(FileError::content(folder, why).into())
 }
 
 /// Whether a file has a name that this store gives to photos of one of these textures.
@@ -250,19 +243,9 @@ pub(super) fn number(name: &str) -> Option<u64> {
     (digits.len() >= 3 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
 }
 
-fn json(value: &impl Serialize) -> Result<String, StoreError> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| StoreError::Content {
-        path: SIDECAR.into(),
-        message: e.to_string(),
-    })?;
+fn json(value: &impl Serialize) -> Result<String, FileError> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| FileError::content(SIDECAR.as_ref(), e))?;
     Ok(text + "\n")
-}
-
-pub(super) fn unwritable(path: &Path, e: &std::io::Error) -> FileError {
-    FileError::Write {
-        path: path.to_owned(),
-        reason: files::plain(e),
-    }
 }
 
 /// The lock ends with the process, however that ends.
@@ -270,19 +253,16 @@ fn locked(folder: &Path) -> Result<File, StoreError> {
     let path = folder.join(LOCK);
     // A link may lead to a photo, and opening a pipe would wait for ever.
     if std::fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) {
-        return Err(StoreError::Content {
-            path,
-            message: "it is no file that a capture made: remove it".into(),
-        });
+        return Err(FileError::content(&path, "it is no file that a capture made: remove it").into());
     }
     let opened = File::options().write(true).create(true).truncate(false).open(&path);
-    let file = opened.map_err(|e| unwritable(&path, &e))?;
+    let file = opened.map_err(|e| FileError::write(&path, &e))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse {
             folder: folder.to_owned(),
         }),
-        Err(TryLockError::Error(e)) => Err(unwritable(&path, &e).into()),
+        Err(TryLockError::Error(e)) => Err(FileError::write(&path, &e).into()),
     }
 }
 
@@ -309,15 +289,13 @@ pub(super) fn sidecars(folder: &Path) -> Result<BTreeMap<String, Sidecar>, Store
     let mut found = BTreeMap::new();
     for name in names(folder)?.into_iter().filter(|name| name.ends_with(SIDECAR)) {
         let path = folder.join(&name);
-        let sidecar: Sidecar = serde_json::from_str(&files::read_text(&path)?).map_err(|e| StoreError::Content {
-            path: path.clone(),
-            message: format!("it is no sidecar of a capture ({e}): bring the original back"),
+        let sidecar: Sidecar = serde_json::from_str(&files::read_text(&path)?).map_err(|e| {
+            let message = format!("it is no sidecar of a capture ({e}): bring the original back");
+            FileError::content(&path, message)
         })?;
         if sidecar_of(&sidecar.photo.file) != name {
-            return Err(StoreError::Content {
-                path,
-                message: format!("it is the sidecar of {}: give it its name back", sidecar.photo.file),
-            });
+            let message = format!("it is the sidecar of {}: give it its name back", sidecar.photo.file);
+            return Err(FileError::content(&path, message).into());
         }
         found.insert(sidecar.photo.file.clone(), sidecar);
     }
@@ -329,10 +307,7 @@ pub(super) fn names(folder: &Path) -> Result<Vec<String>, StoreError> {
     if !folder.exists() {
         return Ok(Vec::new());
     }
-    let unreadable = |e: std::io::Error| FileError::Read {
-        path: folder.to_owned(),
-        reason: files::plain(&e),
-    };
+    let unreadable = |e: std::io::Error| FileError::read(folder, &e);
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
     let mut names = Vec::new();
     for entry in entries {

@@ -98,7 +98,9 @@ enum Outcome {
     SomeInputBad,
 }
 
-type CommandResult = Result<Outcome, Box<dyn Error>>;
+type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
+
+type CommandResult = Result<Outcome>;
 
 /// The advice of each command that has some.
 const ADVICE: &[advice::Advise] = &[
@@ -113,6 +115,8 @@ const ADVICE: &[advice::Advise] = &[
     print::template::advice,
     score::advice,
     session::advice,
+    #[cfg(feature = "full")]
+    survey::advice,
     texture::advice,
 ];
 

@@ -156,10 +156,6 @@ impl Recorded {
             });
         }
         let results: Vec<CocoResult> = parse(&text, &results_path)?;
-        let syntax = |message: String| RecordedError::Syntax {
-            path: results_path.clone(),
-            message,
-        };
         let by_id: BTreeMap<u64, &str> = recording.photos.iter().map(|p| (p.id, p.sha256.as_str())).collect();
         let mut by_photo: BTreeMap<String, Vec<Detection>> = recording
             .photos
@@ -172,16 +168,12 @@ impl Recorded {
             match (detections, detection) {
                 (Some(detections), Some(detection)) => detections.push(detection),
                 (None, _) => {
-                    return Err(syntax(format!(
-                        "image_id {} has no photo in its provenance",
-                        r.image_id
-                    )));
+                    let message = format!("image_id {} has no photo in its provenance", r.image_id);
+                    return Err(unreadable(&results_path, message));
                 }
                 (_, None) => {
-                    return Err(syntax(format!(
-                        "a result of image {} has no valid box, score or category",
-                        r.image_id
-                    )));
+                    let message = format!("a result of image {} has no valid box, score or category", r.image_id);
+                    return Err(unreadable(&results_path, message));
                 }
             }
         }
@@ -196,10 +188,7 @@ impl Recorded {
         detections: &[&[Detection]],
     ) -> Result<(), RecordedError> {
         let (results_path, provenance_path) = paths(folder, &manifest.name);
-        let syntax = |e: serde_json::Error| RecordedError::Syntax {
-            path: results_path.clone(),
-            message: e.to_string(),
-        };
+        let syntax = |e: serde_json::Error| unreadable(&results_path, e);
         let photos = recording.photos.iter().map(|p| p.id).zip(detections.iter().copied());
         let results = coco_results(photos, |label| manifest.labels.category_id(label)).map_err(syntax)?;
         let recording = Recording {
@@ -226,10 +215,12 @@ fn paths(folder: &Path, name: &str) -> (PathBuf, PathBuf) {
 }
 
 fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, RecordedError> {
-    serde_json::from_str(text).map_err(|e| RecordedError::Syntax {
-        path: path.to_owned(),
-        message: e.to_string(),
-    })
+    serde_json::from_str(text).map_err(|e| unreadable(path, e))
+}
+
+fn unreadable(path: &Path, message: impl ToString) -> RecordedError {
+    let (path, message) = (path.to_owned(), message.to_string());
+    RecordedError::Syntax { path, message }
 }
 
 fn detection(r: &CocoResult, labels: Labels) -> Option<Detection> {

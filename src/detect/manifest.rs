@@ -187,6 +187,13 @@ pub enum ManifestError {
     File(#[from] FileError),
 }
 
+impl ManifestError {
+    pub(super) fn syntax(file: &str, message: &str) -> ManifestError {
+        let (file, message) = (file.to_owned(), message.replace('\n', " "));
+        ManifestError::Syntax { file, message }
+    }
+}
+
 /// The manifests that ship with the program, in the order lists and reports use.
 const BUILT_IN: [(&str, &str); 5] = [
     ("yolox_nano.toml", include_str!("manifests/yolox_nano.toml")),
@@ -234,22 +241,14 @@ impl Manifest {
 
     /// Parses the text of a manifest; `file` is only named in errors.
     pub fn parse(text: &str, file: &str) -> Result<Manifest, ManifestError> {
-        let refused = |message: String| ManifestError::Syntax {
-            file: file.to_owned(),
-            message,
-        };
-        let manifest: Manifest = toml::from_str(text).map_err(|e| refused(e.message().replace('\n', " ")))?;
-        manifest.check().map_err(refused)?;
+        let manifest: Manifest = toml::from_str(text).map_err(|e| ManifestError::syntax(file, e.message()))?;
+        manifest.check().map_err(|fault| ManifestError::syntax(file, &fault))?;
         Ok(manifest)
     }
 
     /// The text of this manifest, which [`Manifest::parse`] reads as the same.
     pub fn to_toml(&self) -> Result<String, ManifestError> {
-        let refused = |message: String| ManifestError::Syntax {
-            file: self.name.clone(),
-            message,
-        };
-        let text = toml::to_string(self).map_err(|e| refused(e.to_string().replace('\n', " ")))?;
+        let text = toml::to_string(self).map_err(|e| ManifestError::syntax(&self.name, &e.to_string()))?;
         Manifest::parse(&text, &self.name)?;
         Ok(text)
     }

@@ -8,7 +8,7 @@ use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
 use super::{DetectError, Detector, Manifest, Runtime};
-use crate::files;
+use crate::files::{self, FileError};
 
 /// Each photo is detected so often; its fastest round counts, which other programs on the machine disturb least.
 pub(super) const ROUNDS: u32 = 20;
@@ -53,7 +53,7 @@ pub struct Speed {
 #[non_exhaustive]
 pub enum SpeedError {
     #[error(transparent)]
-    File(#[from] files::FileError),
+    File(#[from] FileError),
     #[error("{path} is not a file of `scaleproof detectors speed`: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
     #[error("{path} was measured with other weights of {detector}: measure again with `scaleproof detectors speed`", path = path.display())]
@@ -93,12 +93,9 @@ impl Speeds {
     }
 
     /// Writes a file of times.
-    pub fn write(&self, path: &Path) -> Result<(), SpeedError> {
-        let text = serde_json::to_string_pretty(self).map_err(|e| SpeedError::Content {
-            path: path.to_owned(),
-            message: e.to_string(),
-        })?;
-        Ok(files::write_atomically(path, (text + "\n").as_bytes())?)
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        let text = serde_json::to_string_pretty(self).map_err(|e| FileError::content(path, e))?;
+        files::write_atomically(path, (text + "\n").as_bytes())
     }
 
     /// Reads a file of times; those of detectors that are not among `manifests` are passed over.

@@ -10,7 +10,7 @@ pub(super) const MOST_BINS: usize = 100_000;
 /// What is wrong in a scene, as a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SceneFault {
+pub(crate) enum SceneFault {
     #[error(transparent)]
     Length(#[from] BadLength),
     #[error("model.scale is {}: give 10 for a 1:10 model, from {} to {}", shown(*.0), SCALES.start(), SCALES.end())]

@@ -8,26 +8,10 @@ use serde::Deserialize;
 
 use super::fault::{MOST_BINS, MOST_TAGS};
 use super::{Bins, Classes, Envelope, ScaleModel, Scene, SceneFault, Tag, TagFamily, TagSigma};
-use crate::files;
+use crate::files::{self, FileError};
 use crate::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 
 /// Why a scene was refused. Every variant names the file and what to change.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs)] // each variant is its sentence
-pub enum SceneError {
-    #[error(transparent)]
-    File(#[from] files::FileError),
-    #[error("{path}, line {line}: {message}", path = path.display())]
-    Syntax {
-        path: PathBuf,
-        line: usize,
-        message: String,
-    },
-    #[error("{path}: {fault}", path = path.display())]
-    Content { path: PathBuf, fault: SceneFault },
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
@@ -82,21 +66,17 @@ struct TagTable {
 
 impl Scene {
     /// Reads and checks a `scene.toml`.
-    pub fn open(path: &Path) -> Result<Scene, SceneError> {
+    pub fn open(path: &Path) -> Result<Scene, FileError> {
         Scene::parse(&files::read_text(path)?, path)
     }
 
     /// Parses and checks the text of a `scene.toml`; `path` is only named in errors.
-    pub fn parse(text: &str, path: &Path) -> Result<Scene, SceneError> {
-        let file: SceneFile = toml::from_str(text).map_err(|e| SceneError::Syntax {
-            path: path.to_owned(),
-            line: e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count()),
-            message: e.message().replace('\n', " "),
+    pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
+        let file: SceneFile = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            FileError::syntax(path, line, e.message().replace('\n', " "))
         })?;
-        checked(file).map_err(|fault| SceneError::Content {
-            path: path.to_owned(),
-            fault,
-        })
+        checked(file).map_err(|fault| FileError::content(path, fault))
     }
 }
 

@@ -15,7 +15,6 @@ pub use bins::{Bin, Bins};
 pub use classes::Classes;
 pub use envelope::Envelope;
 pub(crate) use fault::SceneFault;
-pub use file::SceneError;
 pub(crate) use ring::TagRing;
 pub(crate) use tag::TagSigma;
 pub use tag::{Tag, TagFamily};

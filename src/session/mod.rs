@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::{Camera, CameraError};
 use crate::envelope::{EnvelopeError, EnvelopeShape};
-use crate::files;
+use crate::files::{self, FileError};
 use crate::geometry::BoxPx;
-use crate::scene::{Scene, SceneError, Viewpoint};
+use crate::scene::{Scene, Viewpoint};
 
 pub(crate) use contents::{Contents, Look};
 pub(crate) use new::{NewSession, NewSessionError, mesh_below};
@@ -25,21 +25,11 @@ pub(crate) use new::{NewSession, NewSessionError, mesh_below};
 #[allow(missing_docs)] // each variant is its sentence
 pub enum SessionError {
     #[error(transparent)]
-    File(#[from] files::FileError),
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    File(#[from] FileError),
     #[error(transparent)]
     Camera(#[from] CameraError),
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
-    #[error("{path}, line {line}: {message}", path = path.display())]
-    Syntax {
-        path: PathBuf,
-        line: usize,
-        message: String,
-    },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
 }
 
 /// A session with everything it refers to, except the photos' pixels.
@@ -132,10 +122,7 @@ impl Session {
         photos: Vec<PhotoEntry>,
         mut hashes: Vec<(String, String)>,
     ) -> Result<Session, SessionError> {
-        check(&photos, camera_path.is_some()).map_err(|message| SessionError::Content {
-            path: path.to_owned(),
-            message,
-        })?;
+        check(&photos, camera_path.is_some()).map_err(|message| FileError::content(path, message))?;
         let scene = Scene::open(scene_path)?;
         let camera = camera_path.map(Camera::open).transpose()?;
         let scene_folder = scene_path.parent().unwrap_or(Path::new("")).to_owned();
@@ -167,11 +154,9 @@ impl Session {
     /// # Errors
     /// The session names none.
     pub fn known_camera(&self) -> Result<&Camera, SessionError> {
-        self.camera.as_ref().ok_or_else(|| SessionError::Content {
-            path: self.folder.clone(),
-            message: "this session names no camera, so its photos cannot be located: name one in its session.json"
-                .into(),
-        })
+        let lack = "this session names no camera, so its photos cannot be located: name one in its session.json";
+        let camera = self.camera.as_ref();
+        Ok(camera.ok_or_else(|| FileError::content(&self.folder, lack))?)
     }
 
     /// The path of a photo.
@@ -200,12 +185,8 @@ pub(crate) fn text(
     Ok(text)
 }
 
-fn syntax(path: &Path, e: &serde_json::Error) -> SessionError {
-    SessionError::Syntax {
-        path: path.to_owned(),
-        line: e.line(),
-        message: words(e, "a session"),
-    }
+fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
+    FileError::syntax(path, e.line(), words(e, "a session"))
 }
 
 /// What is wrong with some JSON, without the place.

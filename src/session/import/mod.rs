@@ -14,7 +14,7 @@ use super::{PhotoEntry, Session, SessionError, SessionFile, check_photo};
 use crate::files::{self, FileError};
 use crate::geometry::BoxPx;
 use crate::photo::{self, PhotoError};
-use crate::scene::{Classes, Scene, SceneError, Viewpoint};
+use crate::scene::{Classes, Scene, Viewpoint};
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
@@ -22,8 +22,6 @@ use crate::scene::{Classes, Scene, SceneError, Viewpoint};
 pub(crate) enum SessionImportError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error(transparent)]
-    Scene(#[from] SceneError),
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
@@ -39,8 +37,6 @@ pub(crate) enum SessionImportError {
     },
     #[error("{path}, {place}: {file} has no variant: add one", path = path.display())]
     NoVariant { path: PathBuf, place: String, file: String },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
     #[error("{path} is there already: move it away, or import into another folder", path = path.display())]
     SessionThere { path: PathBuf },
 }
@@ -177,10 +173,14 @@ pub(crate) fn import(request: &ImportRequest) -> Result<Imported, SessionImportE
 }
 
 fn error(path: &Path, fault: ImportFault) -> SessionImportError {
-    let (path, message) = (path.to_owned(), fault.message);
+    let message = fault.message;
     match fault.place {
-        Some(place) => SessionImportError::Entry { path, place, message },
-        None => SessionImportError::Content { path, message },
+        Some(place) => SessionImportError::Entry {
+            path: path.to_owned(),
+            place,
+            message,
+        },
+        None => FileError::content(path, message).into(),
     }
 }
 

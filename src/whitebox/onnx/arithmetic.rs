@@ -1,11 +1,9 @@
 //! Operators on two or more tensors, number by number, with broadcasting.
 
-use std::sync::Arc;
-
 use onnx_ir::Node;
 
-use super::operator::{AnyOperator, Inputs, Operator};
-use super::value::{Floats, Integers, Value, broadcast};
+use super::operator::Operator;
+use super::value::{Floats, Integers, Result, Value, broadcast};
 use crate::whitebox::NetworkFault;
 
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +18,7 @@ enum Arithmetic {
 }
 
 impl Arithmetic {
-    fn of_floats(self, a: Floats, b: Floats) -> Result<Floats, NetworkFault> {
+    fn of_floats(self, a: Floats, b: Floats) -> Result<Floats> {
         let rank = a.rank.max(b.rank);
         broadcast(&a.shape(), &b.shape())?;
         let (a, b) = (a.x, b.x);
@@ -55,7 +53,7 @@ impl Arithmetic {
         }
     }
 
-    fn of_two(self, a: Value, b: Value) -> Result<Value, NetworkFault> {
+    fn of_two(self, a: Value, b: Value) -> Result<Value> {
         match (a, b) {
             (Value::Floats(a), Value::Floats(b)) => self.of_floats(a, b).map(Value::Floats),
             (Value::Integers(a), Value::Integers(b)) => {
@@ -71,11 +69,7 @@ impl Arithmetic {
 }
 
 /// Two arrays of whole numbers, broadcast.
-fn pairwise(
-    a: &Integers,
-    b: &Integers,
-    f: impl Fn(i64, i64) -> Result<i64, NetworkFault>,
-) -> Result<Integers, NetworkFault> {
+fn pairwise(a: &Integers, b: &Integers, f: impl Fn(i64, i64) -> Result<i64>) -> Result<Integers> {
     let shape = broadcast(&a.shape, &b.shape)?;
     let count: usize = shape.iter().product();
     let at = |v: &Integers, i: usize| {
@@ -88,23 +82,12 @@ fn pairwise(
         }
         v.data[index]
     };
-    let data: Result<Vec<i64>, NetworkFault> = (0..count).map(|i| f(at(a, i), at(b, i))).collect();
-    Ok(Integers { shape, data: data? })
+    let data = (0..count).map(|i| f(at(a, i), at(b, i))).collect::<Result<_>>()?;
+    Ok(Integers { shape, data })
 }
 
-impl Operator for Arithmetic {
-    /// Max, Min and Sum take any number of tensors.
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let mut result = inputs.value(0)?;
-        for i in 1..inputs.values.len() {
-            result = self.of_two(result, inputs.value(i)?)?;
-        }
-        Ok(vec![result])
-    }
-}
-
-pub(super) fn read(node: &Node) -> Option<AnyOperator> {
-    let operator = match node {
+pub(super) fn read(node: &Node) -> Option<Operator> {
+    let kind = match node {
         Node::Add(_) | Node::Sum(_) => Arithmetic::Add,
         Node::Sub(_) => Arithmetic::Sub,
         Node::Mul(_) => Arithmetic::Mul,
@@ -114,5 +97,9 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
         Node::Min(_) => Arithmetic::Min,
         _ => return None,
     };
-    Some(Arc::new(operator))
+    // Max, Min and Sum take any number of tensors.
+    Some(Operator::new(move |mut inputs| {
+        let first = inputs.value(0)?;
+        (1..inputs.values.len()).try_fold(first, |result, i| kind.of_two(result, inputs.value(i)?))
+    }))
 }

@@ -1,14 +1,12 @@
 //! Convolution and pooling of images (rank 4: 1 × channels × rows × columns).
 
-use std::sync::Arc;
-
 use burn::tensor::ops::{AvgPoolOptions, ConvOptions, ConvTransposeOptions, MaxPoolOptions};
 use burn::tensor::{Tensor, module};
 use onnx_ir::Node;
 use onnx_ir::node::padding::{AutoPad, PaddingConfig2d};
 
-use super::operator::{AnyOperator, Inputs, Operator};
-use super::value::{Floats, Value, bounded};
+use super::operator::{Inputs, Operator};
+use super::value::{Floats, Result, Value, bounded};
 use crate::whitebox::NetworkFault;
 
 /// How a window walks over an image; rows first.
@@ -21,8 +19,24 @@ struct Window {
 }
 
 impl Window {
+    fn new(
+        kernel: [usize; 2],
+        stride: [usize; 2],
+        dilation: [usize; 2],
+        padding: &PaddingConfig2d,
+        auto_pad: &AutoPad,
+    ) -> Self {
+        Window {
+            kernel,
+            stride,
+            dilation,
+            padding: padding.clone(),
+            auto_pad: auto_pad.clone(),
+        }
+    }
+
     /// Pixels added before and after, for rows and for columns, to an image of so many channels, rows and columns.
-    fn padding(&self, [channels, rows, columns]: [usize; 3]) -> Result<[(usize, usize); 2], NetworkFault> {
+    fn padding(&self, [channels, rows, columns]: [usize; 3]) -> Result<[(usize, usize); 2]> {
         let size = [rows, columns];
         let same = |axis: usize| {
             let reach = (self.kernel[axis] - 1) * self.dilation[axis] + 1;
@@ -48,109 +62,66 @@ impl Window {
     }
 }
 
-struct Convolution {
-    window: Window,
-    groups: usize,
+/// The image, the weights and the bias of a convolution.
+type Weighted = (Tensor<4>, Tensor<4>, Option<Tensor<1>>);
+
+fn weighted(mut inputs: Inputs) -> Result<Weighted> {
+    let x = inputs.floats(0)?.of_rank::<4>()?;
+    let weight = inputs.floats(1)?.of_rank::<4>()?;
+    let bias = inputs.optional_floats(2)?.map(|bias| bias.of_rank::<1>()).transpose()?;
+    Ok((x, weight, bias))
 }
 
-impl Operator for Convolution {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let x = inputs.floats(0)?.of_rank::<4>()?;
-        let weight = inputs.floats(1)?.of_rank::<4>()?;
-        let bias = inputs.optional_floats(2)?.map(|bias| bias.of_rank::<1>()).transpose()?;
+fn convolution(window: Window, groups: usize) -> Operator {
+    Operator::new(move |inputs| {
+        let (x, weight, bias) = weighted(inputs)?;
         let ([_, channels, rows, columns], [_, per_group, ..]) = (x.dims(), weight.dims());
-        if channels != per_group * self.groups {
-            return Err(NetworkFault::Count("channels", per_group * self.groups, channels));
+        if channels != per_group * groups {
+            return Err(NetworkFault::Count("channels", per_group * groups, channels));
         }
-        let Window { stride, dilation, .. } = self.window;
-        let padding = self.window.padding([channels, rows, columns])?;
-        let options = ConvOptions::new_with_padding(stride, padding, dilation, self.groups);
+        let padding = window.padding([channels, rows, columns])?;
+        let options = ConvOptions::new_with_padding(window.stride, padding, window.dilation, groups);
         rank_4(module::conv2d(x, weight, bias, options))
-    }
+    })
 }
 
-struct TransposedConvolution {
-    options: ConvTransposeOptions<2>,
-}
-
-impl Operator for TransposedConvolution {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let x = inputs.floats(0)?.of_rank::<4>()?;
-        let weight = inputs.floats(1)?.of_rank::<4>()?;
-        let bias = inputs.optional_floats(2)?.map(|bias| bias.of_rank::<1>()).transpose()?;
+fn transposed_convolution(options: ConvTransposeOptions<2>) -> Operator {
+    Operator::new(move |inputs| {
+        let (x, weight, bias) = weighted(inputs)?;
         let ([_, _, rows, columns], [_, per_group, kernel_rows, kernel_columns]) = (x.dims(), weight.dims());
         let side = |axis: usize, side: usize, kernel: usize| {
-            let reach = kernel.saturating_mul(self.options.dilation[axis]);
-            side.saturating_mul(self.options.stride[axis])
+            let reach = kernel.saturating_mul(options.dilation[axis]);
+            side.saturating_mul(options.stride[axis])
                 .saturating_add(reach)
-                .saturating_add(self.options.padding_out[axis])
+                .saturating_add(options.padding_out[axis])
         };
-        let channels = per_group.saturating_mul(self.options.groups);
+        let channels = per_group.saturating_mul(options.groups);
         bounded([channels, side(0, rows, kernel_rows), side(1, columns, kernel_columns)])?;
-        rank_4(module::conv_transpose2d(x, weight, bias, self.options.clone()))
-    }
+        rank_4(module::conv_transpose2d(x, weight, bias, options.clone()))
+    })
 }
 
-struct MaxPool {
+/// One number for each place of a window.
+fn pool(
     window: Window,
-    ceil_mode: bool,
-}
-
-impl Operator for MaxPool {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
+    pooled: impl Fn(Tensor<4>, &Window, [(usize, usize); 2]) -> Tensor<4> + Send + Sync + 'static,
+) -> Operator {
+    Operator::new(move |mut inputs| {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let [_, channels, rows, columns] = x.dims();
-        let options = MaxPoolOptions::new(self.window.kernel)
-            .with_stride(self.window.stride)
-            .with_padding_pairs(self.window.padding([channels, rows, columns])?)
-            .with_dilation(self.window.dilation)
-            .with_ceil_mode(self.ceil_mode);
-        rank_4(module::max_pool2d(x, options))
-    }
+        let padding = window.padding([channels, rows, columns])?;
+        rank_4(pooled(x, &window, padding))
+    })
 }
 
-struct AveragePool {
-    window: Window,
-    ceil_mode: bool,
-    counts_padding: bool,
-}
-
-impl Operator for AveragePool {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let x = inputs.floats(0)?.of_rank::<4>()?;
-        let [_, channels, rows, columns] = x.dims();
-        let options = AvgPoolOptions::new(self.window.kernel)
-            .with_stride(self.window.stride)
-            .with_padding_pairs(self.window.padding([channels, rows, columns])?)
-            .with_count_include_pad(self.counts_padding)
-            .with_ceil_mode(self.ceil_mode);
-        rank_4(module::avg_pool2d(x, options))
-    }
-}
-
-/// One number a channel: the mean or the maximum of all its pixels.
-enum Global {
-    Mean,
-    Max,
-}
-
-impl Operator for Global {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let x = inputs.floats(0)?.of_rank::<4>()?;
-        rank_4(match self {
-            Global::Mean => x.mean_dim(2).mean_dim(3),
-            Global::Max => x.max_dim(2).max_dim(3),
-        })
-    }
+/// One number a channel.
+fn global(of_all: fn(Tensor<4>) -> Tensor<4>) -> Operator {
+    Operator::new(move |mut inputs| rank_4(of_all(inputs.floats(0)?.of_rank::<4>()?)))
 }
 
 /// (x − mean) / √(variance + ε) · scale + shift, per channel, with the statistics of training.
-struct BatchNorm {
-    epsilon: f64,
-}
-
-impl Operator for BatchNorm {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
+fn batch_norm(epsilon: f64) -> Operator {
+    Operator::new(move |mut inputs| {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let mut per_channel = |i: usize| {
             let v = inputs.floats(i)?;
@@ -158,74 +129,63 @@ impl Operator for BatchNorm {
             v.reshaped(&[1, channels, 1, 1])?.of_rank::<4>()
         };
         let (scale, shift, mean, variance) = (per_channel(1)?, per_channel(2)?, per_channel(3)?, per_channel(4)?);
-        let factor = scale / variance.add_scalar(self.epsilon).sqrt();
+        let factor = scale / variance.add_scalar(epsilon).sqrt();
         rank_4(x * factor.clone() + (shift - mean * factor))
-    }
+    })
 }
 
-fn rank_4(x: Tensor<4>) -> Result<Vec<Value>, NetworkFault> {
-    Ok(vec![Value::Floats(Floats::from_rank(x)?)])
+fn rank_4(x: Tensor<4>) -> Result<Value> {
+    Floats::from_rank(x).map(Value::Floats)
 }
 
-pub(super) fn read(node: &Node) -> Option<AnyOperator> {
+pub(super) fn read(node: &Node) -> Option<Operator> {
     Some(match node {
         Node::Conv2d(n) => {
             let c = &n.config;
-            let window = Window {
-                kernel: c.kernel_size,
-                stride: c.stride,
-                dilation: c.dilation,
-                padding: c.padding.clone(),
-                auto_pad: c.auto_pad.clone(),
-            };
-            Arc::new(Convolution {
-                window,
-                groups: c.groups,
-            })
+            let window = Window::new(c.kernel_size, c.stride, c.dilation, &c.padding, &c.auto_pad);
+            convolution(window, c.groups)
         }
         // Other paddings than the plain one have not been seen in detectors.
         Node::ConvTranspose2d(n) if n.config.auto_pad == AutoPad::NotSet && n.config.output_shape.is_none() => {
             let c = &n.config;
             let options = ConvTransposeOptions::new(c.stride, c.padding, c.padding_out, c.dilation, c.groups);
-            Arc::new(TransposedConvolution { options })
+            transposed_convolution(options)
         }
         Node::MaxPool2d(n) if n.outputs.len() == 1 => {
             let c = &n.config;
-            let window = Window {
-                kernel: c.kernel_size,
-                stride: c.strides,
-                dilation: c.dilation,
-                padding: c.padding.clone(),
-                auto_pad: c.auto_pad.clone(),
-            };
+            let window = Window::new(c.kernel_size, c.strides, c.dilation, &c.padding, &c.auto_pad);
             let ceil_mode = c.ceil_mode;
-            Arc::new(MaxPool { window, ceil_mode })
+            pool(window, move |x, window, padding| {
+                let options = MaxPoolOptions::new(window.kernel)
+                    .with_stride(window.stride)
+                    .with_padding_pairs(padding)
+                    .with_dilation(window.dilation)
+                    .with_ceil_mode(ceil_mode);
+                module::max_pool2d(x, options)
+            })
         }
         Node::AveragePool2d(n) if n.config.dilation == [1, 1] => {
             let c = &n.config;
-            let window = Window {
-                kernel: c.kernel_size,
-                stride: c.strides,
-                dilation: c.dilation,
-                padding: c.padding.clone(),
-                auto_pad: c.auto_pad.clone(),
-            };
-            Arc::new(AveragePool {
-                window,
-                ceil_mode: c.ceil_mode,
-                counts_padding: c.count_include_pad,
+            let window = Window::new(c.kernel_size, c.strides, c.dilation, &c.padding, &c.auto_pad);
+            let (ceil_mode, counts_padding) = (c.ceil_mode, c.count_include_pad);
+            pool(window, move |x, window, padding| {
+                let options = AvgPoolOptions::new(window.kernel)
+                    .with_stride(window.stride)
+                    .with_padding_pairs(padding)
+                    .with_count_include_pad(counts_padding)
+                    .with_ceil_mode(ceil_mode);
+                module::avg_pool2d(x, options)
             })
         }
-        Node::GlobalAveragePool(_) => Arc::new(Global::Mean),
-        Node::GlobalMaxPool(_) => Arc::new(Global::Max),
+        Node::GlobalAveragePool(_) => global(|x| x.mean_dim(2).mean_dim(3)),
+        Node::GlobalMaxPool(_) => global(|x| x.max_dim(2).max_dim(3)),
         Node::BatchNormalization(n) => {
             let epsilon = match &n.config {
                 onnx_ir::node::batch_norm::BatchNormConfig::Static(c) => c.epsilon,
                 onnx_ir::node::batch_norm::BatchNormConfig::Runtime(c) => c.epsilon,
             };
             // The parser says 0 where a file says nothing, and the standard then means 1e-5.
-            let epsilon = if epsilon == 0.0 { 1e-5 } else { epsilon };
-            Arc::new(BatchNorm { epsilon })
+            batch_norm(if epsilon == 0.0 { 1e-5 } else { epsilon })
         }
         _ => return None,
     })

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use burn::tensor::Device;
 
-use super::operator::{AnyOperator, Inputs};
+use super::operator::{Inputs, Operator};
 use super::value::Value;
 use crate::whitebox::NetworkFault;
 
@@ -14,7 +14,7 @@ pub(super) type Slot = usize;
 pub(super) struct GraphStep {
     /// For messages: the node's name in the file.
     pub name: String,
-    pub operator: AnyOperator,
+    pub operator: Operator,
     pub inputs: Vec<Option<Slot>>,
     pub outputs: Vec<Slot>,
 }
@@ -133,10 +133,8 @@ impl Graph {
 
 impl GraphStep {
     fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), NetworkFault> {
-        let outputs = self
-            .operator
-            .run(inputs)
-            .map_err(|fault| NetworkFault::At(self.name.clone(), fault.into()))?;
+        let outputs = (self.operator.run)(inputs);
+        let outputs = outputs.map_err(|fault| NetworkFault::At(self.name.clone(), fault.into()))?;
         for (slot, value) in self.outputs.iter().zip(outputs) {
             values[*slot] = Some(value);
         }

@@ -69,7 +69,7 @@ impl Twins<'_> {
             None => itself,
             Some(&(step, output)) => {
                 let step = graph.steps[step].clone();
-                match (step.operator.is_sigmoid(), step.operator.rearranged()) {
+                match (step.operator.is_sigmoid, step.operator.rearranged) {
                     (true, _) => self.before(graph, &step, slot)?,
                     (false, Rearranged::Nothing) => itself,
                     (false, rearranged) => self.moved(graph, &step, output, rearranged)?.unwrap_or(itself),
@@ -126,7 +126,7 @@ impl Twins<'_> {
         if !has_logits {
             return Ok(None);
         }
-        let mut masks = step.operator.run(Inputs {
+        let mut masks = (step.operator.run)(Inputs {
             values: masks,
             device: &graph.device,
         })?;

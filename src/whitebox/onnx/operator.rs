@@ -1,29 +1,47 @@
-//! What every operator of a network can do. One file per group of operators implements it.
+//! What every operator of a network can do. One file per group of operators makes them.
 
 use std::sync::Arc;
 
 use burn::tensor::Device;
-use onnx_ir::RuntimeInputRef;
 
-use super::value::{Floats, Integers, Value};
+use super::value::{Floats, Integers, Result, Value};
 use crate::whitebox::NetworkFault;
 
+type Run = dyn Fn(Inputs) -> Result<Vec<Value>> + Send + Sync;
+
 /// An operator with its settings, its tensors not included.
-pub(super) trait Operator: Send + Sync {
+#[derive(Clone)]
+pub(super) struct Operator {
     /// The outputs for some inputs, in ONNX's order.
-    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault>;
-
+    pub run: Arc<Run>,
     /// Which inputs' numbers come out unchanged, only elsewhere.
-    fn rearranged(&self) -> Rearranged {
-        Rearranged::Nothing
-    }
-
-    fn is_sigmoid(&self) -> bool {
-        false
-    }
+    pub rearranged: Rearranged,
+    pub is_sigmoid: bool,
 }
 
-pub(super) type AnyOperator = Arc<dyn Operator>;
+impl Operator {
+    pub(super) fn with_outputs(run: impl Fn(Inputs) -> Result<Vec<Value>> + Send + Sync + 'static) -> Operator {
+        Operator {
+            run: Arc::new(run),
+            rearranged: Rearranged::Nothing,
+            is_sigmoid: false,
+        }
+    }
+
+    /// With one output.
+    pub(super) fn new(run: impl Fn(Inputs) -> Result<Value> + Send + Sync + 'static) -> Operator {
+        Operator::with_outputs(move |inputs| Ok(vec![run(inputs)?]))
+    }
+
+    /// With one output that has the first input's numbers.
+    pub(super) fn moving(run: impl Fn(Inputs) -> Result<Value> + Send + Sync + 'static) -> Operator {
+        Operator::new(run).rearranging(Rearranged::First)
+    }
+
+    pub(super) fn rearranging(self, rearranged: Rearranged) -> Operator {
+        Operator { rearranged, ..self }
+    }
+}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rearranged {
@@ -51,25 +69,25 @@ impl Inputs<'_> {
         self.values.get_mut(i)?.take()
     }
 
-    pub(super) fn value(&mut self, i: usize) -> Result<Value, NetworkFault> {
+    pub(super) fn value(&mut self, i: usize) -> Result<Value> {
         self.take(i).ok_or(NetworkFault::MissingInput(i))
     }
 
-    pub(super) fn floats(&mut self, i: usize) -> Result<Floats, NetworkFault> {
+    pub(super) fn floats(&mut self, i: usize) -> Result<Floats> {
         match self.value(i)? {
             Value::Floats(v) => Ok(v),
             Value::Integers(_) => Err(NetworkFault::WholeInput(i)),
         }
     }
 
-    pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>, NetworkFault> {
+    pub(super) fn optional_floats(&mut self, i: usize) -> Result<Option<Floats>> {
         match self.values.get(i) {
             Some(Some(_)) => self.floats(i).map(Some),
             _ => Ok(None),
         }
     }
 
-    pub(super) fn whole(&self, i: usize) -> Result<&Integers, NetworkFault> {
+    pub(super) fn whole(&self, i: usize) -> Result<&Integers> {
         match self.values.get(i) {
             Some(Some(Value::Integers(v))) => Ok(v),
             Some(Some(Value::Floats(_))) => Err(NetworkFault::FractionInput(i)),
@@ -86,15 +104,11 @@ pub(super) enum IntegerSetting {
 }
 
 impl IntegerSetting {
-    pub(super) fn input(of: &RuntimeInputRef) -> IntegerSetting {
-        IntegerSetting::Input(of.input_index)
-    }
-
     pub(super) fn known<T: Copy + TryInto<i64>>(values: &[T]) -> IntegerSetting {
         IntegerSetting::Known(values.iter().map(|v| (*v).try_into().unwrap_or(i64::MAX)).collect())
     }
 
-    pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>, NetworkFault> {
+    pub(super) fn of(&self, inputs: &Inputs) -> Result<Vec<i64>> {
         match self {
             IntegerSetting::Known(values) => Ok(values.clone()),
             IntegerSetting::Input(i) => Ok(inputs.whole(*i)?.data.clone()),
@@ -102,8 +116,19 @@ impl IntegerSetting {
     }
 }
 
+/// The setting in one of the parser's types, which are alike.
+macro_rules! setting {
+    ($kind:ident, $written:expr) => {
+        match $written {
+            $kind::Static(v) => IntegerSetting::known(v),
+            $kind::Runtime(r) => IntegerSetting::Input(r.input_index),
+        }
+    };
+}
+pub(super) use setting;
+
 /// An axis that may count from the end.
-pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize, NetworkFault> {
+pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize> {
     let from_start = if axis < 0 { axis + rank as i64 } else { axis };
     usize::try_from(from_start)
         .ok()

@@ -6,7 +6,7 @@ use burn::tensor::Device;
 use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
 
 use super::graph::{Graph, GraphStep, Slot};
-use super::operator::AnyOperator;
+use super::operator::Operator;
 use super::value::Value;
 use super::{arithmetic, combine, convolution, elementwise, rearrange, resize, shapes};
 use crate::whitebox::{NetworkFault, WhiteBoxError};
@@ -21,7 +21,7 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, W
     // Simplified, it would have operators of the parser's own.
     let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
     let parsed = parsed.map_err(|e| not_parsed(e.to_string()))?;
-    let operators: Vec<Option<AnyOperator>> = parsed.nodes.iter().map(operator).collect();
+    let operators: Vec<Option<Operator>> = parsed.nodes.iter().map(operator).collect();
     let unknown: BTreeSet<String> = (parsed.nodes.iter().zip(&operators))
         .filter(|(node, operator)| operator.is_none() && !matches!(node, Node::Constant(_)))
         .map(|(node, _)| kind(node))
@@ -45,7 +45,7 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, W
     Ok(graph)
 }
 
-fn operator(node: &Node) -> Option<AnyOperator> {
+fn operator(node: &Node) -> Option<Operator> {
     elementwise::read(node)
         .or_else(|| arithmetic::read(node))
         .or_else(|| convolution::read(node))
@@ -80,7 +80,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<AnyOperator>>) -> Result<Graph, NetworkFault> {
+    fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<Operator>>) -> Result<Graph, NetworkFault> {
         let [image] = &parsed.inputs[..] else {
             return Err(NetworkFault::Count("inputs", parsed.inputs.len(), 1));
         };

@@ -1,14 +1,12 @@
 //! Resizing and padding inside the network.
 
-use std::sync::Arc;
-
 use burn::tensor::ops::PadMode as Mode;
 use onnx_ir::Node;
 use onnx_ir::pad::{AxesInput, ConstantValueInput, PadInput, PadMode};
 use onnx_ir::resize::{CoordinateTransformMode, NearestMode, ResizeConfig, ResizeMode, ResizeScales, ResizeSizes};
 
-use super::operator::{AnyOperator, Inputs, IntegerSetting, Operator, axis_of};
-use super::value::{Floats, RANK, Value, bounded};
+use super::operator::{Inputs, IntegerSetting, Operator, axis_of, setting};
+use super::value::{Floats, RANK, Result, Value, bounded};
 use crate::whitebox::NetworkFault;
 
 /// Rows and columns to another number, each by a matrix whose rows are the kernel's weights.
@@ -48,10 +46,10 @@ impl Resize {
     }
 
     /// New rows and columns, and by how much each is scaled.
-    fn target(&self, old: [usize; 2], inputs: &mut Inputs) -> Result<[(usize, f32); 2], NetworkFault> {
+    fn target(&self, old: [usize; 2], inputs: &mut Inputs) -> Result<[(usize, f32); 2]> {
         let by_scale =
             |scales: [f32; 2]| std::array::from_fn(|i| ((old[i] as f32 * scales[i]).floor() as usize, scales[i]));
-        let by_side = |sides: &[i64]| -> Result<[(usize, f32); 2], NetworkFault> {
+        let by_side = |sides: &[i64]| -> Result<[(usize, f32); 2]> {
             let last = sides.len().checked_sub(2).ok_or("its sizes are too few")?;
             let sides = [sides[last], sides[last + 1]].map(|side| usize::try_from(side).unwrap_or(0));
             Ok(std::array::from_fn(|i| (sides[i], sides[i] as f32 / old[i] as f32)))
@@ -102,10 +100,8 @@ impl Resize {
         }
         weights
     }
-}
 
-impl Operator for Resize {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
+    fn run(&self, mut inputs: Inputs) -> Result<Value> {
         let shape = inputs
             .values
             .first()
@@ -128,31 +124,18 @@ impl Operator for Resize {
         let left = Floats::new(self.weights(rows, new_rows, y), &[new_rows, rows], &device)?;
         let right = Floats::new(self.weights(columns, new_columns, x), &[new_columns, columns], &device)?;
         let resized = left.x.matmul(image).matmul(right.x.swap_dims(RANK - 2, RANK - 1));
-        Ok(vec![Value::Floats(Floats { x: resized, rank })])
+        Ok(Floats { x: resized, rank }.into())
     }
 }
 
-/// A border around a tensor.
-struct Pad {
-    /// All befores, then all afters, as ONNX writes them; of the named axes.
-    pads: IntegerSetting,
-    axes: Option<IntegerSetting>,
-    mode: PadMode,
-    value: Border,
-}
-
-enum Border {
-    Known(f32),
-    Input(usize),
-}
-
-impl Operator for Pad {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let pads = self.pads.of(&inputs)?;
-        let axes = self.axes.as_ref().map(|axes| axes.of(&inputs)).transpose()?;
-        let value = match self.value {
-            Border::Known(v) => v,
-            Border::Input(i) => match inputs.optional_floats(i)? {
+/// A border around a tensor. `pads`: all befores, then all afters, as ONNX writes them; of the named axes.
+fn pad(pads: IntegerSetting, axes: Option<IntegerSetting>, mode: PadMode, border: ConstantValueInput) -> Operator {
+    Operator::new(move |mut inputs| {
+        let pads = pads.of(&inputs)?;
+        let axes = axes.as_ref().map(|axes| axes.of(&inputs)).transpose()?;
+        let border = match &border {
+            ConstantValueInput::Static(v) => *v,
+            ConstantValueInput::Runtime(r) => match inputs.optional_floats(r.input_index)? {
                 Some(v) => v.values()?.first().copied().unwrap_or(0.0),
                 None => 0.0,
             },
@@ -168,29 +151,26 @@ impl Operator for Pad {
             pairs[RANK - rank + axis_of(*axis, rank)?] = (side(pads[i])?, side(pads[i + axes.len()])?);
         }
         if pairs.iter().all(|pair| *pair == (0, 0)) {
-            return Ok(vec![Value::Floats(Floats { x, rank })]);
+            return Ok(Floats { x, rank }.into());
         }
-        bounded(
-            x.dims()
-                .iter()
-                .zip(&pairs)
-                .map(|(side, (before, after))| side.saturating_add(*before).saturating_add(*after)),
-        )?;
-        let mode = match self.mode {
-            PadMode::Constant => Mode::Constant(value),
+        let sides = x.dims().into_iter().zip(pairs);
+        bounded(sides.map(|(side, (before, after))| side.saturating_add(before).saturating_add(after)))?;
+        let mode = match mode {
+            PadMode::Constant => Mode::Constant(border),
             PadMode::Reflect => Mode::Reflect,
             PadMode::Edge => Mode::Edge,
         };
-        Ok(vec![Value::Floats(Floats {
-            x: x.pad(pairs, mode),
-            rank,
-        })])
-    }
+        let x = x.pad(pairs, mode);
+        Ok(Floats { x, rank }.into())
+    })
 }
 
-pub(super) fn read(node: &Node) -> Option<AnyOperator> {
+pub(super) fn read(node: &Node) -> Option<Operator> {
     match node {
-        Node::Resize(n) | Node::Upsample(n) => Resize::read(&n.config).map(|r| Arc::new(r) as AnyOperator),
+        Node::Resize(n) | Node::Upsample(n) => {
+            let resize = Resize::read(&n.config)?;
+            Some(Operator::new(move |inputs| resize.run(inputs)))
+        }
         Node::Pad(n) => {
             let (pads, axes) = match &n.config.pads {
                 PadInput::Static(pairs) => {
@@ -198,24 +178,11 @@ pub(super) fn read(node: &Node) -> Option<AnyOperator> {
                     (IntegerSetting::known(&all), None)
                 }
                 PadInput::Runtime { input, axes } => {
-                    let axes = axes.as_ref().map(|axes| match axes {
-                        AxesInput::Static(v) => IntegerSetting::known(v),
-                        AxesInput::Runtime(r) => IntegerSetting::input(r),
-                    });
-                    (IntegerSetting::input(input), axes)
+                    let axes = axes.as_ref().map(|axes| setting!(AxesInput, axes));
+                    (IntegerSetting::Input(input.input_index), axes)
                 }
             };
-            let value = match &n.config.constant_value {
-                ConstantValueInput::Static(v) => Border::Known(*v),
-                ConstantValueInput::Runtime(r) => Border::Input(r.input_index),
-            };
-            let mode = n.config.mode.clone();
-            Some(Arc::new(Pad {
-                pads,
-                axes,
-                mode,
-                value,
-            }))
+            Some(pad(pads, axes, n.config.mode.clone(), n.config.constant_value.clone()))
         }
         _ => None,
     }

@@ -1,71 +1,53 @@
 //! Operators that compute shapes.
 
-use std::sync::Arc;
-
 use onnx_ir::constant_of_shape::ConstantOfShapeShape;
 use onnx_ir::range::RangeInput;
 use onnx_ir::{Node, TensorData, TensorDataExt};
 
-use super::operator::{AnyOperator, Inputs, IntegerSetting, Operator};
+use super::operator::{IntegerSetting, Operator, setting};
 use super::value::{Floats, Integers, Value, bounded};
 use crate::whitebox::NetworkFault;
 
 /// The sides of a tensor, from one axis to another.
-struct Shape {
-    start: usize,
-    end: usize,
+fn shape(start: usize, end: usize) -> Operator {
+    Operator::new(move |mut inputs| {
+        let shape = inputs.value(0)?.shape();
+        let sides = shape.get(start..end.min(shape.len())).unwrap_or_default();
+        Ok(listed(sides.iter().map(|side| *side as i64).collect()))
+    })
 }
 
-impl Operator for Shape {
-    fn run(&self, mut inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let shape = inputs.value(0)?.shape();
-        let end = self.end.min(shape.len());
-        let sides = shape.get(self.start..end).unwrap_or_default();
-        Ok(vec![Value::Integers(Integers {
-            shape: vec![sides.len()],
-            data: sides.iter().map(|side| *side as i64).collect(),
-        })])
-    }
+fn listed(data: Vec<i64>) -> Value {
+    let shape = vec![data.len()];
+    Value::Integers(Integers { shape, data })
 }
 
 /// One number everywhere; 0 when none is named.
-struct ConstantOfShape {
-    shape: IntegerSetting,
-    value: Option<TensorData>,
-}
-
-impl Operator for ConstantOfShape {
-    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
-        let sides = self.shape.of(&inputs)?;
+fn constant_of_shape(sides: IntegerSetting, value: Option<TensorData>) -> Operator {
+    Operator::new(move |inputs| {
+        let sides = sides.of(&inputs)?;
         let shape: Vec<usize> = sides.iter().map(|side| usize::try_from(*side).unwrap_or(0)).collect();
         let count = bounded(shape.iter().copied())?;
-        Ok(vec![match &self.value {
+        match &value {
             Some(value) if !value.dtype().is_float() => {
-                let value = value.iter::<i64>().next().unwrap_or(0);
-                Value::Integers(Integers {
-                    shape,
-                    data: vec![value; count],
-                })
+                let data = vec![value.iter::<i64>().next().unwrap_or(0); count];
+                Ok(Value::Integers(Integers { shape, data }))
             }
             value => {
                 let value = value.as_ref().and_then(|v| v.scalar_f32().ok()).unwrap_or(0.0);
-                Value::Floats(Floats::new(vec![value; count], &shape, inputs.device)?)
+                Floats::new(vec![value; count], &shape, inputs.device).map(Value::Floats)
             }
-        }])
-    }
+        }
+    })
 }
 
 /// Whole numbers from start up to limit in steps.
-struct Range([IntegerSetting; 3]);
-
-impl Operator for Range {
-    fn run(&self, inputs: Inputs) -> Result<Vec<Value>, NetworkFault> {
+fn range(bounds: [IntegerSetting; 3]) -> Operator {
+    Operator::new(move |inputs| {
         let number = |i: usize| {
-            self.0[i]
-                .of(&inputs)?
-                .first()
-                .copied()
-                .ok_or(NetworkFault::Malformed("a bound of it is empty"))
+            let numbers = bounds[i].of(&inputs)?;
+            let first = numbers.first().copied();
+            first.ok_or(NetworkFault::Malformed("a bound of it is empty"))
         };
         let (mut at, limit, step) = (number(0)?, number(1)?, number(2)?);
         if step == 0 || (limit - at) / step > 1 << 24 {
@@ -76,37 +58,24 @@ impl Operator for Range {
             data.push(at);
             at += step;
         }
-        Ok(vec![Value::Integers(Integers {
-            shape: vec![data.len()],
-            data,
-        })])
-    }
+        Ok(listed(data))
+    })
 }
 
-pub(super) fn read(node: &Node) -> Option<AnyOperator> {
+pub(super) fn read(node: &Node) -> Option<Operator> {
     Some(match node {
-        Node::Shape(n) => Arc::new(Shape {
-            start: n.config.start,
-            end: n.config.end,
-        }),
-        Node::ConstantOfShape(n) => Arc::new(ConstantOfShape {
-            shape: match &n.config.shape {
-                ConstantOfShapeShape::Static(v) => IntegerSetting::Known(v.clone()),
-                ConstantOfShapeShape::Runtime(r) => IntegerSetting::input(r),
-            },
-            value: n.config.value.clone(),
-        }),
+        Node::Shape(n) => shape(n.config.start, n.config.end),
+        Node::ConstantOfShape(n) => {
+            constant_of_shape(setting!(ConstantOfShapeShape, &n.config.shape), n.config.value.clone())
+        }
         Node::Range(n) => {
             let bound = |input: &RangeInput| match input {
                 RangeInput::Static(v) => Some(IntegerSetting::Known(vec![*v])),
-                RangeInput::Runtime(r) => Some(IntegerSetting::input(r)),
+                RangeInput::Runtime(r) => Some(IntegerSetting::Input(r.input_index)),
                 _ => None,
             };
-            Arc::new(Range([
-                bound(&n.config.start)?,
-                bound(&n.config.limit)?,
-                bound(&n.config.delta)?,
-            ]))
+            let config = &n.config;
+            range([bound(&config.start)?, bound(&config.limit)?, bound(&config.delta)?])
         }
         _ => return None,
     })

@@ -4,6 +4,8 @@ use crate::whitebox::NetworkFault;
 use burn::tensor::{Tensor, TensorData};
 use onnx_ir::TensorDataExt;
 
+pub(super) type Result<T> = std::result::Result<T, NetworkFault>;
+
 /// So many axes every tensor has here, those in front of its own with length 1.
 ///
 /// The framework's types carry the rank; one rank for all keeps each operator one function, and broadcasting as ONNX does it is the
@@ -32,6 +34,12 @@ pub(super) struct Integers {
     pub data: Vec<i64>,
 }
 
+impl From<Floats> for Value {
+    fn from(v: Floats) -> Value {
+        Value::Floats(v)
+    }
+}
+
 impl Value {
     /// Does it change with the image?
     pub(super) fn requires_grad(&self) -> bool {
@@ -46,7 +54,7 @@ impl Value {
     }
 
     /// A constant of the file.
-    pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value, NetworkFault> {
+    pub(super) fn constant(data: &TensorData, device: &burn::tensor::Device) -> Result<Value> {
         let shape = data.shape().to_vec();
         if data.dtype().is_float() {
             let values = data
@@ -60,11 +68,7 @@ impl Value {
 }
 
 impl Floats {
-    pub(super) fn new(
-        values: Vec<f32>,
-        shape: &[usize],
-        device: &burn::tensor::Device,
-    ) -> Result<Floats, NetworkFault> {
+    pub(super) fn new(values: Vec<f32>, shape: &[usize], device: &burn::tensor::Device) -> Result<Floats> {
         let x = Tensor::from_data(TensorData::new(values, full(shape)?), device);
         Ok(Floats { x, rank: shape.len() })
     }
@@ -74,14 +78,14 @@ impl Floats {
     }
 
     /// The framework's number of an axis of the ONNX tensor.
-    pub(super) fn axis(&self, axis: usize) -> Result<usize, NetworkFault> {
+    pub(super) fn axis(&self, axis: usize) -> Result<usize> {
         match axis < self.rank {
             true => Ok(RANK - self.rank + axis),
             false => Err(NetworkFault::NoAxis(self.rank, axis as i64)),
         }
     }
 
-    pub(super) fn reshaped(self, shape: &[usize]) -> Result<Floats, NetworkFault> {
+    pub(super) fn reshaped(self, shape: &[usize]) -> Result<Floats> {
         let wanted: usize = shape.iter().product();
         if self.x.shape().num_elements() != wanted {
             return Err(NetworkFault::Reshape(self.shape(), shape.to_vec()));
@@ -93,13 +97,13 @@ impl Floats {
     }
 
     /// With its own rank in its type; `R` must be that rank.
-    pub(super) fn of_rank<const R: usize>(self) -> Result<Tensor<R>, NetworkFault> {
+    pub(super) fn of_rank<const R: usize>(self) -> Result<Tensor<R>> {
         let shape = self.shape();
         let sides: [usize; R] = shape.try_into().map_err(|shape| NetworkFault::Rank(shape, R))?;
         Ok(self.x.reshape(sides))
     }
 
-    pub(super) fn from_rank<const R: usize>(x: Tensor<R>) -> Result<Floats, NetworkFault> {
+    pub(super) fn from_rank<const R: usize>(x: Tensor<R>) -> Result<Floats> {
         let shape = full(&x.dims())?;
         Ok(Floats {
             x: x.reshape(shape),
@@ -108,7 +112,7 @@ impl Floats {
     }
 
     /// The numbers, row-major.
-    pub(super) fn values(&self) -> Result<Vec<f32>, NetworkFault> {
+    pub(super) fn values(&self) -> Result<Vec<f32>> {
         self.x
             .try_to_vec_as::<f32>()
             .map_err(|e| NetworkFault::Framework(e.to_string()))
@@ -116,7 +120,7 @@ impl Floats {
 }
 
 /// A shape with ones in front, [`RANK`] axes in all.
-pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], NetworkFault> {
+pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK]> {
     let mut sides = [1; RANK];
     let from = RANK
         .checked_sub(shape.len())
@@ -129,7 +133,7 @@ pub(super) fn full(shape: &[usize]) -> Result<[usize; RANK], NetworkFault> {
 const MOST_NUMBERS: usize = 1 << 28;
 
 /// How many numbers a tensor of these sides has.
-pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize, NetworkFault> {
+pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize> {
     let count = sides
         .into_iter()
         .try_fold(1_usize, |count, side| count.checked_mul(side));
@@ -138,7 +142,7 @@ pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize, N
 }
 
 /// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
-pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>, NetworkFault> {
+pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>> {
     let rank = a.len().max(b.len());
     let side = |shape: &[usize], i: usize| (i + shape.len()).checked_sub(rank).map_or(1, |i| shape[i]);
     (0..rank)
