@@ -68,6 +68,9 @@ mod surrogate;
 #[cfg(feature = "full")]
 mod survey;
 mod tags;
+// Its users are being written.
+#[allow(dead_code)]
+mod unwrap;
 #[cfg(feature = "full")]
 mod whitebox;
 mod workers;
