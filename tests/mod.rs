@@ -52,3 +52,4 @@ mod solvers;
 mod survey;
 mod tag_detectors;
 mod truth;
+mod unwrap;
