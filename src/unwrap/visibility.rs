@@ -90,7 +90,8 @@ impl View {
         let size = [x, y].map(|(low, high)| (high - low).ceil() as usize + 2);
         Self {
             axes,
-            origin: [x.0 - 1.0, y.0 - 1.0],
+            // Off the pixels' centres, which the edges of a box would meet otherwise.
+            origin: [x.0 - 0.63, y.0 - 0.59],
             size,
             nearest: vec![f64::NEG_INFINITY; size[0] * size[1]],
         }
