@@ -12,6 +12,8 @@ const VIEWS: [(f64, usize); 5] = [(-10.0, 12), (10.0, 12), (32.0, 12), (58.0, 8)
 const PIXELS: f64 = 700.0;
 /// A face of which no view shows this share is hidden.
 const LEAST_SHARE: f64 = 0.15;
+/// One between visible faces is visible from this share on, so that borders have no teeth.
+const LEAST_BETWEEN: f64 = 0.02;
 /// A view that sees a face flatter than this, as the cosine of the angle to its normal, does not show it: a floor from just below.
 const LEAST_COSINE: f64 = 0.2;
 /// What lies this close behind another is at the same place, in pixels.
@@ -52,8 +54,7 @@ pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
     seen
 }
 
-/// Which faces are visible. One that is too small for all views is, and one that a view grazes and that lies between visible ones, so that
-/// borders have no teeth.
+/// Which faces are visible. One that is too small for all views is.
 pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
     let is_shown: Vec<bool> = seen
         .iter()
@@ -61,7 +62,7 @@ pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
         .collect();
     let is_between = |f: usize| beside[f].iter().flatten().filter(|(g, _)| is_shown[*g]).count() >= 2;
     (0..seen.len())
-        .map(|f| is_shown[f] || (seen[f].share > 0.0 && is_between(f)))
+        .map(|f| is_shown[f] || (seen[f].share >= LEAST_BETWEEN && is_between(f)))
         .collect()
 }
 
