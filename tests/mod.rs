@@ -55,3 +55,4 @@ mod survey;
 mod tag_detectors;
 mod texture;
 mod truth;
+mod unwrap;
