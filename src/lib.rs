@@ -69,6 +69,7 @@ mod surrogate;
 mod survey;
 mod tags;
 mod texture;
+mod unwrap;
 #[cfg(feature = "full")]
 mod whitebox;
 mod workers;
