@@ -1,17 +1,22 @@
-//! `scaleproof print wrap`: a pattern as the panels of a model.
+//! `scaleproof print wrap`: a pattern on a model, in pieces or as panels.
 
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::pieces::{self, Named, PiecesArgs};
 use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::{progress, units};
 use crate::pattern::Pattern;
 use crate::print::lettering;
-use crate::print::wrap::{Kept, Wrap, WrapError, WrapRequest, wrap};
+use crate::print::wrap::{Wrap, WrapRequest, wrap};
+use crate::texture::{Texture, Tile};
+
+/// Strip that neighbouring sheets of a panel share where nothing is said.
+const OVERLAP_MM: f64 = 8.0;
 
 #[derive(clap::Args)]
 pub(crate) struct WrapArgs {
@@ -23,18 +28,8 @@ pub(crate) struct WrapArgs {
     /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: Option<f64>,
-    /// Unroll what the panels would stretch by more than --max-stretch: as strips on pages of their own
-    #[arg(long)]
-    flatten: bool,
-    /// The mm on the surface that 1 mm on a panel's paper may stand for
-    #[arg(
-        long,
-        value_name = "RATIO",
-        requires = "flatten",
-        default_value_t = 1.2,
-        allow_negative_numbers = true
-    )]
-    max_stretch: f64,
+    #[command(flatten)]
+    pieces: PiecesArgs,
     #[command(flatten)]
     sheets: SheetArgs,
     /// One JSON object instead of text
@@ -47,9 +42,9 @@ pub(crate) struct WrapArgs {
 pub(crate) struct SheetArgs {
     #[command(flatten)]
     pub(super) paper: PaperArgs,
-    /// Strip that neighbouring sheets share for gluing, in mm
-    #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
-    overlap_mm: f64,
+    /// Strip that neighbouring sheets of a panel share for gluing, in mm [default: 8]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    overlap_mm: Option<f64>,
 }
 
 impl SheetArgs {
@@ -62,51 +57,86 @@ impl SheetArgs {
         Ok(WrapRequest {
             tile_mm,
             scale,
-            pattern_name: name
-                .file_name()
-                .map(|n| n.to_string_lossy().into_owned())
-                .unwrap_or_default(),
+            pattern_name: file_name(name),
             date: self.paper.date()?,
             paper: self.paper.paper.parse()?,
-            overlap_mm: self.overlap_mm,
+            overlap_mm: self.overlap_mm.unwrap_or(OVERLAP_MM),
             margin_mm: self.paper.margin_mm,
             printer: self.paper.printer()?,
-            max_stretch: None,
         })
     }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }
 
 pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let pattern = Pattern::load(&args.pattern)?;
     let model = args.model.load()?;
-    let sheets = &args.sheets;
-    let request = WrapRequest {
-        max_stretch: args.flatten.then_some(args.max_stretch),
-        ..sheets.request(
-            super::tile_mm(args.tile_mm, &args.pattern, &pattern)?,
-            model.scale,
-            &args.pattern,
-        )?
-    };
-    let output = sheets.paper.output()?;
-    let busy = progress::busy("wrapping");
-    let made = wrap(&model.mesh, &model.materials, &pattern, &request).map_err(advised)?;
-    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
+    let tile_mm = super::tile_mm(args.tile_mm, &args.pattern, &pattern)?;
     let inputs = [
         Some(args.pattern.as_path()),
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
-        sheets.paper.printer.as_deref(),
+        args.sheets.paper.printer.as_deref(),
     ];
-    write_files(&files, &inputs)?;
-    busy.finish_and_clear();
+    if args.pieces.panels {
+        panels(args, (&model, &pattern, tile_mm), &inputs, out)?;
+    } else {
+        if args.sheets.overlap_mm.is_some() {
+            return Err(
+                "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
+            );
+        }
+        let facts = format!(
+            "sha256 {} · tile {} mm",
+            pattern.sha256().get(..12).unwrap_or_default(),
+            lettering::number(tile_mm)
+        );
+        let texture = Texture::Tile(Tile::new(pattern, tile_mm));
+        let named = Named {
+            texture: &texture,
+            name: file_name(&args.pattern),
+            facts,
+        };
+        pieces::run(
+            &args.pieces,
+            &args.sheets.paper,
+            (&model, named),
+            &inputs,
+            (args.json, &mut *out),
+        )?;
+    }
     if args.model.mesh.is_some() {
         units::note(units::turned(model.mesh.size_mm()));
     }
-    say_notes(args, &made);
+    Ok(Outcome::Done)
+}
+
+/// `--panels`.
+fn panels(
+    args: &WrapArgs,
+    (model, pattern, tile_mm): (&Model, &Pattern, f64),
+    inputs: &[Option<&Path>],
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    let sheets = &args.sheets;
+    let request = sheets.request(tile_mm, model.scale, &args.pattern)?;
+    let output = sheets.paper.output()?;
+    let busy = progress::busy("wrapping");
+    let made = wrap(&model.mesh, &model.materials, pattern, &request)?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
+    write_files(&files, inputs)?;
+    busy.finish_and_clear();
+    if made.unlettered_mm > 0.0 {
+        let length_mm = made.unlettered_mm;
+        say!("note: {length_mm:.0} mm of seams have no letter, as one of their panels has no room beside them");
+    }
     if args.json {
-        write_json(&files, facts(&model, &made), out)?;
-        return Ok(Outcome::Done);
+        return write_json(&files, facts(model, &made), out);
     }
     let [length, width, height] = model.mesh.size_mm();
     writeln!(
@@ -119,33 +149,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     for fact in made.facts() {
         writeln!(out, "{fact}")?;
     }
-    Ok(Outcome::Done)
-}
-
-/// The error with the options that mend it.
-fn advised(error: WrapError) -> String {
-    let advice = match &error {
-        WrapError::TooManySteep { count, most } => {
-            return format!(
-                "{count} triangles are steeper than --max-stretch, and no more than {most} can be unrolled; simplify the mesh, or give a \
-                 larger --max-stretch"
-            );
-        }
-        WrapError::TooManyStripCells { .. } => ", or a larger --max-stretch",
-        _ => "",
-    };
-    format!("{error}{advice}")
-}
-
-fn say_notes(args: &WrapArgs, made: &Wrap) {
-    if args.flatten && made.strips.is_empty() && made.kept == Kept::default() {
-        let limit = lettering::number(args.max_stretch);
-        say!("note: no surface is stretched by more than {limit}, so nothing was unrolled");
-    }
-    if made.unlettered_mm > 0.0 {
-        let length_mm = made.unlettered_mm;
-        say!("note: {length_mm:.0} mm of seams have no letter, as one of their panels has no room beside them");
-    }
+    Ok(())
 }
 
 /// `--json`.
@@ -163,7 +167,6 @@ fn facts(model: &Model, made: &Wrap) -> serde_json::Value {
         "model_size_mm": model.mesh.size_mm(),
         "cell_mm": made.cell_mm,
         "panels": panels.collect::<Vec<_>>(),
-        "strips": made.strips.len(),
         "surface_mm2": made.surface_mm2,
         "unprinted_mm2": made.unprinted_mm2(),
         "largest_stretch": made.largest_stretch(),

@@ -3,9 +3,7 @@
 use super::lines::{EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, line, moved, place};
 use super::region::Region;
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{
-    BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Unrolling, Wrap, WrapError, WrapRequest, cover, strips,
-};
+use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::CAP_HEIGHT;
@@ -18,16 +16,15 @@ const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
-/// `unrolling` is what became of `paint`, and `panels` those of its rest.
+/// `panels` are those of `paint`.
 pub(crate) fn wrap(
     paint: &PaintedSurface,
-    unrolling: Unrolling,
     panels: Vec<Panel>,
     pattern: &Pattern,
     request: &WrapRequest,
 ) -> Result<Wrap, WrapError> {
     let grown: Vec<Region> = panels.iter().map(|panel| panel.region.grown(BLEED_MM)).collect();
-    let mut seams = seams(&unrolling.rest, &panels, &grown);
+    let seams = seams(paint, &panels, &grown);
     let pieces: Result<Vec<_>, _> = panels.into_iter().map(|panel| piece(panel, request)).collect();
     let pieces = pieces?;
     let largest = pieces.iter().fold((0.0f64, 0.0f64), |most, piece| {
@@ -42,18 +39,11 @@ pub(crate) fn wrap(
         surface_mm2: paint.surface_mm2(),
         unlettered_mm: seams.unlettered_mm,
         cell_mm,
-        strips: unrolling.strips,
-        strip_places: Vec::new(),
-        kept: unrolling.kept,
         pages: Vec::new(),
     };
-    let before = 1 + made.pieces.iter().map(|piece| piece.layout.sheets.len()).sum::<usize>();
-    let (places, strip_sheets) = strips::sheets(&made, before, pattern, request)?;
-    made.strip_places = places;
     let mut pages = vec![cover::cover(&made, &seams, pattern, request)?];
     for (piece, grown) in made.pieces.iter().zip(&grown) {
         let side = piece.panel.side;
-        strips::numbers(&made.strips, side, grown, seams.marks.entry(side).or_default());
         let drawing = Drawing {
             piece,
             grown,
@@ -65,7 +55,6 @@ pub(crate) fn wrap(
         let sheets = piece.layout.sheets.iter().map(|plan| drawing.sheet(plan)).collect();
         pages.extend(printer::corrected(sheets, piece.layout.frame.setup.stretch()));
     }
-    pages.extend(strip_sheets);
     made.pages = pages;
     Ok(made)
 }

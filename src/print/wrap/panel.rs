@@ -59,7 +59,7 @@ pub(crate) struct Face {
 #[derive(Debug, Clone)]
 pub(crate) struct PaintedSurface {
     pub faces: Vec<Face>,
-    /// Triangles of the mesh that are of other materials, or were taken out.
+    /// Triangles of the mesh that are of other materials.
     others: Vec<Triangle>,
 }
 
@@ -91,21 +91,6 @@ impl PaintedSurface {
     pub(crate) fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
         let all: Vec<usize> = (0..mesh.materials().len()).collect();
         Self::of(mesh, if materials.is_empty() { &all } else { materials })
-    }
-
-    /// The surface without some of its faces.
-    pub(crate) fn without(&self, taken: &[bool]) -> Self {
-        let mut rest = Self {
-            faces: Vec::new(),
-            others: self.others.clone(),
-        };
-        for (face, taken) in self.faces.iter().zip(taken) {
-            match taken {
-                true => rest.others.push(face.triangle),
-                false => rest.faces.push(*face),
-            }
-        }
-        rest
     }
 
     pub(crate) fn surface_mm2(&self) -> f64 {
