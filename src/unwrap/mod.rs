@@ -4,16 +4,26 @@
 //! its [`topology`], first [`clusters`] that are almost flat, and pieces made of them.
 
 mod clusters;
+mod merge;
+mod neighbours;
+mod outline;
+mod patch;
 mod stretch;
 mod surface;
 mod topology;
+mod visibility;
 
 use nalgebra::Point3;
+
+use neighbours::neighbours;
 
 use crate::mesh::Mesh;
 
 /// More triangles than this take minutes.
 pub(crate) const MAX_TRIANGLES: usize = 200_000;
+
+/// This share of the paint may be left out where the number of pieces is bounded.
+const LEFT_OUT: f64 = 0.03;
 
 /// What pieces are asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,12 +138,29 @@ pub(crate) fn unwrap(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Unwrapped, UnwrapError> {
     check(request)?;
-    let surface = surface::Surface::of(mesh, materials, request.fits_mm)?;
-    let topology = topology::Topology::of(&surface);
-    let clusters = clusters::grow(&surface, &topology, request);
-    let charts: Vec<Chart> = clusters.iter().map(|faces| flat_chart(&surface, faces)).collect();
-    progress(1.0);
-    summary(surface, charts)
+    let mut surface = surface::Surface::of(mesh, materials, request.fits_mm)?;
+    let mut left_out = surface.without_area();
+    let mut seen = visibility::seen(mesh, &surface);
+    if !request.hidden_too {
+        let is_visible = visibility::visible(&seen, &neighbours(&surface, |_, _| true));
+        let hidden: Vec<usize> = (0..seen.len()).filter(|f| !is_visible[*f]).collect();
+        if !hidden.is_empty() {
+            left_out.push(surface.left_out(&hidden, LeftOutReason::Hidden));
+        }
+        surface.keep(&is_visible);
+        seen = seen
+            .into_iter()
+            .zip(is_visible)
+            .filter_map(|(s, is)| is.then_some(s))
+            .collect();
+    }
+    let topology = topology::Topology::of(&mut surface, &seen);
+    let normals = surface.normals();
+    let clusters = clusters::grow(&surface, &topology, &normals, request.fits_mm);
+    let mut merge = merge::Merge::new(&surface, &topology, request, clusters);
+    merge.run(progress);
+    let pieces = merge.finish();
+    summary(surface, pieces, left_out, request)
 }
 
 fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
@@ -148,53 +175,91 @@ fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
     }
 }
 
-/// The faces seen along the first one's normal.
-fn flat_chart(surface: &surface::Surface, faces: &[usize]) -> Chart {
-    let corners = surface.corners(faces[0]);
-    let normal = crate::mesh::doubled_area(&corners).normalize();
-    let x = (corners[1] - corners[0]).normalize();
-    let y = normal.cross(&x);
-    let face = |f: &usize| {
-        let (face, corners) = (&surface.faces[*f], surface.corners(*f));
-        let flat = corners.map(|p| nalgebra::Vector2::new(p.coords.dot(&x), p.coords.dot(&y)));
-        FlatFace {
-            triangle: face.triangle,
-            weights: face.weights,
-            corners: face.corners,
-            flat_mm: flat.map(Into::into),
-            stretch: stretch::stretch(stretch::singular_values(&stretch::laid(&corners), &flat)),
-        }
-    };
-    Chart {
-        faces: faces.iter().map(face).collect(),
-        surface_mm2: faces.iter().map(|f| surface.area(*f)).sum(),
-    }
-}
-
-fn summary(surface: surface::Surface, mut charts: Vec<Chart>) -> Result<Unwrapped, UnwrapError> {
-    charts.sort_by(|a, b| b.surface_mm2.total_cmp(&a.surface_mm2));
-    let mut left_out = Vec::new();
-    if !surface.no_area.is_empty() {
-        left_out.push(LeftOut {
-            triangles: surface.no_area.clone(),
-            surface_mm2: 0.0,
-            reason: LeftOutReason::NoArea,
-        });
-    }
-    let area = |f: &FlatFace| 0.5 * crate::mesh::doubled_area(&f.corners.map(|c| surface.points[c])).norm();
-    let faces = charts.iter().flat_map(|c| &c.faces);
-    let values: Vec<(f64, f64)> = faces.map(|f| (f.stretch, area(f))).collect();
-    let visible_mm2: f64 = values.iter().map(|(_, area)| area).sum();
-    if values.is_empty() {
+/// The pieces largest first, without those that may be left out, and what they keep.
+fn summary(
+    surface: surface::Surface,
+    mut pieces: Vec<merge::Piece>,
+    mut left_out: Vec<LeftOut>,
+    request: &UnwrapRequest,
+) -> Result<Unwrapped, UnwrapError> {
+    pieces.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.faces.cmp(&b.faces)));
+    let visible_mm2: f64 = pieces.iter().map(|p| p.area).sum();
+    if pieces.is_empty() {
         return Err(UnwrapError::NoPaint);
     }
+    if let Some(most) = request.most_pieces {
+        let beyond = pieces.split_off(
+            merge::needed(pieces.iter().map(|p| p.area).collect())
+                .max(most)
+                .min(pieces.len()),
+        );
+        if pieces.len() > most {
+            return Err(UnwrapError::TooFewPieces {
+                most,
+                needed: pieces.len(),
+            });
+        }
+        let faces: Vec<usize> = beyond.into_iter().flat_map(|p| p.faces).collect();
+        if !faces.is_empty() {
+            left_out.push(surface.left_out(&faces, LeftOutReason::TooSmall));
+        }
+    }
+    let values = pieces.iter().flat_map(|p| p.faces.iter().zip(&p.stretch));
+    let values: Vec<(f64, f64)> = values.map(|(f, stretch)| (*stretch, surface.area(*f))).collect();
+    let covered: f64 = values.iter().map(|(_, area)| area).sum();
     Ok(Unwrapped {
-        mean_stretch: values.iter().map(|(s, area)| s * area).sum::<f64>() / visible_mm2,
+        charts: pieces.into_iter().map(|p| chart(&surface, p)).collect(),
+        left_out,
+        visible_mm2,
+        mean_stretch: values.iter().map(|(s, area)| s * area).sum::<f64>() / covered,
         largest_stretch: values.iter().map(|(s, _)| *s).fold(1.0, f64::max),
         stretch_99: stretch::percentile(values, 0.99),
         points_mm: surface.points,
-        charts,
-        left_out,
-        visible_mm2,
     })
+}
+
+fn chart(surface: &surface::Surface, piece: merge::Piece) -> Chart {
+    let parts = piece.faces.iter().zip(piece.flat).zip(piece.stretch);
+    let faces = parts.map(|((f, flat), stretch)| {
+        let surface::Face {
+            triangle,
+            weights,
+            corners,
+        } = surface.faces[*f].clone();
+        FlatFace {
+            triangle,
+            weights,
+            corners,
+            flat_mm: flat.map(Into::into),
+            stretch,
+        }
+    });
+    Chart {
+        faces: faces.collect(),
+        surface_mm2: piece.area,
+    }
+}
+
+impl Unwrapped {
+    pub(crate) fn area(&self, face: &FlatFace) -> f64 {
+        0.5 * crate::mesh::doubled_area(&face.corners.map(|c| self.points_mm[c])).norm()
+    }
+}
+
+impl Chart {
+    /// How long its outline is, slits and holes included.
+    pub(crate) fn border_mm(&self) -> f64 {
+        let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
+        let mut sides = std::collections::BTreeMap::new();
+        for face in &self.faces {
+            for i in 0..3 {
+                let (p, q) = (face.flat_mm[i], face.flat_mm[(i + 1) % 3]);
+                let length = (p[0] - q[0]).hypot(p[1] - q[1]);
+                let ends = [key(p).min(key(q)), key(p).max(key(q))];
+                let entry = sides.entry(ends).or_insert((0, length));
+                entry.0 += 1;
+            }
+        }
+        sides.values().filter(|(n, _)| *n == 1).map(|(_, l)| l).sum()
+    }
 }
