@@ -11,8 +11,9 @@ use crate::mesh::Mesh;
 use crate::pattern::light;
 use crate::texture::{SurfacePoint, Texture};
 
-/// Samples along a side of a pixel: first few, then many where these differ.
+/// Samples along a side of a pixel: first few, then many where these differ; of fine textures more, up to the most.
 const SAMPLES: [usize; 2] = [2, 6];
+const MOST_SAMPLES: usize = 12;
 /// From a border into the surface beside it, to see its colour.
 const INTO_MM: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 const MM_PER_INCH: f64 = 25.4;
@@ -176,7 +177,7 @@ impl<'a> FlatPaint<'a> {
 
     /// The mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
     fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
-        let mut samples = |count: usize| {
+        let mut samples = |count: usize, last: &mut usize| {
             let mut found = Found::default();
             for i in 0..count * count {
                 let along = |i: usize| (i as f64 + 0.5) / count as f64;
@@ -188,7 +189,7 @@ impl<'a> FlatPaint<'a> {
             found
         };
         let [few, many] = SAMPLES;
-        let found = samples(few);
+        let found = samples(few, last);
         match found.first {
             None => {
                 let middle = pose.back(grid.place(corner[0] + 0.5, corner[1] + 0.5));
@@ -196,7 +197,12 @@ impl<'a> FlatPaint<'a> {
                 Some(self.texture.colour(self.mesh, &point))
             }
             Some(rgb) if found.alike => Some(rgb),
-            Some(rgb) => Some(samples(many).mean().unwrap_or(rgb)),
+            Some(rgb) => {
+                let texel_mm = self.texture.texel_mm(self.mesh, self.triangles[*last].triangle);
+                let texels = texel_mm.map_or(0.0, |mm| grid.pixel_mm / mm);
+                let count = ((2.0 * texels).ceil() as usize).clamp(many, MOST_SAMPLES);
+                Some(samples(count, last).mean().unwrap_or(rgb))
+            }
         }
     }
 

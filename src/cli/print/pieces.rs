@@ -9,6 +9,8 @@ use serde_json::json;
 use super::{PaperArgs, write_files, write_json};
 use crate::cli::model::Model;
 use crate::cli::progress;
+use crate::cli::texture::NamedTexture;
+use crate::print::lettering;
 use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, pieces, reason};
 use crate::texture::Texture;
 use crate::unwrap::UnwrapError;
@@ -36,18 +38,11 @@ pub(crate) struct PiecesArgs {
     pub(super) dpi: f64,
 }
 
-/// What is on the pieces: its name, and facts about it for the captions.
-pub(super) struct Named<'a> {
-    pub texture: &'a Texture,
-    pub name: String,
-    pub facts: String,
-}
-
 /// Prints the pieces.
 pub(super) fn run(
     args: &PiecesArgs,
     paper: &PaperArgs,
-    (model, named): (&Model, Named<'_>),
+    (model, painted): (&Model, &NamedTexture),
     inputs: &[Option<&Path>],
     (as_json, out): (bool, &mut dyn Write),
 ) -> Result<(), Box<dyn Error>> {
@@ -58,8 +53,8 @@ pub(super) fn run(
         stretch_99: args.max_stretch,
         dpi: args.dpi,
         tabs_mm: args.tabs,
-        name: named.name,
-        facts: named.facts,
+        name: painted.name.clone(),
+        facts: captioned(painted),
         scale: model.scale,
         date: paper.date()?,
         paper: paper.paper.parse()?,
@@ -68,7 +63,7 @@ pub(super) fn run(
     };
     let busy = progress::steps("unwrapping", 100);
     let surface = (&model.mesh, &*model.materials);
-    let made = pieces(surface, named.texture, &request, &mut |share| {
+    let made = pieces(surface, &painted.texture, &request, &mut |share| {
         busy.set_position((100.0 * share) as u64)
     })
     .map_err(advised)?;
@@ -92,6 +87,18 @@ pub(super) fn run(
         writeln!(out, "{fact}")?;
     }
     Ok(())
+}
+
+/// What the captions say of a texture.
+fn captioned(painted: &NamedTexture) -> String {
+    let hash = format!("sha256 {}", painted.sha256.get(..12).unwrap_or_default());
+    match &painted.texture {
+        Texture::Tile(tile) => {
+            let tile_mm = tile.cell_mm * f64::from(tile.pattern.columns());
+            format!("{hash} · tile {} mm", lettering::number(tile_mm))
+        }
+        _ => hash,
+    }
 }
 
 /// The error with the options that mend it.

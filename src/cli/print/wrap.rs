@@ -2,18 +2,18 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::json;
 
-use super::pieces::{self, Named, PiecesArgs};
+use super::pieces::{self, PiecesArgs};
 use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::model::{Model, ModelArgs};
+use crate::cli::texture::{NamedTexture, TextureArgs};
 use crate::cli::{progress, units};
-use crate::pattern::Pattern;
 use crate::print::lettering;
 use crate::print::wrap::{Wrap, WrapRequest, wrap};
-use crate::texture::{Texture, Tile};
+use crate::texture::Texture;
 
 /// Strip that neighbouring sheets of a panel share where nothing is said.
 const OVERLAP_MM: f64 = 8.0;
@@ -22,12 +22,8 @@ const OVERLAP_MM: f64 = 8.0;
 pub(crate) struct WrapArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// The pattern: a PNG with one pixel per cell
-    #[arg(long, value_name = "PNG")]
-    pattern: PathBuf,
-    /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    tile_mm: Option<f64>,
+    #[command(flatten)]
+    texture: TextureArgs,
     #[command(flatten)]
     pieces: PiecesArgs,
     #[command(flatten)]
@@ -57,7 +53,10 @@ impl SheetArgs {
         Ok(WrapRequest {
             tile_mm,
             scale,
-            pattern_name: file_name(name),
+            pattern_name: name
+                .file_name()
+                .map(|n| n.to_string_lossy().into_owned())
+                .unwrap_or_default(),
             date: self.paper.date()?,
             paper: self.paper.paper.parse()?,
             overlap_mm: self.overlap_mm.unwrap_or(OVERLAP_MM),
@@ -67,50 +66,32 @@ impl SheetArgs {
     }
 }
 
-fn file_name(path: &Path) -> String {
-    path.file_name()
-        .map(|n| n.to_string_lossy().into_owned())
-        .unwrap_or_default()
-}
-
 pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
-    let pattern = Pattern::load(&args.pattern)?;
-    let model = args.model.load()?;
-    let tile_mm = super::tile_mm(args.tile_mm, &args.pattern, &pattern)?;
-    let inputs = [
-        Some(args.pattern.as_path()),
+    let model = args.model.load_or(args.texture.mesh())?;
+    let painted = args.texture.load(&model)?;
+    let mut inputs = vec![
+        args.texture.file(),
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
         args.sheets.paper.printer.as_deref(),
     ];
+    inputs.extend(painted.images.iter().map(|path| Some(path.as_path())));
     if args.pieces.panels {
-        panels(args, (&model, &pattern, tile_mm), &inputs, out)?;
-    } else {
-        if args.sheets.overlap_mm.is_some() {
-            return Err(
-                "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
-            );
-        }
-        let facts = format!(
-            "sha256 {} · tile {} mm",
-            pattern.sha256().get(..12).unwrap_or_default(),
-            lettering::number(tile_mm)
+        panels(args, (&model, &painted), &inputs, out)?;
+    } else if args.sheets.overlap_mm.is_some() {
+        return Err(
+            "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
         );
-        let texture = Texture::Tile(Tile::new(pattern, tile_mm));
-        let named = Named {
-            texture: &texture,
-            name: file_name(&args.pattern),
-            facts,
-        };
+    } else {
         pieces::run(
             &args.pieces,
             &args.sheets.paper,
-            (&model, named),
+            (&model, &painted),
             &inputs,
             (args.json, &mut *out),
         )?;
     }
-    if args.model.mesh.is_some() {
+    if model.file.is_some() {
         units::note(units::turned(model.mesh.size_mm()));
     }
     Ok(Outcome::Done)
@@ -119,15 +100,19 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
 /// `--panels`.
 fn panels(
     args: &WrapArgs,
-    (model, pattern, tile_mm): (&Model, &Pattern, f64),
+    (model, painted): (&Model, &NamedTexture),
     inputs: &[Option<&Path>],
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
     let sheets = &args.sheets;
-    let request = sheets.request(tile_mm, model.scale, &args.pattern)?;
+    let Texture::Tile(tile) = &painted.texture else {
+        return Err("panels of textures are being written".into());
+    };
+    let tile_mm = tile.cell_mm * f64::from(tile.pattern.columns());
+    let request = sheets.request(tile_mm, model.scale, Path::new(&painted.name))?;
     let output = sheets.paper.output()?;
     let busy = progress::busy("wrapping");
-    let made = wrap(&model.mesh, &model.materials, pattern, &request)?;
+    let made = wrap(&model.mesh, &model.materials, &tile.pattern, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
