@@ -4,17 +4,16 @@ use nalgebra::{Point3, Vector3};
 
 use super::surface::Surface;
 use super::topology::Topology;
+use crate::mesh::doubled_area;
 
 /// A face at this angle is shown 1.02 times too short.
 const CONE_DEG: f64 = 11.0;
 
 /// Every face is in one.
-pub(super) fn grow(
-    surface: &Surface,
-    topology: &Topology,
-    normals: &[Vector3<f64>],
-    fits_mm: Option<[f64; 2]>,
-) -> Vec<Vec<usize>> {
+pub(super) fn grow(surface: &Surface, topology: &Topology, fits_mm: Option<[f64; 2]>) -> Vec<Vec<usize>> {
+    let normals: Vec<Vector3<f64>> = (0..surface.faces.len())
+        .map(|f| doubled_area(&surface.corners(f)).normalize())
+        .collect();
     let least = CONE_DEG.to_radians().cos();
     // In whatever way such a piece is turned, it fits.
     let widest = fits_mm.map_or(f64::INFINITY, |[a, b]| 0.5 * a.min(b));

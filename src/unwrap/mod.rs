@@ -3,6 +3,8 @@
 //! The steps in order, one file each: the [`surface`] (corners welded, large triangles subdivided), what of it is [`visibility`] from outside,
 //! its [`topology`], first [`clusters`] that are almost flat, and pieces made of them.
 
+mod assembly;
+mod borders;
 mod clusters;
 mod merge;
 mod neighbours;
@@ -15,15 +17,13 @@ mod visibility;
 
 use nalgebra::Point3;
 
+use assembly::{Assembly, Piece};
 use neighbours::neighbours;
 
 use crate::mesh::Mesh;
 
 /// More triangles than this take minutes.
 pub(crate) const MAX_TRIANGLES: usize = 200_000;
-
-/// This share of the paint may be left out where the number of pieces is bounded.
-const LEFT_OUT: f64 = 0.03;
 
 /// What pieces are asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,11 +155,12 @@ pub(crate) fn unwrap(
             .collect();
     }
     let topology = topology::Topology::of(&mut surface, &seen);
-    let normals = surface.normals();
-    let clusters = clusters::grow(&surface, &topology, &normals, request.fits_mm);
-    let mut merge = merge::Merge::new(&surface, &topology, request, clusters);
-    merge.run(progress);
-    let pieces = merge.finish();
+    let mut assembly = Assembly::new(&surface, &topology, request);
+    for cluster in clusters::grow(&surface, &topology, request.fits_mm) {
+        assembly.add_cluster(&cluster);
+    }
+    let pieces = merge::pieces(&assembly, progress);
+    progress(1.0);
     summary(surface, pieces, left_out, request)
 }
 
@@ -178,21 +179,17 @@ fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
 /// The pieces largest first, without those that may be left out, and what they keep.
 fn summary(
     surface: surface::Surface,
-    mut pieces: Vec<merge::Piece>,
+    mut pieces: Vec<Piece>,
     mut left_out: Vec<LeftOut>,
     request: &UnwrapRequest,
 ) -> Result<Unwrapped, UnwrapError> {
-    pieces.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.faces.cmp(&b.faces)));
-    let visible_mm2: f64 = pieces.iter().map(|p| p.area).sum();
+    pieces.sort_by(|a, b| b.sums.area.total_cmp(&a.sums.area).then(a.faces.cmp(&b.faces)));
+    let visible_mm2: f64 = pieces.iter().map(|p| p.sums.area).sum();
     if pieces.is_empty() {
         return Err(UnwrapError::NoPaint);
     }
     if let Some(most) = request.most_pieces {
-        let beyond = pieces.split_off(
-            merge::needed(pieces.iter().map(|p| p.area).collect())
-                .max(most)
-                .min(pieces.len()),
-        );
+        let beyond = pieces.split_off(merge::needed(&pieces).max(most).min(pieces.len()));
         if pieces.len() > most {
             return Err(UnwrapError::TooFewPieces {
                 most,
@@ -218,7 +215,7 @@ fn summary(
     })
 }
 
-fn chart(surface: &surface::Surface, piece: merge::Piece) -> Chart {
+fn chart(surface: &surface::Surface, piece: Piece) -> Chart {
     let parts = piece.faces.iter().zip(piece.flat).zip(piece.stretch);
     let faces = parts.map(|((f, flat), stretch)| {
         let surface::Face {
@@ -236,7 +233,7 @@ fn chart(surface: &surface::Surface, piece: merge::Piece) -> Chart {
     });
     Chart {
         faces: faces.collect(),
-        surface_mm2: piece.area,
+        surface_mm2: piece.sums.area,
     }
 }
 

@@ -1,11 +1,13 @@
-//! Some faces glued together, and laid flat as rigidly as possible.
+//! Some faces glued together, and laid flat with little stretch.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::stretch::{laid, singular_values, stretch};
 
-/// Steps of the conjugate gradients in one global step.
-const CG_STEPS: usize = 200;
+/// Steps of the conjugate gradients in one global step, and the share of the first residual at which they end.
+const SOLVER: (usize, f64) = (150, 1e-8);
+/// How often a step that does not help is halved.
+const HALVINGS: usize = 10;
 
 /// Faces that share corners where they are glued.
 #[derive(Debug, Clone)]
@@ -13,31 +15,72 @@ pub(super) struct Patch {
     /// Into the places.
     pub corners: Vec<[usize; 3]>,
     /// How many places there are.
-    pub places: usize,
+    places: usize,
     laid: Vec<[Vector2<f64>; 2]>,
     pub area: Vec<f64>,
-    /// The cotangent of the angle at each corner.
-    cotangents: Vec<[f64; 3]>,
+    /// How the share of each corner in a point of the face grows over the laid face.
+    gradients: Vec<[Vector2<f64>; 3]>,
 }
 
 /// Where each place lies on the paper.
 pub(super) type Flat = Vec<Vector2<f64>>;
 
+/// What is made small, summed over the area; s are the singular values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Energy {
+    /// (s − 1)²: as rigid as possible (Liu et al. 2008). It unfolds what lies flipped at first.
+    Rigid,
+    /// s² + 1/s²: symmetric Dirichlet (Smith and Schaefer 2015), which keeps single faces from much stretch, and every face from being flipped.
+    Dirichlet,
+}
+
+impl Energy {
+    fn of(self, s: f64) -> f64 {
+        match self {
+            Self::Rigid => (s - 1.0).powi(2),
+            Self::Dirichlet if s > 0.0 => s * s + 1.0 / (s * s),
+            Self::Dirichlet => f64::INFINITY,
+        }
+    }
+
+    /// What (s − 1)² is weighted with, to have the energy's slope (Rabinovich et al. 2017).
+    fn weight(self, s: f64) -> f64 {
+        match self {
+            Self::Rigid => 1.0,
+            Self::Dirichlet => (s + 1.0) * (s * s + 1.0) / (s * s * s),
+        }
+    }
+}
+
 impl Patch {
-    pub(super) fn new(corners: Vec<[usize; 3]>, places: usize, on_surface: &[[Point3<f64>; 3]]) -> Self {
+    pub(super) fn new(corners: Vec<[usize; 3]>, on_surface: &[[Point3<f64>; 3]]) -> Self {
         let laid: Vec<_> = on_surface.iter().map(laid).collect();
         let area: Vec<f64> = laid.iter().map(|[b, c]| 0.5 * b.x * c.y).collect();
-        let cotangents = laid.iter().zip(&area).map(|([b, c], area)| {
-            let side = [c - b, -c, *b];
-            [0, 1, 2].map(|i: usize| -side[(i + 1) % 3].dot(&side[(i + 2) % 3]) / (2.0 * area))
+        let gradients = laid.iter().zip(&area).map(|([b, c], area)| {
+            let at_b = Vector2::new(c.y, -c.x) / (2.0 * area);
+            let at_c = Vector2::new(0.0, b.x) / (2.0 * area);
+            [-at_b - at_c, at_b, at_c]
         });
         Self {
+            places: corners.iter().flatten().max().map_or(0, |last| last + 1),
             corners,
-            places,
-            cotangents: cotangents.collect(),
+            gradients: gradients.collect(),
             laid,
             area,
         }
+    }
+
+    /// Each place in the middle of where the faces have it.
+    pub(super) fn mean_places(&self, start: &[[Vector2<f64>; 3]]) -> Flat {
+        let (mut flat, mut met) = (vec![Vector2::zeros(); self.places], vec![0.0; self.places]);
+        for (places, lies) in self.corners.iter().zip(start) {
+            for (place, p) in places.iter().zip(lies) {
+                flat[*place] += p;
+                met[*place] += 1.0;
+            }
+        }
+        flat.iter_mut().zip(met).for_each(|(p, n)| *p /= n);
+        flat
     }
 
     pub(super) fn flat_corners(&self, flat: &Flat, face: usize) -> [Vector2<f64>; 3] {
@@ -54,131 +97,148 @@ impl Patch {
         singular_values(&self.laid[face], &self.flat_corners(flat, face))
     }
 
-    /// As rigid as possible, by local and global steps (Liu et al. 2008), until a step lowers the energy by less than a share.
-    pub(super) fn relax(&self, flat: &mut Flat, steps: usize, least_gain: f64) {
-        let matrix = self.laplacian();
-        let mut energy = f64::INFINITY;
+    fn energy(&self, flat: &Flat, energy: Energy) -> f64 {
+        let of = |f: usize| -> f64 { self.singular_values(flat, f).into_iter().map(|s| energy.of(s)).sum() };
+        (0..self.corners.len()).map(|f| self.area[f] * of(f)).sum()
+    }
+
+    /// Makes the energy small by local and global steps, until one lowers it by less than a share.
+    pub(super) fn relax(&self, flat: &mut Flat, energy: Energy, steps: usize, least_gain: f64) {
+        let mut now = self.energy(flat, energy);
         for _ in 0..steps {
-            let (right_side, now) = self.rotated(flat);
-            if !(now < energy * (1.0 - least_gain)) {
+            if !now.is_finite() {
                 break;
             }
-            energy = now;
-            matrix.solve(&right_side, flat);
+            let mut next = flat.clone();
+            let system = self.local_step(flat, energy);
+            system.solve(&mut next);
+            let mut after = self.energy(&next, energy);
+            for _ in 0..HALVINGS {
+                if after <= now {
+                    break;
+                }
+                next.iter_mut().zip(&*flat).for_each(|(n, old)| *n = 0.5 * (*n + old));
+                after = self.energy(&next, energy);
+            }
+            if !(after <= now) {
+                break;
+            }
+            *flat = next;
+            // What is perfect already has nothing to gain.
+            let is_done = now - after <= least_gain * (after - self.energy_of_none(energy)) + 1e-12 * now;
+            now = after;
+            if is_done {
+                break;
+            }
         }
     }
 
-    /// The local step: each face turned as it lies best; what the global step then solves for, and the energy before it.
-    fn rotated(&self, flat: &Flat) -> (Flat, f64) {
+    /// The energy of a map without stretch.
+    fn energy_of_none(&self, energy: Energy) -> f64 {
+        2.0 * energy.of(1.0) * self.area.iter().sum::<f64>()
+    }
+
+    /// Turns each face as it lies best, and weights what is left of its map.
+    fn local_step(&self, flat: &Flat, energy: Energy) -> System<'_> {
+        let mut weights = Vec::with_capacity(self.corners.len());
         let mut right_side = vec![Vector2::zeros(); self.places];
-        let mut energy = 0.0;
+        let mut diagonal = vec![Matrix2::zeros(); self.places];
         for (f, corners) in self.corners.iter().enumerate() {
-            let [b, c] = self.laid[f];
-            let own = [Vector2::zeros(), b, c];
-            let lies = corners.map(|c| flat[c]);
-            let (mut cos, mut sin) = (0.0, 0.0);
-            let sides = [0, 1, 2].map(|i: usize| {
-                let (from, to) = ((i + 1) % 3, (i + 2) % 3);
-                (
-                    from,
-                    to,
-                    self.cotangents[f][i],
-                    own[to] - own[from],
-                    lies[to] - lies[from],
-                )
-            });
-            for (_, _, weight, own, lies) in &sides {
-                cos += weight * own.dot(lies);
-                sin += weight * own.perp(lies);
+            let map = self.map(flat, f);
+            let turn = Vector2::new(map[(0, 0)] + map[(1, 1)], map[(1, 0)] - map[(0, 1)]);
+            let turn = turn.try_normalize(1e-300).unwrap_or(Vector2::x());
+            let turn = Matrix2::new(turn.x, -turn.y, turn.y, turn.x);
+            let weight = self.area[f] * self.weight(flat, f, &(map * turn.transpose()), energy);
+            for (corner, gradient) in corners.iter().zip(&self.gradients[f]) {
+                right_side[*corner] += weight * turn * gradient;
+                diagonal[*corner] += weight * gradient.norm_squared();
             }
-            let length = cos.hypot(sin).max(f64::MIN_POSITIVE);
-            (cos, sin) = (cos / length, sin / length);
-            for (from, to, weight, own, lies) in sides {
-                let turned = Vector2::new(cos * own.x - sin * own.y, sin * own.x + cos * own.y);
-                right_side[corners[to]] += weight * turned;
-                right_side[corners[from]] -= weight * turned;
-                energy += weight * (lies - turned).norm_squared();
-            }
+            weights.push(weight);
         }
-        (right_side, energy)
+        let inverse = |m: Matrix2<f64>| m.try_inverse().unwrap_or_else(Matrix2::zeros);
+        System {
+            patch: self,
+            weights,
+            right_side,
+            preconditioner: diagonal.into_iter().map(inverse).collect(),
+        }
     }
 
-    fn laplacian(&self) -> Laplacian {
-        let mut entries: Vec<(usize, usize, f64)> = Vec::with_capacity(6 * self.corners.len());
-        for (corners, cotangents) in self.corners.iter().zip(&self.cotangents) {
-            for i in 0..3 {
-                let (from, to) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
-                entries.push((from, to, cotangents[i]));
-                entries.push((to, from, cotangents[i]));
-            }
+    /// The weight as a function of the symmetric part of the map.
+    fn weight(&self, flat: &Flat, face: usize, symmetric: &Matrix2<f64>, energy: Energy) -> Matrix2<f64> {
+        if energy == Energy::Rigid {
+            return Matrix2::identity();
         }
-        entries.sort_by_key(|(from, to, _)| (*from, *to));
-        let mut rows = vec![0; self.places + 1];
-        let mut columns: Vec<(usize, f64)> = Vec::new();
-        let mut diagonal = vec![0.0; self.places];
-        let mut last = None;
-        for (from, to, weight) in entries {
-            diagonal[from] += weight;
-            match columns.last_mut() {
-                Some(entry) if last == Some((from, to)) => entry.1 += weight,
-                _ => columns.push((to, weight)),
-            }
-            last = Some((from, to));
-            rows[from + 1] = columns.len();
+        let [large, small] = self.singular_values(flat, face);
+        let (at_large, at_small) = (energy.weight(large), energy.weight(small));
+        if large - small < 1e-9 {
+            return Matrix2::identity() * at_large;
         }
-        Laplacian {
-            rows,
-            columns,
-            diagonal,
-        }
+        let slope = (at_large - at_small) / (large - small);
+        Matrix2::identity() * (at_large - slope * large) + slope * symmetric
+    }
+
+    /// The linear part of the affine map from the laid face to the paper.
+    fn map(&self, flat: &Flat, face: usize) -> Matrix2<f64> {
+        let terms = self.corners[face].iter().zip(&self.gradients[face]);
+        terms
+            .map(|(corner, gradient)| flat[*corner] * gradient.transpose())
+            .sum()
     }
 }
 
-/// The sparse matrix of the global step, symmetric and positive up to a shift of everything.
-struct Laplacian {
-    /// Where each row's entries start among the columns, and the end.
-    rows: Vec<usize>,
-    columns: Vec<(usize, f64)>,
-    diagonal: Vec<f64>,
+/// The global step: places whose maps are nearest to the turned faces.
+struct System<'a> {
+    patch: &'a Patch,
+    weights: Vec<Matrix2<f64>>,
+    right_side: Flat,
+    preconditioner: Vec<Matrix2<f64>>,
 }
 
-impl Laplacian {
+impl System<'_> {
     fn times(&self, x: &Flat) -> Flat {
-        let row = |i: usize| {
-            let entries = &self.columns[self.rows[i]..self.rows[i + 1]];
-            entries
-                .iter()
-                .fold(self.diagonal[i] * x[i], |sum, (j, weight)| sum - *weight * x[*j])
-        };
-        (0..x.len()).map(row).collect()
+        let mut product = vec![Vector2::zeros(); x.len()];
+        for (f, weight) in self.weights.iter().enumerate() {
+            let map = weight * self.patch.map(x, f);
+            for (corner, gradient) in self.patch.corners[f].iter().zip(&self.patch.gradients[f]) {
+                product[*corner] += map * gradient;
+            }
+        }
+        product
     }
 
-    /// Both coordinates by conjugate gradients with the diagonal as preconditioner, from where they are.
-    fn solve(&self, right_side: &Flat, x: &mut Flat) {
-        let scaled = |r: &Flat| -> Flat { r.iter().zip(&self.diagonal).map(|(r, d)| r / d.max(1e-12)).collect() };
-        let dot = |a: &Flat, b: &Flat| -> Vector2<f64> { a.iter().zip(b).map(|(a, b)| a.component_mul(b)).sum() };
-        let ratio = |a: Vector2<f64>, b: Vector2<f64>| a.zip_map(&b, |a, b| if b.abs() > 1e-300 { a / b } else { 0.0 });
-        let mut residual: Flat = right_side.iter().zip(self.times(x)).map(|(b, ax)| b - ax).collect();
+    /// By preconditioned conjugate gradients, from where the places are.
+    fn solve(&self, x: &mut Flat) {
+        let dot = |a: &Flat, b: &Flat| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
+        let scaled = |r: &Flat| -> Flat { r.iter().zip(&self.preconditioner).map(|(r, p)| p * r).collect() };
+        let mut residual: Flat = self
+            .right_side
+            .iter()
+            .zip(self.times(x))
+            .map(|(b, ax)| b - ax)
+            .collect();
         let mut step = scaled(&residual);
         let mut size = dot(&residual, &step);
-        let enough = 1e-10 * dot(right_side, &scaled(right_side)).sum();
-        for _ in 0..CG_STEPS {
-            if !(size.sum() > enough) {
+        let enough = SOLVER.1 * dot(&self.right_side, &scaled(&self.right_side)).max(f64::MIN_POSITIVE);
+        for _ in 0..SOLVER.0 {
+            if !(size > enough) {
                 break;
             }
             let along = self.times(&step);
-            let by = ratio(size, dot(&step, &along));
+            let by = size / dot(&step, &along);
+            if !by.is_finite() {
+                break;
+            }
             for i in 0..x.len() {
-                x[i] += by.component_mul(&step[i]);
-                residual[i] -= by.component_mul(&along[i]);
+                x[i] += by * step[i];
+                residual[i] -= by * along[i];
             }
             let scaled = scaled(&residual);
             let new = dot(&residual, &scaled);
-            let keep = ratio(new, size);
-            size = new;
             for i in 0..x.len() {
-                step[i] = scaled[i] + keep.component_mul(&step[i]);
+                step[i] = scaled[i] + new / size * step[i];
             }
+            size = new;
         }
     }
 }

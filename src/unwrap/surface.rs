@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use super::{LeftOut, LeftOutReason, MAX_TRIANGLES, UnwrapError};
 use crate::mesh::{Mesh, doubled_area};
@@ -82,12 +82,6 @@ impl Surface {
     pub(super) fn keep(&mut self, is_kept: &[bool]) {
         let mut is_kept = is_kept.iter();
         self.faces.retain(|_| is_kept.next() == Some(&true));
-    }
-
-    pub(super) fn normals(&self) -> Vec<Vector3<f64>> {
-        (0..self.faces.len())
-            .map(|f| doubled_area(&self.corners(f)).normalize())
-            .collect()
     }
 
     pub(super) fn corners(&self, face: usize) -> [Point3<f64>; 3] {
