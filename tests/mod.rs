@@ -40,6 +40,7 @@ mod parsers;
 mod pose_doubt;
 mod print_board;
 mod print_paint;
+mod print_pieces;
 mod print_printer;
 mod print_svg;
 mod print_tags;

@@ -16,7 +16,11 @@ const SAMPLES: [usize; 2] = [2, 6];
 const MOST_SAMPLES: usize = 12;
 /// From a border into the surface beside it, to see its colour.
 const INTO_MM: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
+/// Share of a pixel: a PDF's numbers are good to 0.35 µm.
+const INSET: f64 = 0.01;
 const MM_PER_INCH: f64 = 25.4;
+/// More pixels than this are gigabytes.
+const MOST_PIXELS: f64 = 3e8;
 /// Pixels per inch that are worth printing.
 const DPI: std::ops::RangeInclusive<f64> = 36.0..=2400.0;
 
@@ -41,6 +45,12 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
+    /// A move without a turn.
+    pub(crate) fn moved(by: Point) -> Self {
+        let turn = [1.0, 0.0];
+        Self { turn, by }
+    }
+
     pub(crate) fn at(&self, [x, y]: Point) -> Point {
         let [c, s] = self.turn;
         [c * x - s * y + self.by[0], s * x + c * y + self.by[1]]
@@ -61,8 +71,6 @@ pub(crate) struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// # Errors
-    /// A resolution that no printer has.
     pub(crate) fn new(page_height_mm: f64, dpi: f64) -> Self {
         Self {
             page_height_mm,
@@ -88,19 +96,28 @@ impl PixelGrid {
     }
 }
 
-/// Refuses a resolution that no printer has.
-///
-/// # Errors
-/// Less than 36 dpi, more than 2400.
-pub(crate) fn checked_dpi(dpi: f64) -> Result<f64, BadDpi> {
-    DPI.contains(&dpi).then_some(dpi).ok_or(BadDpi { dpi })
+/// Why nothing is drawn as pixels.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(crate) enum RasterError {
+    #[error("a resolution of {} dpi cannot be printed; use 36 to 2400 dpi, as in 300", shown(*dpi))]
+    Dpi { dpi: f64 },
+    #[error("this would take {millions:.0} million pixels, more than {:.0}; use a lower resolution", MOST_PIXELS / 1e6)]
+    TooMany { millions: f64 },
 }
 
-/// Not a resolution.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("a resolution of {} dpi cannot be printed; use 36 to 2400 dpi, as in 300", shown(*dpi))]
-pub(crate) struct BadDpi {
-    dpi: f64,
+/// Refuses a resolution that no printer has, and areas that take too many pixels at it.
+///
+/// # Errors
+/// Less than 36 dpi or more than 2400; more than 300 million pixels.
+pub(crate) fn check(dpi: f64, area_mm2: f64) -> Result<(), RasterError> {
+    if !DPI.contains(&dpi) {
+        return Err(RasterError::Dpi { dpi });
+    }
+    let pixels = area_mm2 * (dpi / MM_PER_INCH).powi(2);
+    match pixels <= MOST_PIXELS {
+        true => Ok(()),
+        false => Err(RasterError::TooMany { millions: pixels / 1e6 }),
+    }
 }
 
 /// A flat painted surface that can be asked for its colours.
@@ -168,9 +185,10 @@ impl<'a> FlatPaint<'a> {
                 pixel.0 = rgb;
             }
         }
+        // A little inside, so that no rounding of a renderer at this resolution adds a row.
         let ([left, top], [right, bottom]) = (
-            grid.place(left as f64, top as f64),
-            grid.place(right as f64, bottom as f64),
+            grid.place(left as f64 + INSET, top as f64 + INSET),
+            grid.place(right as f64 - INSET, bottom as f64 - INSET),
         );
         Some((image, RectMm::new(left, bottom, right, top)))
     }

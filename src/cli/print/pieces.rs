@@ -11,7 +11,7 @@ use crate::cli::model::Model;
 use crate::cli::progress;
 use crate::cli::texture::NamedTexture;
 use crate::print::lettering;
-use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, pieces, reason};
+use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, flattened, pieces, reason};
 use crate::texture::Texture;
 use crate::unwrap::UnwrapError;
 
@@ -63,10 +63,9 @@ pub(super) fn run(
     };
     let busy = progress::steps("unwrapping", 100);
     let surface = (&model.mesh, &*model.materials);
-    let made = pieces(surface, &painted.texture, &request, &mut |share| {
-        busy.set_position((100.0 * share) as u64)
-    })
-    .map_err(advised)?;
+    // Drawing takes a little, too.
+    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64)).map_err(advised)?;
+    let made = pieces(&model.mesh, &flat, &painted.texture, &request).map_err(advised)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -90,12 +89,11 @@ pub(super) fn run(
 }
 
 /// What the captions say of a texture.
-fn captioned(painted: &NamedTexture) -> String {
+pub(super) fn captioned(painted: &NamedTexture) -> String {
     let hash = format!("sha256 {}", painted.sha256.get(..12).unwrap_or_default());
     match &painted.texture {
         Texture::Tile(tile) => {
-            let tile_mm = tile.cell_mm * f64::from(tile.pattern.columns());
-            format!("{hash} · tile {} mm", lettering::number(tile_mm))
+            format!("{hash} · tile {} mm", lettering::number(tile.tile_mm()))
         }
         _ => hash,
     }
@@ -106,7 +104,7 @@ fn advised(error: PiecesError) -> String {
     let advice = match &error {
         PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
         PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
-        PiecesError::TooManyPixels { .. } => " (--dpi)",
+        PiecesError::Raster(_) => " (--dpi)",
         _ => "",
     };
     format!("{error}{advice}")

@@ -13,10 +13,11 @@ use crate::cli::texture::{NamedTexture, TextureArgs};
 use crate::cli::{progress, units};
 use crate::print::lettering;
 use crate::print::wrap::{Wrap, WrapRequest, wrap};
-use crate::texture::Texture;
 
 /// Strip that neighbouring sheets of a panel share where nothing is said.
 const OVERLAP_MM: f64 = 8.0;
+/// Pixels per inch where nothing is said.
+pub(super) const DPI: f64 = 300.0;
 
 #[derive(clap::Args)]
 pub(crate) struct WrapArgs {
@@ -44,19 +45,12 @@ pub(crate) struct SheetArgs {
 }
 
 impl SheetArgs {
-    pub(crate) fn request(
-        &self,
-        tile_mm: f64,
-        scale: f64,
-        name: &std::path::Path,
-    ) -> Result<WrapRequest, Box<dyn Error>> {
+    pub(crate) fn request(&self, scale: f64) -> Result<WrapRequest, Box<dyn Error>> {
         Ok(WrapRequest {
-            tile_mm,
             scale,
-            pattern_name: name
-                .file_name()
-                .map(|n| n.to_string_lossy().into_owned())
-                .unwrap_or_default(),
+            name: String::new(),
+            facts: String::new(),
+            dpi: DPI,
             date: self.paper.date()?,
             paper: self.paper.paper.parse()?,
             overlap_mm: self.overlap_mm.unwrap_or(OVERLAP_MM),
@@ -105,14 +99,15 @@ fn panels(
     out: &mut dyn Write,
 ) -> Result<(), Box<dyn Error>> {
     let sheets = &args.sheets;
-    let Texture::Tile(tile) = &painted.texture else {
-        return Err("panels of textures are being written".into());
+    let request = WrapRequest {
+        name: painted.name.clone(),
+        facts: pieces::captioned(painted),
+        dpi: args.pieces.dpi,
+        ..sheets.request(model.scale)?
     };
-    let tile_mm = tile.cell_mm * f64::from(tile.pattern.columns());
-    let request = sheets.request(tile_mm, model.scale, Path::new(&painted.name))?;
     let output = sheets.paper.output()?;
     let busy = progress::busy("wrapping");
-    let made = wrap(&model.mesh, &model.materials, &tile.pattern, &request)?;
+    let made = wrap(&model.mesh, &model.materials, &painted.texture, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
@@ -124,12 +119,15 @@ fn panels(
         return write_json(&files, facts(model, &made), out);
     }
     let [length, width, height] = model.mesh.size_mm();
+    let cells = made
+        .cell_mm
+        .map(|mm| format!(", cells of {} mm", lettering::number(mm)));
+    let cells = cells.unwrap_or_default();
     writeln!(
         out,
-        "{}: instructions and {} panels of a model of {length:.0} × {width:.0} × {height:.0} mm, cells of {} mm; print at 100 %",
+        "{}: instructions and {} panels of a model of {length:.0} × {width:.0} × {height:.0} mm{cells}; print at 100 %",
         files[0].0.display(),
         made.pieces.len(),
-        lettering::number(made.cell_mm)
     )?;
     for fact in made.facts() {
         writeln!(out, "{fact}")?;

@@ -10,21 +10,21 @@ use super::labels::{self, Label, NUMBER_RING_MM, Signs};
 use super::nest::{self, Place};
 use super::seams;
 use super::tabs::{self, Tabs};
-use super::{AROUND_MM, BLEED_MM, MOST_PIXELS, PiecesError, PiecesRequest, PrintedPieces, Room, cover};
+use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, PrintedPieces, Room, cover};
 use crate::geometry::{distance, length};
 use crate::mesh::Mesh;
 use crate::print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame, PageSetup};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
 use crate::print::paper::{MAX_SIDE_MM, Stock};
 use crate::print::printer;
-use crate::print::raster::{FlatPaint, PixelGrid, Pose, checked_dpi};
+use crate::print::raster::{self, FlatPaint, PixelGrid, Pose};
 use crate::print::ruler;
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor, WHITE};
 use crate::print::template::layout::{cut_from_roll, roll_page};
-use crate::print::template::{Captions, check_scale, rulers};
+use crate::print::template::{Captions, cell_mm, check_scale, rulers};
 use crate::print::wrap::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, Point, Region, cut_line, moved};
 use crate::texture::Texture;
-use crate::unwrap::unwrap;
+use crate::unwrap::Unwrapped;
 use crate::workers;
 
 const LETTER_MM: f64 = 3.0;
@@ -32,31 +32,27 @@ const NUMBER_MM: f64 = 3.8;
 const LINE_MM: f64 = 0.15;
 /// Under a line that crosses the bleed, so that it shows on any colour.
 const HALO_MM: f64 = 0.45;
+/// From the outline to the middle of the halo, which begins where the line to cut ends.
+const CUT_HALO_MM: f64 = 0.45;
 const FOLD_DASH_MM: (f64, f64) = (1.5, 1.0);
 const SHEET_MM: f64 = 5.0;
 const SHEET_WIDTH_MM: f64 = 22.0;
-/// The share of the work that is done once the surface is in pieces.
-const UNWRAPPED: f64 = 0.7;
 
 /// Draws everything.
 pub(crate) fn pieces(
-    (mesh, materials): (&Mesh, &[usize]),
+    mesh: &Mesh,
+    flat: &Unwrapped,
     texture: &Texture,
     request: &PiecesRequest,
-    progress: &mut dyn FnMut(f64),
 ) -> Result<PrintedPieces, PiecesError> {
     check_scale(request.scale)?;
-    let dpi = checked_dpi(request.dpi)?;
+    if let Texture::Tile(tile) = texture {
+        cell_mm(&tile.pattern, &request.template().tiled(tile.tile_mm()))?;
+    }
+    raster::check(request.dpi, 0.0)?;
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
-    let room = Room {
-        bleed_mm: BLEED_MM,
-        around_mm: AROUND_MM + tabs_mm.unwrap_or(0.0),
-    };
+    let room = room(tabs_mm);
     let frames = frames(request)?;
-    let fits = fits_mm(&frames, &room);
-    let flat = unwrap(mesh, materials, &request.unwrap(fits), &mut |share| {
-        progress(UNWRAPPED * share)
-    })?;
     let pieces: Vec<Piece> = flat
         .charts
         .iter()
@@ -74,15 +70,14 @@ pub(crate) fn pieces(
     let shapes: Vec<Region> = outlines.iter().zip(&signs.signs).map(|(o, s)| shape(o, s)).collect();
     let (frame, places) = nested(&shapes, &frames)?;
     let sheet_frames = sheet_frames(&frame, &shapes, &places, request)?;
-    check_pixels(&pieces, &places, dpi)?;
-    progress(0.5 * (1.0 + UNWRAPPED));
+    raster::check(request.dpi, boxes_mm2(&pieces, &places))?;
     let all: Vec<usize> = (0..pieces.len()).collect();
     let images = workers::map(
         &all,
         || Ok::<_, Infallible>(()),
         |_, i| {
             let frame = &sheet_frames[places[*i].page];
-            Ok(image_of((mesh, texture), &pieces[*i], &places[*i], frame, dpi))
+            Ok(image_of((mesh, texture), &pieces[*i], &places[*i], frame, request.dpi))
         },
         || (),
     );
@@ -94,7 +89,7 @@ pub(crate) fn pieces(
         labels: signs.signs.iter().map(|s| s.labels.clone()).collect(),
         cut: outlines.iter().map(|o| o.cut.clone()).collect(),
         unlettered_mm: signs.unlettered_mm,
-        left_out: flat.left_out,
+        left_out: flat.left_out.clone(),
         visible_mm2: flat.visible_mm2,
         mean_stretch: flat.mean_stretch,
         stretch_99: flat.stretch_99,
@@ -126,7 +121,6 @@ pub(crate) fn pieces(
         .into_iter()
         .map(|page| printer::corrected_one(page, stretch))
         .collect();
-    progress(1.0);
     Ok(made)
 }
 
@@ -156,15 +150,26 @@ fn frames(request: &PiecesRequest) -> Result<Vec<PageFrame>, PiecesError> {
     }
 }
 
+fn room(tabs_mm: Option<f64>) -> Room {
+    Room {
+        bleed_mm: BLEED_MM,
+        around_mm: AROUND_MM + tabs_mm.unwrap_or(0.0),
+    }
+}
+
 /// What a piece may measure so that it fits on one of the pages with all that stands around it.
-fn fits_mm(frames: &[PageFrame], room: &Room) -> [f64; 2] {
+///
+/// # Errors
+/// Tabs that are none, and paper too small for rulers.
+pub(crate) fn fits_mm(request: &PiecesRequest) -> Result<[f64; 2], PiecesError> {
+    let room = room(request.tabs_mm.map(length::tab_mm).transpose()?);
     let size = |frame: &PageFrame| {
         [frame.usable.width_mm(), frame.usable.height_mm()].map(|mm| (mm - 2.0 * room.around_mm - 4.0).max(0.0))
     };
-    let sizes = frames.iter().map(size);
-    sizes
+    let sizes = frames(request)?.into_iter().map(|frame| size(&frame));
+    Ok(sizes
         .max_by(|a, b| (a[0] * a[1]).total_cmp(&(b[0] * b[1])))
-        .unwrap_or_default()
+        .unwrap_or_default())
 }
 
 /// Outlines of a piece in its plane.
@@ -299,16 +304,13 @@ fn cover_frame(frame: &PageFrame, request: &PiecesRequest) -> Result<PageFrame, 
     }
 }
 
-fn check_pixels(pieces: &[Piece], places: &[Place], dpi: f64) -> Result<(), PiecesError> {
+/// The area of the boxes around all pieces as they lie.
+fn boxes_mm2(pieces: &[Piece], places: &[Place]) -> f64 {
     let area = |(piece, place): (&Piece, &Place)| {
         let (low, high) = piece.region.moved(|p| place.pose.at(p)).bounds().unwrap_or_default();
         (high[0] - low[0] + 2.0 * BLEED_MM) * (high[1] - low[1] + 2.0 * BLEED_MM)
     };
-    let pixels = pieces.iter().zip(places).map(area).sum::<f64>() * (dpi / 25.4).powi(2);
-    if pixels > MOST_PIXELS {
-        return Err(PiecesError::TooManyPixels { millions: pixels / 1e6 });
-    }
-    Ok(())
+    pieces.iter().zip(places).map(area).sum()
 }
 
 type PlacedImage = (Arc<RgbImage>, RectMm);
@@ -334,6 +336,22 @@ fn sheet(frame: &PageFrame, mut marks: Vec<Mark>, captions: &Captions, (page, pa
     let at = (frame.printable.right_mm, frame.printable.bottom_mm + 0.8);
     marks.push(Mark::text(at, size_mm, TextAnchor::Right, label));
     frame.sheet(frame.whole(), frame.whole(), marks)
+}
+
+/// White along the outer side of the line that is cut, so that it shows on a dark texture.
+fn halo(cut: &Region) -> Vec<Mark> {
+    let around = cut.grown(CUT_HALO_MM);
+    let outlines = moved(around.contours(), [0.0; 2]);
+    let lines = outlines.iter().flat_map(|o| o.iter().zip(o.iter().cycle().skip(1)));
+    lines
+        .map(|(from, to)| Mark::Line {
+            from: *from,
+            to: *to,
+            width_mm: HALO_MM,
+            dash_mm: None,
+            colour: WHITE,
+        })
+        .collect()
 }
 
 /// One piece on its sheet.
@@ -371,6 +389,7 @@ impl Drawing<'_> {
                 .iter()
                 .map(|ends| self.line(*ends, LINE_MM, Some(FOLD_DASH_MM))),
         );
+        marks.extend(halo(&cut));
         marks.extend(cut_line(&cut, [0.0; 2]));
         marks.push(Mark::Cut {
             outlines: moved(cut.contours(), [0.0; 2]),

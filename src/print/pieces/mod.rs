@@ -23,7 +23,7 @@ use super::date::Date;
 use super::frame::PageFrame;
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
-use super::raster::BadDpi;
+use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, TemplateError, TemplateRequest};
 use super::wrap::Region;
@@ -31,14 +31,12 @@ use crate::geometry::length::BadLength;
 use crate::mesh::Mesh;
 use crate::spelling::count;
 use crate::texture::Texture;
-use crate::unwrap::{LeftOut, LeftOutReason, UnwrapError, UnwrapRequest};
+use crate::unwrap::{LeftOut, LeftOutReason, UnwrapError, UnwrapRequest, Unwrapped, unwrap};
 
 /// How far the texture runs on beyond a piece's outline.
 const BLEED_MM: f64 = 2.0;
 /// Around a piece: bleed, a label and some air.
 const AROUND_MM: f64 = 12.0;
-/// More pixels than this are gigabytes.
-const MOST_PIXELS: f64 = 3e8;
 
 /// Why no pieces were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,17 +45,15 @@ pub(crate) enum PiecesError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     #[error(transparent)]
-    Scale(#[from] TemplateError),
+    Template(#[from] TemplateError),
     #[error(transparent)]
     Length(#[from] BadLength),
     #[error(transparent)]
-    Dpi(#[from] BadDpi),
+    Raster(#[from] RasterError),
     #[error(transparent)]
     Unwrap(#[from] UnwrapError),
     #[error("piece {piece} does not fit on a sheet with its letters; use larger paper")]
     TooLarge { piece: usize },
-    #[error("the pieces would take {millions:.0} million pixels, more than {:.0}; use a lower resolution", MOST_PIXELS / 1e6)]
-    TooManyPixels { millions: f64 },
 }
 
 /// What to print. All lengths in mm.
@@ -212,15 +208,29 @@ pub(crate) fn reason(reason: LeftOutReason) -> &'static str {
     }
 }
 
-/// Draws the pieces of the materials (by index; all if there are none) of a mesh in the model frame. `progress` hears the share that is done.
+/// Cuts the paint of some materials (by index; all if there are none) of a mesh in the model frame into pieces that fit on the paper, and
+/// flattens them. `progress` hears the share that is done.
 ///
 /// # Errors
-/// Bounds that no pieces keep, paper that holds no rulers or not the largest piece, lengths and a resolution that are none.
-pub(crate) fn pieces(
+/// Bounds that no pieces keep, and whatever refuses the paper.
+pub(crate) fn flattened(
     (mesh, materials): (&Mesh, &[usize]),
-    texture: &Texture,
     request: &PiecesRequest,
     progress: &mut dyn FnMut(f64),
+) -> Result<Unwrapped, PiecesError> {
+    let fits_mm = draw::fits_mm(request)?;
+    Ok(unwrap(mesh, materials, &request.unwrap(fits_mm), progress)?)
+}
+
+/// Draws flattened pieces of a mesh.
+///
+/// # Errors
+/// Paper that holds no rulers or not the largest piece, lengths, cells and a resolution that cannot be printed.
+pub(crate) fn pieces(
+    mesh: &Mesh,
+    flat: &Unwrapped,
+    texture: &Texture,
+    request: &PiecesRequest,
 ) -> Result<PrintedPieces, PiecesError> {
-    draw::pieces((mesh, materials), texture, request, progress)
+    draw::pieces(mesh, flat, texture, request)
 }

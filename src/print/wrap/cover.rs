@@ -2,13 +2,13 @@
 
 use super::lines::moved;
 use super::seams::PanelSeams;
-use super::{Panel, Point, Wrap, WrapRequest};
-use crate::pattern::Pattern;
+use super::{Panel, Point, Wrap};
 use crate::pattern::world_aligned::Side;
+use crate::print::frame::PageFrame;
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
+use crate::print::printer;
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
-use crate::print::template::{cover, furniture, layout};
-use crate::print::{SheetError, printer};
+use crate::print::template::{Captions, cover};
 
 const LINE_MM: f64 = 0.15;
 const LETTER_MM: f64 = 2.6;
@@ -26,23 +26,12 @@ const STEPS: [&str; 4] = [
      between panels: edges with the same letter meet.",
 ];
 
-pub(crate) fn cover(
-    wrap: &Wrap,
-    seams: &PanelSeams,
-    pattern: &Pattern,
-    request: &WrapRequest,
-) -> Result<Sheet, SheetError> {
-    let template = request.template(Side::Front, (100.0, 100.0));
-    let frame = match wrap.pieces.first() {
-        Some(piece) => piece.layout.cover,
-        None => layout(&template.layout)?.cover,
-    };
-    let captions = furniture::Captions::new(pattern, &template, wrap.cell_mm);
+pub(crate) fn cover(wrap: &Wrap, seams: &PanelSeams, frame: PageFrame, captions: &Captions) -> Sheet {
     let texts = (&STEPS[..], &*wrap.facts());
-    let sheet = cover::first_page(&frame, &captions, "Panels of a model", texts, |room| {
+    let sheet = cover::first_page(&frame, captions, "Panels of a model", texts, |room| {
         overview(wrap, seams, room)
     });
-    Ok(printer::corrected_one(sheet, frame.setup.stretch()))
+    printer::corrected_one(sheet, frame.setup.stretch())
 }
 
 /// All panels in one scale: the sides above each other, front and rear below, the roof to the right.

@@ -1,4 +1,4 @@
-//! The pattern as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
+//! A pattern or texture as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
 //!
 //! A surface belongs to the side that its normal looks to most and is printed on that panel only; the panel is its projection
 //! along that axis. So each point carries the colour that [`WorldAligned`](crate::pattern::world_aligned::WorldAligned) gives it, and
@@ -23,12 +23,13 @@ use super::date::Date;
 use super::lettering::number;
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
+use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest};
 use crate::mesh::Mesh;
-use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::spelling::count;
+use crate::texture::Texture;
 
 /// How far the pattern runs on beyond a panel's outline.
 pub(crate) const BLEED_MM: f64 = 2.0;
@@ -43,6 +44,8 @@ pub(crate) enum WrapError {
     Sheet(#[from] SheetError),
     #[error(transparent)]
     Template(#[from] TemplateError),
+    #[error(transparent)]
+    Raster(#[from] RasterError),
     #[error("the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm")]
     OtherSize { mesh_mm: String, scene_mm: String },
     #[error(
@@ -54,12 +57,14 @@ pub(crate) enum WrapError {
 /// What to print. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WrapRequest {
-    /// Printed width of one repeat of the pattern; its height follows, cells are square.
-    pub tile_mm: f64,
     /// The model is 1:`scale`; only the captions use it.
     pub scale: f64,
-    /// How the captions call the pattern: its file name.
-    pub pattern_name: String,
+    /// How the captions call the pattern or texture: its file name.
+    pub name: String,
+    /// What the captions say of a texture without cells.
+    pub facts: String,
+    /// Pixels per inch of such a texture.
+    pub dpi: f64,
     pub date: Option<Date>,
     pub paper: Stock,
     /// Width of the strip that neighbouring sheets of a panel share.
@@ -71,7 +76,7 @@ pub(crate) struct WrapRequest {
 impl WrapRequest {
     /// What the document is called.
     pub(crate) fn title(&self) -> String {
-        format!("Panels of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+        format!("Panels of {}", self.name)
     }
 
     /// What a panel is as a template.
@@ -83,9 +88,10 @@ impl WrapRequest {
             Side::Front | Side::Rear | Side::Bottom => Front::None,
         };
         TemplateRequest {
-            tile_mm: self.tile_mm,
+            // Whose cells have a size says so in its captions.
+            tile_mm: 1.0,
             scale: self.scale,
-            pattern_name: self.pattern_name.clone(),
+            pattern_name: self.name.clone(),
             front,
             date: self.date,
             layout: LayoutRequest {
@@ -134,7 +140,8 @@ pub(crate) struct Wrap {
     pub surface_mm2: f64,
     /// Length of the seams between panels that found no room for a letter.
     pub unlettered_mm: f64,
-    pub cell_mm: f64,
+    /// Of a pattern.
+    pub cell_mm: Option<f64>,
     /// The instructions, then the sheets of each piece, as the printer needs them.
     pub pages: Vec<Sheet>,
 }
@@ -204,7 +211,7 @@ impl Wrap {
 pub(crate) fn wrap(
     mesh: &Mesh,
     materials: &[usize],
-    pattern: &Pattern,
+    texture: &Texture,
     request: &WrapRequest,
 ) -> Result<Wrap, WrapError> {
     let paint = PaintedSurface::of_materials(mesh, materials);
@@ -212,7 +219,7 @@ pub(crate) fn wrap(
     if panels.is_empty() {
         return Err(WrapError::NothingToPrint);
     }
-    draw::wrap(&paint, panels, pattern, request)
+    draw::wrap(mesh, &paint, panels, texture, request)
 }
 
 /// Refuses a mesh that is not as large as the scene says.

@@ -47,6 +47,8 @@ impl Panel {
 /// A painted triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
+    /// Among those of the mesh.
+    pub index: usize,
     pub triangle: Triangle,
     pub corners: [Point3<f64>; 3],
     pub side: Side,
@@ -67,7 +69,7 @@ impl PaintedSurface {
     /// The triangles of some materials; those without area are left out.
     fn of(mesh: &Mesh, materials: &[usize]) -> Self {
         let (mut faces, mut others) = (Vec::new(), Vec::new());
-        for triangle in mesh.triangles() {
+        for (index, triangle) in mesh.triangles().iter().enumerate() {
             let corners = mesh.corners_mm(triangle);
             let normal = doubled_area(&corners);
             let length = normal.norm();
@@ -76,6 +78,7 @@ impl PaintedSurface {
             } else if length > 0.0 {
                 let side = Side::of(&normal);
                 faces.push(Face {
+                    index,
                     triangle: *triangle,
                     corners,
                     side,
