@@ -486,7 +486,9 @@ fn a_house_is_cut_lettered_and_tabbed() {
         let (read, file) = Read::new(made, folder.path(), 600.0);
         read.letters_stand_clear(&file, is_bright);
         read.pieces_lie_apart();
-        assert_eq!(read.share_as_tile(&pattern, 5.0), 1.0);
+        // The dashes of folds are ink, too.
+        let share = read.share_as_tile(&pattern, 5.0);
+        assert!(share >= 0.999, "{share}");
     }
 }
 

@@ -195,7 +195,7 @@ impl<'a> FlatPaint<'a> {
 
     /// The mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
     fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
-        let mut samples = |count: usize, last: &mut usize| {
+        let samples = |count: usize, last: &mut usize| {
             let mut found = Found::default();
             for i in 0..count * count {
                 let along = |i: usize| (i as f64 + 0.5) / count as f64;

@@ -11,9 +11,8 @@ use crate::cli::model::Model;
 use crate::cli::progress;
 use crate::cli::texture::NamedTexture;
 use crate::print::lettering;
-use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, flattened, pieces, reason};
+use crate::print::pieces::{UnwrapError, PiecesError, PiecesRequest, PrintedPieces, flattened, pieces, reason};
 use crate::texture::Texture;
-use crate::unwrap::UnwrapError;
 
 /// How the model is cut into pieces, and what is printed of them.
 #[derive(clap::Args)]
@@ -122,6 +121,7 @@ fn facts(model: &Model, made: &PrintedPieces) -> serde_json::Value {
         "model_size_mm": model.mesh.size_mm(),
         "pieces": pieces.collect::<Vec<_>>(),
         "sheets": made.sheets(),
+        "page_mm": [made.frame.page.width_mm, made.frame.page.height_mm],
         "seams": made.seams.len(),
         "unlettered_mm": made.unlettered_mm,
         "cut_mm": made.cut_mm(),

@@ -86,7 +86,6 @@ pub(crate) fn pieces(
         Err(never) => match never {},
     };
     let mut made = PrintedPieces {
-        labels: signs.signs.iter().map(|s| s.labels.clone()).collect(),
         cut: outlines.iter().map(|o| o.cut.clone()).collect(),
         unlettered_mm: signs.unlettered_mm,
         left_out: flat.left_out.clone(),

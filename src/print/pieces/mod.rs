@@ -14,7 +14,6 @@ mod seams;
 mod tabs;
 
 pub(crate) use flat::Piece;
-pub(crate) use labels::Label;
 pub(crate) use nest::Place;
 pub(crate) use seams::Seam;
 
@@ -31,7 +30,8 @@ use crate::geometry::length::BadLength;
 use crate::mesh::Mesh;
 use crate::spelling::count;
 use crate::texture::Texture;
-use crate::unwrap::{LeftOut, LeftOutReason, UnwrapError, UnwrapRequest, Unwrapped, unwrap};
+pub(crate) use crate::unwrap::UnwrapError;
+use crate::unwrap::{LeftOut, LeftOutReason, UnwrapRequest, Unwrapped, unwrap};
 
 /// How far the texture runs on beyond a piece's outline.
 const BLEED_MM: f64 = 2.0;
@@ -128,8 +128,6 @@ pub(crate) struct PrintedPieces {
     pub seams: Vec<Seam>,
     /// Where each piece lies on the sheets.
     pub places: Vec<Place>,
-    /// The signs beside each piece, in its plane.
-    pub labels: Vec<Vec<Label>>,
     /// Each piece with its tabs, in its plane: what is cut out.
     pub cut: Vec<Region>,
     pub frame: PageFrame,

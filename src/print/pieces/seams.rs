@@ -61,19 +61,6 @@ impl Seam {
         }
         None
     }
-
-    /// The corners of the run on one of its sides, in order.
-    pub(crate) fn corners(&self, pieces: &[Piece], side: usize) -> Vec<Point> {
-        let ends = |edge: &SeamEdge| {
-            let [a, b] = border(pieces, edge.sides[side]).flat;
-            if edge.backwards { [b, a] } else { [a, b] }
-        };
-        let first = self.edges.first().map(|edge| ends(edge)[0]);
-        first
-            .into_iter()
-            .chain(self.edges.iter().map(|edge| ends(edge)[1]))
-            .collect()
-    }
 }
 
 pub(crate) fn border(pieces: &[Piece], id: BorderId) -> &Border {
