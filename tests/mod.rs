@@ -54,3 +54,4 @@ mod survey;
 mod tag_detectors;
 mod texture;
 mod truth;
+mod unwrap;

@@ -190,7 +190,7 @@ impl<'a> Assembly<'a> {
         let Rectangle { area, turn } = rectangle(flat.iter().copied(), self.request.fits_mm)?;
         sums.paper = area;
         let sides = self.outline(faces, &patch, &flat);
-        (!is_crossing(&sides)).then(|| Piece {
+        (!patch.is_overfull(&flat) && !is_crossing(&sides)).then(|| Piece {
             faces: faces.to_vec(),
             flat: (0..faces.len()).map(|f| patch.flat_corners(&flat, f)).collect(),
             stretch,

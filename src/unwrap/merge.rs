@@ -11,12 +11,12 @@ use super::borders::{Pair, borders, halves, runs};
 const LEVELS: [Level; 3] = [
     Level {
         worst_excess: 1.0,
-        paper_mm: 6.0,
+        paper_mm: 20.0,
         halves: false,
     },
     Level {
         worst_excess: 2.0,
-        paper_mm: 30.0,
+        paper_mm: 40.0,
         halves: true,
     },
     Level {

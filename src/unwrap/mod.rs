@@ -1,7 +1,9 @@
 //! Cuts the paint of a mesh into few pieces of bounded stretch and flattens each one.
 //!
-//! The steps in order, one file each: the [`surface`] (corners welded, large triangles subdivided), what of it is [`visibility`] from outside,
-//! its [`topology`], first [`clusters`] that are almost flat, and pieces made of them.
+//! The steps in order, one file each: the paint as a [`surface`] (corners welded, large triangles subdivided); what of it is visible
+//! ([`visibility`]); which faces lie beside each other ([`topology`]); almost flat [`clusters`]; and gluing them ([`merge`]) as long as the union,
+//! laid flat ([`patch`]), keeps its stretch, does not overlap and fits the paper ([`assembly`]). Gluing is cheapest first, so seams stay where
+//! they are needed: along creases and where the surface ends.
 
 mod assembly;
 mod borders;
@@ -19,11 +21,16 @@ use nalgebra::Point3;
 
 use assembly::{Assembly, Piece};
 use neighbours::neighbours;
+use surface::{Face, Surface};
+use topology::Topology;
 
 use crate::mesh::Mesh;
 
 /// More triangles than this take minutes.
 pub(crate) const MAX_TRIANGLES: usize = 200_000;
+
+/// What can be asked for. No surface is flat to the last digit.
+const STRETCH: std::ops::RangeInclusive<f64> = 1.001..=2.0;
 
 /// What pieces are asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,7 +128,7 @@ pub(crate) enum UnwrapError {
         "the paint takes {needed} pieces of this size and stretch, and {most} are allowed; allow more pieces, more stretch or larger paper"
     )]
     TooFewPieces { most: usize, needed: usize },
-    #[error("a stretch of {value} cannot be kept; 1.001 and more can")]
+    #[error("a stretch of {value} cannot be asked for; {} to {} can", STRETCH.start(), STRETCH.end())]
     BadStretch { value: f64 },
     #[error("pieces of {} × {} mm are too small for this model", size_mm[0], size_mm[1])]
     BadSize { size_mm: [f64; 2] },
@@ -138,35 +145,36 @@ pub(crate) fn unwrap(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Unwrapped, UnwrapError> {
     check(request)?;
-    let mut surface = surface::Surface::of(mesh, materials, request.fits_mm)?;
-    let mut left_out = surface.without_area();
+    let mut surface = Surface::of(mesh, materials, request.fits_mm)?;
+    let mut left_out = Vec::new();
     let mut seen = visibility::seen(mesh, &surface);
     if !request.hidden_too {
         let is_visible = visibility::visible(&seen, &neighbours(&surface, |_, _| true));
-        let hidden: Vec<usize> = (0..seen.len()).filter(|f| !is_visible[*f]).collect();
-        if !hidden.is_empty() {
-            left_out.push(surface.left_out(&hidden, LeftOutReason::Hidden));
-        }
+        left_out.extend(surface.left_out(&unmarked(&is_visible), LeftOutReason::Hidden));
         surface.keep(&is_visible);
-        seen = seen
-            .into_iter()
-            .zip(is_visible)
-            .filter_map(|(s, is)| is.then_some(s))
-            .collect();
+        let is_kept = seen.into_iter().zip(is_visible);
+        seen = is_kept.filter_map(|(seen, is)| is.then_some(seen)).collect();
     }
-    let topology = topology::Topology::of(&mut surface, &seen);
+    let topology = Topology::of(&mut surface, &seen);
     let mut assembly = Assembly::new(&surface, &topology, request);
     for cluster in clusters::grow(&surface, &topology, request.fits_mm) {
         assembly.add_cluster(&cluster);
     }
+    let has_piece: Vec<bool> = assembly.piece_of.iter().map(Option::is_some).collect();
+    left_out.extend(surface.left_out(&unmarked(&has_piece), LeftOutReason::NoArea));
     let pieces = merge::pieces(&assembly, progress);
     progress(1.0);
     summary(surface, pieces, left_out, request)
 }
 
+/// The faces that are not marked.
+fn unmarked(marks: &[bool]) -> Vec<usize> {
+    (0..marks.len()).filter(|f| !marks[*f]).collect()
+}
+
 fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
     for value in [request.mean_stretch, request.stretch_99] {
-        if !(1.001..).contains(&value) {
+        if !STRETCH.contains(&value) {
             return Err(UnwrapError::BadStretch { value });
         }
     }
@@ -178,7 +186,7 @@ fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
 
 /// The pieces largest first, without those that may be left out, and what they keep.
 fn summary(
-    surface: surface::Surface,
+    surface: Surface,
     mut pieces: Vec<Piece>,
     mut left_out: Vec<LeftOut>,
     request: &UnwrapRequest,
@@ -197,9 +205,7 @@ fn summary(
             });
         }
         let faces: Vec<usize> = beyond.into_iter().flat_map(|p| p.faces).collect();
-        if !faces.is_empty() {
-            left_out.push(surface.left_out(&faces, LeftOutReason::TooSmall));
-        }
+        left_out.extend(surface.left_out(&faces, LeftOutReason::TooSmall));
     }
     let values = pieces.iter().flat_map(|p| p.faces.iter().zip(&p.stretch));
     let values: Vec<(f64, f64)> = values.map(|(f, stretch)| (*stretch, surface.area(*f))).collect();
@@ -215,10 +221,10 @@ fn summary(
     })
 }
 
-fn chart(surface: &surface::Surface, piece: Piece) -> Chart {
+fn chart(surface: &Surface, piece: Piece) -> Chart {
     let parts = piece.faces.iter().zip(piece.flat).zip(piece.stretch);
     let faces = parts.map(|((f, flat), stretch)| {
-        let surface::Face {
+        let Face {
             triangle,
             weights,
             corners,
@@ -237,15 +243,9 @@ fn chart(surface: &surface::Surface, piece: Piece) -> Chart {
     }
 }
 
-impl Unwrapped {
-    pub(crate) fn area(&self, face: &FlatFace) -> f64 {
-        0.5 * crate::mesh::doubled_area(&face.corners.map(|c| self.points_mm[c])).norm()
-    }
-}
-
 impl Chart {
     /// How long its outline is, slits and holes included.
-    pub(crate) fn border_mm(&self) -> f64 {
+    pub(crate) fn outline_mm(&self) -> f64 {
         let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
         let mut sides = std::collections::BTreeMap::new();
         for face in &self.faces {

@@ -4,9 +4,6 @@ use nalgebra::Vector2;
 
 use crate::geometry::convex_hull;
 
-/// What overlaps by less than this no scissors can tell, mm.
-const TOUCH_MM: f64 = 0.01;
-
 /// A side of an outline, with the places at its ends.
 pub(super) type Side = [(usize, Vector2<f64>); 2];
 
@@ -30,12 +27,10 @@ fn do_cross(a: &Side, b: &Side) -> bool {
     parts(a, b) && parts(b, a)
 }
 
-/// Whether the ends of the second lie on both sides of the first's line, and not merely on it.
+/// Whether the ends of the second lie on both sides of the first's line.
 fn parts(a: &Side, b: &Side) -> bool {
-    let along = a[1].1 - a[0].1;
-    let length = along.norm().max(f64::MIN_POSITIVE);
-    let beside = b.map(|(_, p)| along.perp(&(p - a[0].1)) / length);
-    beside[0].min(beside[1]) < -TOUCH_MM && beside[0].max(beside[1]) > TOUCH_MM
+    let beside = b.map(|(_, p)| (a[1].1 - a[0].1).perp(&(p - a[0].1)));
+    beside[0].min(beside[1]) < 0.0 && beside[0].max(beside[1]) > 0.0
 }
 
 /// How an outline lies in its smallest rectangle.

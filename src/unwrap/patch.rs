@@ -93,6 +93,19 @@ impl Patch {
         faces.map(|f| stretch(self.singular_values(flat, f))).collect()
     }
 
+    /// Whether the faces around a place take more than the whole turn, and so overlap.
+    pub(super) fn is_overfull(&self, flat: &Flat) -> bool {
+        let mut angle = vec![0.0; self.places];
+        for (f, places) in self.corners.iter().enumerate() {
+            let lies = self.flat_corners(flat, f);
+            for (i, place) in places.iter().enumerate() {
+                let (p, q) = (lies[(i + 1) % 3] - lies[i], lies[(i + 2) % 3] - lies[i]);
+                angle[*place] += p.perp(&q).atan2(p.dot(&q));
+            }
+        }
+        angle.into_iter().any(|angle| angle > std::f64::consts::TAU + 1e-6)
+    }
+
     fn singular_values(&self, flat: &Flat, face: usize) -> [f64; 2] {
         singular_values(&self.laid[face], &self.flat_corners(flat, face))
     }

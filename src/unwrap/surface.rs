@@ -1,6 +1,6 @@
 //! The paint as faces: its corners welded, its large triangles subdivided.
 
-use std::collections::{BTreeMap, BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap};
 
 use nalgebra::Point3;
 
@@ -27,7 +27,8 @@ pub(super) struct Face {
 pub(super) struct Surface {
     pub points: Vec<Point3<f64>>,
     pub faces: Vec<Face>,
-    pub no_area: Vec<usize>,
+    /// Triangles of the mesh without area.
+    lines: Vec<usize>,
 }
 
 impl Surface {
@@ -45,11 +46,11 @@ impl Surface {
             return Err(UnwrapError::TooManyTriangles { count });
         }
         let (points, place) = welded(mesh);
-        let (mut faces, mut no_area) = (Vec::new(), Vec::new());
+        let (mut faces, mut lines) = (Vec::new(), Vec::new());
         for (triangle, t) in paint {
             let corners = t.corners.map(|c| place[c]);
             if is_line(&corners.map(|c| points[c])) {
-                no_area.push(triangle);
+                lines.push(triangle);
             } else {
                 let weights = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 faces.push(Face {
@@ -59,23 +60,14 @@ impl Surface {
                 });
             }
         }
-        let mut surface = Self { points, faces, no_area };
+        if faces.is_empty() {
+            return Err(UnwrapError::NoPaint);
+        }
+        let mut surface = Self { points, faces, lines };
         if let Some(size) = fits_mm {
             surface.subdivide(EDGE_OF_PAPER * size[0].min(size[1]), size)?;
         }
         Ok(surface)
-    }
-
-    /// The paint that is nothing.
-    pub(super) fn without_area(&self) -> Vec<LeftOut> {
-        if self.no_area.is_empty() {
-            return Vec::new();
-        }
-        vec![LeftOut {
-            triangles: self.no_area.clone(),
-            surface_mm2: 0.0,
-            reason: LeftOutReason::NoArea,
-        }]
     }
 
     /// Keeps these faces only.
@@ -152,16 +144,16 @@ impl Surface {
         self.faces.push(second);
     }
 
-    /// The triangles of the mesh that these faces are parts of.
-    pub(super) fn left_out(&self, faces: &[usize], reason: LeftOutReason) -> LeftOut {
-        let mut triangles: Vec<usize> = faces.iter().map(|f| self.faces[*f].triangle).collect();
-        triangles.sort_unstable();
-        triangles.dedup();
-        LeftOut {
-            triangles,
+    /// The triangles of the mesh that these faces are parts of. Those without area have no faces, and are told with their reason.
+    pub(super) fn left_out(&self, faces: &[usize], reason: LeftOutReason) -> Option<LeftOut> {
+        let lines = (reason == LeftOutReason::NoArea).then_some(&self.lines);
+        let parts = faces.iter().map(|f| self.faces[*f].triangle);
+        let triangles: BTreeSet<usize> = parts.chain(lines.into_iter().flatten().copied()).collect();
+        (!triangles.is_empty()).then(|| LeftOut {
+            triangles: triangles.into_iter().collect(),
             surface_mm2: faces.iter().map(|f| self.area(*f)).sum(),
             reason,
-        }
+        })
     }
 }
 

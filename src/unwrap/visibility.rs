@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::neighbours::Neighbours;
 use super::surface::Surface;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, doubled_area};
 
 /// Elevations of the views and how many stand around at each. A person looks at a model on a table slightly from below, too.
 const VIEWS: [(f64, usize); 5] = [(-10.0, 12), (10.0, 12), (32.0, 12), (58.0, 8), (90.0, 1)];
@@ -12,6 +12,10 @@ const VIEWS: [(f64, usize); 5] = [(-10.0, 12), (10.0, 12), (32.0, 12), (58.0, 8)
 const PIXELS: f64 = 700.0;
 /// A face of which no view shows this share is hidden.
 const LEAST_SHARE: f64 = 0.15;
+/// One between visible faces is visible from this share on, so that borders have no teeth.
+const LEAST_BETWEEN: f64 = 0.02;
+/// A view that sees a face flatter than this, as the cosine of the angle to its normal, does not show it: a floor from just below.
+const LEAST_COSINE: f64 = 0.2;
 /// What lies this close behind another is at the same place, in pixels.
 const SAME_DEPTH: f64 = 0.02;
 
@@ -50,14 +54,16 @@ pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
     seen
 }
 
-/// Which faces are visible. One that is too small for all views is, and one that lies between visible ones, so that borders have no teeth.
+/// Which faces are visible. One that is too small for all views is.
 pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
     let is_shown: Vec<bool> = seen
         .iter()
         .map(|s| s.share.is_nan() || s.share >= LEAST_SHARE)
         .collect();
     let is_between = |f: usize| beside[f].iter().flatten().filter(|(g, _)| is_shown[*g]).count() >= 2;
-    (0..seen.len()).map(|f| is_shown[f] || is_between(f)).collect()
+    (0..seen.len())
+        .map(|f| is_shown[f] || (seen[f].share >= LEAST_BETWEEN && is_between(f)))
+        .collect()
 }
 
 /// An orthographic view: for each pixel how near the nearest surface is.
@@ -85,7 +91,8 @@ impl View {
         let size = [x, y].map(|(low, high)| (high - low).ceil() as usize + 2);
         Self {
             axes,
-            origin: [x.0 - 1.0, y.0 - 1.0],
+            // Off the pixels' centres, which the edges of a box would meet otherwise.
+            origin: [x.0 - 0.63, y.0 - 0.59],
             size,
             nearest: vec![f64::NEG_INFINITY; size[0] * size[1]],
         }
@@ -103,11 +110,13 @@ impl View {
     }
 
     fn look(&self, corners: &[Point3<f64>; 3], seen: &mut Seen) {
+        let normal = doubled_area(corners);
+        let is_grazed = normal.dot(&self.axes[2]).abs() < LEAST_COSINE * normal.norm() * self.axes[2].norm();
         let corners = corners.map(|p| self.project(&p));
         let (mut covered, mut shown) = (0_u32, 0_u32);
         pixels(&corners, self.size, |at, depth| {
             covered += 1;
-            shown += u32::from(depth >= self.nearest[at] - SAME_DEPTH);
+            shown += u32::from(!is_grazed && depth >= self.nearest[at] - SAME_DEPTH);
         });
         if covered > 0 {
             seen.share = seen.share.max(f64::from(shown) / f64::from(covered));
