@@ -11,7 +11,7 @@ use crate::cli::model::Model;
 use crate::cli::progress;
 use crate::cli::texture::NamedTexture;
 use crate::print::lettering;
-use crate::print::pieces::{UnwrapError, PiecesError, PiecesRequest, PrintedPieces, flattened, pieces, reason};
+use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
 use crate::texture::Texture;
 
 /// How the model is cut into pieces, and what is printed of them.
