@@ -101,8 +101,9 @@ const EXAMPLES: [(&str, &[&str]); 27] = [
     (
         "print wrap",
         &[
-            "scaleproof print wrap --scene scene.toml --pattern P.png --tile-mm 118 -o panels.pdf",
-            "scaleproof print wrap --mesh car.glb --length-mm 455 --pattern P.png --tile-mm 118 --paper a3 -o panels.pdf",
+            "scaleproof print wrap --mesh car.glb --length-mm 455 --pattern P.png --tile-mm 118 --paper a3 -o pieces.pdf",
+            "scaleproof print wrap --texture car.obj --faces exterior_face.txt --length-mm 490 --pieces 36 --paper a3 -o pieces.pdf",
+            "scaleproof print wrap --panels --scene scene.toml --pattern P.png --tile-mm 118 -o panels.pdf",
         ],
     ),
     (
