@@ -215,7 +215,7 @@ impl Patches {
         let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
         let side = on_it[0].side;
         let named = WrapRequest {
-            pattern_name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+            name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
             ..request.clone()
         };
         let template = named.template(side, (size[0], size[1]));

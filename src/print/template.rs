@@ -80,6 +80,11 @@ pub struct TemplateRequest {
 }
 
 impl TemplateRequest {
+    /// The same of a pattern whose repeats are this wide.
+    pub(super) fn tiled(self, tile_mm: f64) -> Self {
+        Self { tile_mm, ..self }
+    }
+
     /// What the document is called.
     pub fn title(&self) -> String {
         format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))

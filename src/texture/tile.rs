@@ -20,6 +20,11 @@ impl Tile {
         Self { pattern, cell_mm }
     }
 
+    /// The width of a repeat.
+    pub(crate) fn tile_mm(&self) -> f64 {
+        self.cell_mm * f64::from(self.pattern.columns())
+    }
+
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
         let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));
         let mapped = WorldAligned {

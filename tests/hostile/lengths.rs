@@ -38,11 +38,11 @@ const GOOD: &[(&str, &str)] = &[
     ),
     (
         "wrap",
-        "print wrap --scene scene.toml --pattern pattern.png --tile-mm 40 -o out.pdf",
+        "print wrap --panels --scene scene.toml --pattern pattern.png --tile-mm 40 -o out.pdf",
     ),
     (
         "mesh",
-        "print wrap --mesh corner.obj --pattern pattern.png --tile-mm 40 -o out.pdf",
+        "print wrap --panels --mesh corner.obj --pattern pattern.png --tile-mm 40 -o out.pdf",
     ),
     (
         "board",
@@ -115,12 +115,7 @@ const REQUESTS: &[(&str, &str, &[&str])] = &[
         &["cells, more than 250000"],
     ),
     ("wrap", "--tile-mm nan", &["tile width cannot be NaN"]),
-    (
-        "wrap",
-        "--flatten --max-stretch 1e200",
-        &["largest stretch cannot be 1e200"],
-    ),
-    ("wrap", "--flatten --margin-mm nan", &["margin cannot be NaN"]),
+    ("wrap", "--margin-mm nan", &["margin cannot be NaN"]),
     ("mesh", "--length-mm 1e9", &["cannot be set to 1e9"]),
     ("mesh", "--length-mm nan", &["cannot be set to NaN"]),
     ("mesh", "--scale nan", &["scale cannot be NaN"]),

@@ -6,6 +6,7 @@ mod chart;
 mod check;
 mod paint;
 pub(crate) mod patch;
+mod pieces;
 mod tags;
 pub(crate) mod template;
 mod verify;
@@ -43,7 +44,7 @@ pub(crate) struct Args {
 enum What {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
-    /// Wrap a pattern around a model: five panels cut to its outline
+    /// Wrap a texture around a model: pieces to cut out and glue, or five panels
     Wrap(wrap::WrapArgs),
     /// Print finished patches: their places on the panels of a model, and each to cut out
     Patch(patch::PatchArgs),

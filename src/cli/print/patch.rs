@@ -54,7 +54,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let model = args.model.load()?;
     let panels = wrap::PaintedSurface::of_materials(&model.mesh, &model.materials).panels();
     let sheets = &args.sheets;
-    let request = sheets.request(1.0, model.scale, Path::new(""))?;
+    let request = sheets.request(model.scale)?;
     let made = patches(&panels, &wanted, &request)?;
     let title = format!("Patches of {}", wanted[0].name);
     let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
