@@ -29,6 +29,8 @@
 mod ap;
 #[cfg(feature = "full")]
 mod attack;
+#[cfg(feature = "full")]
+mod bake;
 mod board;
 #[cfg(feature = "full")]
 mod calibrate;
@@ -69,6 +71,9 @@ mod surrogate;
 mod survey;
 mod tags;
 mod texture;
+// Its users are being written.
+#[allow(dead_code)]
+mod unwrap;
 #[cfg(feature = "full")]
 mod whitebox;
 mod workers;

@@ -85,6 +85,7 @@ pub struct Mesh {
     materials: Vec<String>,
     /// Of each triangle; empty when the file has none.
     coordinates: Vec<Option<TextureCoordinates>>,
+    frame: placement::FileFrame,
 }
 
 /// The places of a triangle's corners in its image: u to the right, v up, the image fills the unit square.
@@ -161,6 +162,7 @@ impl Mesh {
             triangles: halves.map(|corners| Triangle { corners, material: 0 }).collect(),
             materials: vec!["box".to_owned()],
             coordinates: Vec::new(),
+            frame: placement::FileFrame::default(),
         }
     }
 
@@ -181,6 +183,11 @@ impl Mesh {
     /// Model frame, mm.
     pub fn corners_mm(&self, triangle: &Triangle) -> [Point3<f64>; 3] {
         triangle.corners.map(|i| self.points[i])
+    }
+
+    /// A point of the model frame, mm, in the frame and unit of the mesh's file.
+    pub(crate) fn in_file(&self, point_mm: &Point3<f64>) -> Point3<f64> {
+        self.frame.of_model(point_mm)
     }
 
     /// The names of the materials, in the file's order.
@@ -334,6 +341,7 @@ impl Soup {
             triangles: self.triangles,
             materials: self.materials,
             coordinates: Vec::new(),
+            frame: placement::FileFrame::default(),
         }
     }
 }
