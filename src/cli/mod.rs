@@ -37,6 +37,7 @@ mod session;
 mod sessions;
 #[cfg(feature = "full")]
 mod survey;
+mod texture;
 mod units;
 
 use std::error::Error;

@@ -40,6 +40,7 @@ pub(crate) use crate::pattern::light;
 pub(crate) mod photos;
 mod read;
 pub(crate) mod render;
+pub(crate) mod shaded;
 mod write;
 
 pub(crate) use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};

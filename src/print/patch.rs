@@ -105,6 +105,11 @@ impl PatchImage {
         &self.pixels
     }
 
+    /// The pixels without a copy.
+    pub(crate) fn shared(&self) -> Arc<RgbImage> {
+        Arc::clone(&self.pixels)
+    }
+
     /// Height for a width that keeps the image's proportions.
     pub(crate) fn height_for(&self, width: f64) -> f64 {
         width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())

@@ -20,6 +20,12 @@ pub(crate) struct PlacedPatch {
 }
 
 impl PlacedPatch {
+    /// The shorter side of a pixel.
+    pub(super) fn pixel_mm(&self) -> f64 {
+        let (width, height) = self.image.dimensions();
+        (self.size_mm.0 / f64::from(width)).min(self.size_mm.1 / f64::from(height))
+    }
+
     /// `None` beside the patch.
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> Option<[u8; 3]> {
         let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));

@@ -186,7 +186,7 @@ impl CutSheetArgs {
 }
 
 /// The width of a repeat: as given, else as the pattern's card says.
-fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
+pub(super) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
     card::tile_mm(given, path, pattern).map_err(|error| match error {
         CardError::None { .. } => format!("{error}: give --tile-mm"),
         CardError::Content { .. } | CardError::OtherPattern { .. } => {
