@@ -147,7 +147,7 @@ fn container(mut tree: Vec<u8>, bytes: Vec<u8>) -> Vec<u8> {
     tree.resize(tree.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + tree.len() + 8 + bytes.len();
     let mut file = b"glTF".to_vec();
-    let mut word = |file: &mut Vec<u8>, n: usize| file.extend((n as u32).to_le_bytes());
+    let word = |file: &mut Vec<u8>, n: usize| file.extend((n as u32).to_le_bytes());
     word(&mut file, 2);
     word(&mut file, total);
     for (name, chunk) in [(b"JSON", tree), (b"BIN\0", bytes)] {

@@ -69,7 +69,7 @@ pub(crate) struct Baked {
     /// Parts of the image whose paint hangs together.
     pub charts: usize,
     /// Why the mesh's own coordinates are not kept.
-    pub anew: Option<NotKept>,
+    pub unwrapped: Option<NotKept>,
     /// Side of a texel on the model, where it has the mean area.
     pub texel_mm: f64,
 }
@@ -83,7 +83,7 @@ pub(crate) struct BakeRequest<'a> {
     /// Width, height.
     pub size_px: [u32; 2],
     /// Unwrap the paint even where the mesh's own coordinates could be kept.
-    pub anew: bool,
+    pub unwrap: bool,
 }
 
 /// Bakes a texture. `progress` hears the share of the unwrapping that is done.
@@ -100,11 +100,11 @@ pub(crate) fn bake(request: &BakeRequest, progress: &mut dyn FnMut(f64)) -> Resu
     if paint.is_empty() {
         return Err(BakeError::NoPaint);
     }
-    let kept = match request.anew {
+    let kept = match request.unwrap {
         true => Err(NotKept::Asked),
         false => own::charts(mesh, &paint),
     };
-    let (charts, anew) = match kept {
+    let (charts, unwrapped) = match kept {
         Ok(charts) => (charts, None),
         Err(why) => {
             let flat = flattened(mesh, request.materials, &paint, progress)?;
@@ -117,10 +117,10 @@ pub(crate) fn bake(request: &BakeRequest, progress: &mut dyn FnMut(f64)) -> Resu
         }
     };
     let image = fill::fill(mesh, request.texture, &charts, size_px);
-    Ok(finished(mesh, image, charts, anew))
+    Ok(finished(mesh, image, charts, unwrapped))
 }
 
-fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, anew: Option<NotKept>) -> Baked {
+fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, unwrapped: Option<NotKept>) -> Baked {
     let count = charts.len();
     let mut faces: Vec<BakedFace> = charts.into_iter().flatten().collect();
     faces.sort_by_key(|face| face.triangle);
@@ -139,7 +139,7 @@ fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, anew: Opt
         image,
         faces,
         charts: count,
-        anew,
+        unwrapped,
     }
 }
 
@@ -213,8 +213,8 @@ mod tests {
         let materials = mesh.materials_named(&["Material.001".into()]).unwrap();
         let texture = Texture::Tile(Tile::new(Pattern::random(16, 1).unwrap(), 240.0));
         let t = std::time::Instant::now();
-        let baked = bake(&BakeRequest { mesh: &mesh, materials: &materials, texture: &texture, size_px: [2048; 2], anew: false }, &mut |_| ()).unwrap();
-        eprintln!("{:?} charts {} texel {} mm, {:?}", baked.anew, baked.charts, baked.texel_mm, t.elapsed());
+        let baked = bake(&BakeRequest { mesh: &mesh, materials: &materials, texture: &texture, size_px: [2048; 2], unwrap: false }, &mut |_| ()).unwrap();
+        eprintln!("{:?} charts {} texel {} mm, {:?}", baked.unwrapped, baked.charts, baked.texel_mm, t.elapsed());
         baked.image.save("/var/tmp/wt/R-sky.png").unwrap();
         let mut wrong = 0;
         for face in &baked.faces {

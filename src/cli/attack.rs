@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::{CommandResult, Outcome, detectors, progress, score};
+pub(super) use render::{azimuths, size};
 use crate::frames::FrameSet;
 
 /// From frames of a painted model to a pattern that detectors do not see it in

@@ -69,6 +69,10 @@ const GROUPS: [(&str, &[(&str, &str)]); 6] = [
         &[
             ("attack", "Make patterns that detectors do not see a model in"),
             (
+                "texture",
+                "Take patterns and textures to simulators; preview them on the model",
+            ),
+            (
                 "chart",
                 "Compare the methods of this program on photos whose truth is known",
             ),
@@ -78,7 +82,7 @@ const GROUPS: [(&str, &[(&str, &str)]); 6] = [
 ];
 
 /// Commands and lines to try.
-const EXAMPLES: [(&str, &[&str]); 27] = [
+const EXAMPLES: [(&str, &[&str]); 29] = [
     (
         "pattern random",
         &["scaleproof pattern random --cells 16 --seed 1 -o P.png"],
@@ -180,6 +184,14 @@ const EXAMPLES: [(&str, &[&str]); 27] = [
             "scaleproof attack demo",
             "scaleproof attack run frames --detector yolox_nano --tile-mm 240 -o pattern",
         ],
+    ),
+    (
+        "texture bake",
+        &["scaleproof texture bake --mesh car.glb --length-mm 455 --pattern P.png --tile-mm 240 -o texture.png"],
+    ),
+    (
+        "texture show",
+        &["scaleproof texture show --mesh car.obj --length-mm 490 --texture car.obj -o views.png"],
     ),
     (
         "chart locate",

@@ -6,6 +6,8 @@ use nalgebra::{Point3, Vector3};
 use super::Pinhole;
 use super::photos::raster::Raster;
 use crate::geometry::Rigid;
+use crate::scene::Viewpoint;
+use crate::simulate::looking_at;
 use crate::mesh::{Mesh, doubled_area};
 use crate::pattern::light;
 use crate::texture::{SurfacePoint, Texture};
@@ -17,6 +19,20 @@ const AMBIENT: f64 = 0.4;
 /// From the surface to the lamp: to the right, down and along the camera's axis.
 const LAMP: [f64; 3] = [-0.4, -0.7, -0.6];
 
+/// Horizontal field of view of a view from around.
+const FIELD_OF_VIEW_DEG: f64 = 30.0;
+/// Free image around the model, as a share of it.
+const FREE: f64 = 1.05;
+
+/// Why nothing is drawn.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ShadedError {
+    #[error("the sides of a view are 16 to 4096 px, not {width} × {height}")]
+    BadSize { width: u32, height: u32 },
+    #[error("a pitch of {pitch_deg}° cannot be drawn; give -89 to 89")]
+    BadPitch { pitch_deg: f64 },
+}
+
 /// What is drawn.
 pub(crate) struct ShadedModel<'a> {
     pub mesh: &'a Mesh,
@@ -25,6 +41,33 @@ pub(crate) struct ShadedModel<'a> {
 }
 
 impl ShadedModel<'_> {
+    /// The whole model from a direction.
+    ///
+    /// # Errors
+    /// A size or direction that cannot be drawn.
+    pub(crate) fn turned(&self, azimuth_deg: f64, pitch_deg: f64, size_px: [u32; 2]) -> Result<RgbImage, ShadedError> {
+        let [width, height] = size_px;
+        if size_px.iter().any(|px| !(16..=4096).contains(px)) {
+            return Err(ShadedError::BadSize { width, height });
+        }
+        let (low, high) = self.mesh.bounds_mm();
+        let middle = nalgebra::center(&low, &high);
+        let focal_length_px = 0.5 * f64::from(width) / (0.5 * FIELD_OF_VIEW_DEG).to_radians().tan();
+        // The ball around the model fits the shorter side of the image.
+        let half_angle = (0.5 * f64::from(width.min(height)) / focal_length_px).atan();
+        let viewpoint = Viewpoint {
+            azimuth_deg,
+            pitch_deg,
+            distance_mm: FREE * 0.5 * (high - low).norm() / half_angle.sin(),
+        };
+        let pinhole = Pinhole {
+            focal_length_px,
+            centre_px: size_px.map(|px| 0.5 * (f64::from(px) - 1.0)),
+        };
+        let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&looking_at(&viewpoint, middle), &pinhole, size_px));
+        image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })
+    }
+
     /// Each pixel is the mean of its points in linear light. `None` when part of the model is not before the camera.
     pub(crate) fn draw(&self, pose: &Rigid, pinhole: &Pinhole, [width, height]: [u32; 2]) -> Option<RgbImage> {
         let fine = |px: f64| (px + 0.5) * f64::from(FACTOR) - 0.5;

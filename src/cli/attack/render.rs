@@ -176,7 +176,7 @@ pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -
     all
 }
 
-pub(super) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
+pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     let bad = |text: &String| {
         format!("azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step, as in every45")
     };
@@ -204,7 +204,7 @@ pub(super) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(all)
 }
 
-pub(super) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     match (width.parse(), height.parse()) {
         (Ok(width), Ok(height)) => Ok([width, height]),
