@@ -166,7 +166,10 @@ fn give_small_ones_a_texel(
 ) {
     for face in faces {
         let [x, y] = [0, 1].map(|axis| face.corners.iter().map(|p| p[axis] / 3.0).sum::<f64>());
-        let (x, y) = ((x.max(0.0) as usize).min(width - 1), (y.max(0.0) as usize).min(height - 1));
+        let (x, y) = (
+            (x.max(0.0) as usize).min(width - 1),
+            (y.max(0.0) as usize).min(height - 1),
+        );
         let texel = &mut texels[y * width + x];
         if texel.is_none() {
             *texel = Some(texture.colour(mesh, &face.face.at([1.0 / 3.0; 3])));

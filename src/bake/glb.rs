@@ -73,13 +73,7 @@ pub(crate) fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> 
 
 impl Parts {
     /// The faces of a material; `None` when it has none.
-    fn primitive(
-        &mut self,
-        mesh: &Mesh,
-        model: &TexturedModel,
-        skin: usize,
-        to_gltf: &Matrix3<f64>,
-    ) -> Option<Value> {
+    fn primitive(&mut self, mesh: &Mesh, model: &TexturedModel, skin: usize, to_gltf: &Matrix3<f64>) -> Option<Value> {
         let mut corners = Distinct::<5>::new();
         let mut indices = Vec::new();
         for face in model.faces.iter().filter(|face| face.skin == skin) {
@@ -93,7 +87,11 @@ impl Parts {
         if indices.is_empty() {
             return None;
         }
-        let places: Vec<Vector3<f32>> = corners.values.iter().map(|[x, y, z, ..]| Vector3::new(*x, *y, *z)).collect();
+        let places: Vec<Vector3<f32>> = corners
+            .values
+            .iter()
+            .map(|[x, y, z, ..]| Vector3::new(*x, *y, *z))
+            .collect();
         let least = places.iter().fold(places[0], |least, p| least.inf(p));
         let most = places.iter().fold(places[0], |most, p| most.sup(p));
         let flat: Vec<f32> = places.iter().flat_map(|p| [p.x, p.y, p.z]).collect();

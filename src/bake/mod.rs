@@ -9,11 +9,13 @@ mod model;
 mod obj;
 mod own;
 mod packing;
+mod triangles;
 
 pub(crate) use glb::write as write_glb;
 pub(crate) use model::TexturedModel;
 pub(crate) use obj::write as write_obj;
 pub(crate) use own::NotKept;
+pub(crate) use triangles::TriangleImage;
 
 use image::RgbImage;
 
@@ -32,7 +34,9 @@ pub(crate) enum BakeError {
     BadSize { width: u32, height: u32 },
     #[error("the mesh has no triangles of the paint's materials")]
     NoPaint,
-    #[error("the paint has {charts} pieces, which do not fit into an image of {width} × {height} px; give a larger size")]
+    #[error(
+        "the paint has {charts} pieces, which do not fit into an image of {width} × {height} px; give a larger size"
+    )]
     TooSmall { charts: usize, width: u32, height: u32 },
     #[error(transparent)]
     Unwrap(#[from] UnwrapError),
@@ -108,7 +112,7 @@ pub(crate) fn bake(request: &BakeRequest, progress: &mut dyn FnMut(f64)) -> Resu
         Ok(charts) => (charts, None),
         Err(why) => {
             let flat = flattened(mesh, request.materials, &paint, progress)?;
-            let packed = packing::into_image(&flat, size_px).ok_or(BakeError::TooSmall {
+            let packed = packing::into_image(&flat, size_px, packing::ROOM).ok_or(BakeError::TooSmall {
                 charts: flat.len(),
                 width,
                 height,
@@ -208,20 +212,48 @@ mod tests {
 
     #[test]
     fn try_skyline() {
-        let placement = MeshPlacement { length_mm: Some(455.0), ..Default::default() };
-        let mesh = Mesh::load(&std::path::Path::new("/work/shared/meshes/skyline_r32_lowpoly_ccby4.glb"), &placement).unwrap();
+        let placement = MeshPlacement {
+            length_mm: Some(455.0),
+            ..Default::default()
+        };
+        let mesh = Mesh::load(
+            &std::path::Path::new("/work/shared/meshes/skyline_r32_lowpoly_ccby4.glb"),
+            &placement,
+        )
+        .unwrap();
         let materials = mesh.materials_named(&["Material.001".into()]).unwrap();
         let texture = Texture::Tile(Tile::new(Pattern::random(16, 1).unwrap(), 240.0));
         let t = std::time::Instant::now();
-        let baked = bake(&BakeRequest { mesh: &mesh, materials: &materials, texture: &texture, size_px: [2048; 2], unwrap: false }, &mut |_| ()).unwrap();
-        eprintln!("{:?} charts {} texel {} mm, {:?}", baked.unwrapped, baked.charts, baked.texel_mm, t.elapsed());
+        let baked = bake(
+            &BakeRequest {
+                mesh: &mesh,
+                materials: &materials,
+                texture: &texture,
+                size_px: [2048; 2],
+                unwrap: false,
+            },
+            &mut |_| (),
+        )
+        .unwrap();
+        eprintln!(
+            "{:?} charts {} texel {} mm, {:?}",
+            baked.unwrapped,
+            baked.charts,
+            baked.texel_mm,
+            t.elapsed()
+        );
         baked.image.save("/var/tmp/wt/R-sky.png").unwrap();
         let mut wrong = 0;
         for face in &baked.faces {
             let p = face.at([0.3, 0.3, 0.4]);
             let uv: [f64; 2] = std::array::from_fn(|k| 0.3 * face.uv[0][k] + 0.3 * face.uv[1][k] + 0.4 * face.uv[2][k]);
-            let read = baked.image.get_pixel((uv[0] * 2048.0) as u32, ((1.0 - uv[1]) * 2048.0) as u32).0;
-            if read != texture.colour(&mesh, &p) { wrong += 1; }
+            let read = baked
+                .image
+                .get_pixel((uv[0] * 2048.0) as u32, ((1.0 - uv[1]) * 2048.0) as u32)
+                .0;
+            if read != texture.colour(&mesh, &p) {
+                wrong += 1;
+            }
         }
         eprintln!("{wrong} of {}", baked.faces.len());
     }

@@ -33,7 +33,10 @@ impl std::fmt::Display for NotKept {
             Self::NoArea => f.write_str("as the mesh's own texture coordinates give some of it no room"),
             Self::Overlap(share) => {
                 let percent = (100.0 * share).max(0.1);
-                write!(f, "as the mesh's own texture coordinates overlap (on {percent:.1} % of the image they use)")
+                write!(
+                    f,
+                    "as the mesh's own texture coordinates overlap (on {percent:.1} % of the image they use)"
+                )
             }
         }
     }

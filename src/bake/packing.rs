@@ -3,18 +3,18 @@
 
 use super::{BakedFace, FlatChart};
 
-/// Around each chart, as a share of the image's shorter side, and at least one texel.
-const ROOM: f64 = 1.0 / 512.0;
+/// Around each chart, as a share of the image's shorter side; at least one texel is free.
+pub(super) const ROOM: f64 = 1.0 / 512.0;
 /// Halvings of the interval in which the scale is looked for.
 const STEPS: usize = 7;
 /// Charts never fill so much of an image, and less than the other share is no use.
 const SHARES: (f64, f64) = (0.95, 0.02);
 
 /// The same charts with coordinates in the unit square; `None` when they do not fit.
-pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2]) -> Option<Vec<Vec<BakedFace>>> {
+pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2], room: f64) -> Option<Vec<Vec<BakedFace>>> {
     let upright: Vec<FlatChart> = charts.iter().map(|chart| upright(chart)).collect();
     let area: f64 = upright.iter().flatten().map(|face| area(&face.uv)).sum();
-    let room = (f64::from(width.min(height)) * ROOM).max(1.0);
+    let room = (f64::from(width.min(height)) * room).max(1.0);
     let scale_of = |share: f64| (share * f64::from(width) * f64::from(height) / area.max(1e-9)).sqrt();
     let (mut fits, mut too_large) = (scale_of(SHARES.1), scale_of(SHARES.0));
     let mut spots = placed(&upright, fits, room, [width, height])?;
@@ -43,7 +43,10 @@ fn upright(chart: &FlatChart) -> FlatChart {
         let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         points.iter().fold(start, |(low, high), p| {
             let p = turned(*p, turn);
-            (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
+            (
+                std::array::from_fn(|i| low[i].min(p[i])),
+                std::array::from_fn(|i| high[i].max(p[i])),
+            )
         })
     };
     let size = |turn: [f64; 2]| {
@@ -78,7 +81,11 @@ struct Profile(Vec<[f64; 2]>);
 
 impl Profile {
     fn of(chart: &FlatChart, scale: f64, room: f64) -> Self {
-        let right = chart.iter().flat_map(|face| face.uv).map(|p| p[0] * scale).fold(0.0, f64::max);
+        let right = chart
+            .iter()
+            .flat_map(|face| face.uv)
+            .map(|p| p[0] * scale)
+            .fold(0.0, f64::max);
         let columns = (right + 2.0 * room).ceil() as usize + 1;
         let mut spans = vec![[f64::INFINITY, f64::NEG_INFINITY]; columns];
         for face in chart {

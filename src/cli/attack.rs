@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 
 use super::{CommandResult, Outcome, detectors, progress, score};
-pub(super) use render::{azimuths, size};
 use crate::frames::FrameSet;
+pub(super) use render::{azimuths, size};
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]

@@ -117,7 +117,11 @@ impl PaintedArgs {
     }
 
     fn inputs(&self) -> Vec<Option<&Path>> {
-        let mut inputs = vec![self.model.mesh.as_deref(), self.model.scene.as_deref(), self.texture.file()];
+        let mut inputs = vec![
+            self.model.mesh.as_deref(),
+            self.model.scene.as_deref(),
+            self.texture.file(),
+        ];
         inputs.extend(self.places.patch.iter().map(|path| Some(path.as_path())));
         inputs
     }
@@ -202,7 +206,11 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     write_files(&files, &args.painted.inputs())?;
     if args.json {
         let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-        writeln!(out, "{}", json!({"files": names, "azimuth_deg": azimuths, "pitch_deg": args.pitch_deg}))?;
+        writeln!(
+            out,
+            "{}",
+            json!({"files": names, "azimuth_deg": azimuths, "pitch_deg": args.pitch_deg})
+        )?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "{}: {} views", args.output.display(), views.len())?;

@@ -6,10 +6,10 @@ use nalgebra::{Point3, Vector3};
 use super::Pinhole;
 use super::photos::raster::Raster;
 use crate::geometry::Rigid;
-use crate::scene::Viewpoint;
-use crate::simulate::looking_at;
 use crate::mesh::{Mesh, doubled_area};
 use crate::pattern::light;
+use crate::scene::Viewpoint;
+use crate::simulate::looking_at;
 use crate::texture::{SurfacePoint, Texture};
 
 /// Points along each side of a pixel.
@@ -80,7 +80,10 @@ impl ShadedModel<'_> {
         let colour = |x: u32, y: u32| {
             let mut sum = [0.0; 3];
             for point in 0..FACTOR * FACTOR {
-                let (x, y) = (i64::from(x * FACTOR + point % FACTOR), i64::from(y * FACTOR + point / FACTOR));
+                let (x, y) = (
+                    i64::from(x * FACTOR + point % FACTOR),
+                    i64::from(y * FACTOR + point / FACTOR),
+                );
                 let linear = match raster.at(x, y) {
                     Some(hit) => self.shaded(pose, hit.triangle, &raster.point(x, y, &hit)),
                     None => [1.0; 3],
@@ -96,7 +99,11 @@ impl ShadedModel<'_> {
         let corners = self.mesh.corners_mm(&self.mesh.triangles()[triangle]);
         let normal = pose.rotation * doubled_area(&corners).normalize();
         // Both sides of a shell are seen.
-        let normal = if normal.dot(&(pose * place).coords) > 0.0 { -normal } else { normal };
+        let normal = if normal.dot(&(pose * place).coords) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
         let lit = AMBIENT + (1.0 - AMBIENT) * normal.dot(&Vector3::from(LAMP).normalize()).max(0.0);
         let material = self.mesh.triangles()[triangle].material;
         let at = SurfacePoint {
