@@ -51,4 +51,5 @@ mod score;
 mod solvers;
 mod survey;
 mod tag_detectors;
+mod texture_bake;
 mod truth;

@@ -5,11 +5,15 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::{BakeError, FlatChart, alone, fill, packing, paint};
-use crate::mesh::{Mesh, TextureCoordinates, Wrap};
+use crate::mesh::{Mesh, TextureCoordinates, Wrap, doubled_area};
 use crate::texture::Texture;
 
-/// Sides of the image that is made of what is no image. The body of a 1:10 car gets texels of about 0.2 mm.
-const SIDE_PX: u32 = 4096;
+/// Sides of the image that is made of what is no image. The body of a 1:10 car gets texels of 0.2 mm at most.
+const SIDES_PX: [u32; 4] = [512, 1024, 2048, 4096];
+/// Texels of it along a texel of the texture.
+const FINER: f64 = 4.0;
+/// Its area by that of the triangles.
+const ROOM: f64 = 2.0;
 /// A larger image is sampled anew: renderers keep 16 bytes a texel.
 const LARGEST_PX: u32 = 8192;
 
@@ -45,11 +49,12 @@ impl TriangleImage {
             });
         }
         let alone: Vec<FlatChart> = paint.iter().map(|triangle| vec![alone(mesh, *triangle)]).collect();
-        let size_px = [SIDE_PX; 2];
+        let side_px = side_px(mesh, &paint, texture);
+        let size_px = [side_px; 2];
         let charts = packing::into_image(&alone, size_px, 0.0).ok_or(BakeError::TooSmall {
             charts: alone.len(),
-            width: SIDE_PX,
-            height: SIDE_PX,
+            width: side_px,
+            height: side_px,
         })?;
         Ok(Self {
             image: Arc::new(fill::fill(mesh, texture, &charts, size_px)),
@@ -67,6 +72,22 @@ impl TriangleImage {
         bytes.extend_from_slice(self.image.as_raw());
         bytes
     }
+}
+
+/// So that each texel of the texture has some of the image, up to the largest.
+fn side_px(mesh: &Mesh, paint: &[usize], texture: &Texture) -> u32 {
+    let texels = paint.iter().map(|triangle| {
+        let mm2 = 0.5 * doubled_area(&mesh.corners_mm(&mesh.triangles()[*triangle])).norm();
+        let texel_mm = texture.texel_mm(mesh, *triangle);
+        // A triangle takes a few with its border.
+        16.0 + texel_mm.map_or(0.0, |mm| mm2 * (FINER / mm).powi(2))
+    });
+    let side = (ROOM * texels.sum::<f64>()).sqrt();
+    let [.., largest] = SIDES_PX;
+    SIDES_PX
+        .into_iter()
+        .find(|px| f64::from(*px) >= side)
+        .unwrap_or(largest)
 }
 
 fn by_triangle(

@@ -4,7 +4,7 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
 use super::Pinhole;
-use super::photos::raster::Raster;
+use super::photos::raster::{Raster, outline};
 use crate::geometry::Rigid;
 use crate::mesh::{Mesh, doubled_area};
 use crate::pattern::light;
@@ -21,8 +21,13 @@ const LAMP: [f64; 3] = [-0.4, -0.7, -0.6];
 
 /// Horizontal field of view of a view from around.
 const FIELD_OF_VIEW_DEG: f64 = 30.0;
-/// Free image around the model, as a share of it.
-const FREE: f64 = 1.05;
+/// The share of the image's width or height that the model takes at most while it is turned.
+const FILLED: f64 = 0.94;
+/// Azimuths at which it is held against the image.
+const TURNS: u32 = 24;
+
+/// Halvings of the interval in which the distance is looked for.
+const STEPS: usize = 8;
 
 /// Why nothing is drawn.
 #[derive(Debug, thiserror::Error)]
@@ -41,7 +46,7 @@ pub(crate) struct ShadedModel<'a> {
 }
 
 impl ShadedModel<'_> {
-    /// The whole model from a direction.
+    /// The whole model from a direction, from as far away as it takes from any other at this pitch.
     ///
     /// # Errors
     /// A size or direction that cannot be drawn.
@@ -53,18 +58,45 @@ impl ShadedModel<'_> {
         let (low, high) = self.mesh.bounds_mm();
         let middle = nalgebra::center(&low, &high);
         let focal_length_px = 0.5 * f64::from(width) / (0.5 * FIELD_OF_VIEW_DEG).to_radians().tan();
-        // The ball around the model fits the shorter side of the image.
-        let half_angle = (0.5 * f64::from(width.min(height)) / focal_length_px).atan();
-        let viewpoint = Viewpoint {
-            azimuth_deg,
-            pitch_deg,
-            distance_mm: FREE * 0.5 * (high - low).norm() / half_angle.sin(),
-        };
         let pinhole = Pinhole {
             focal_length_px,
             centre_px: size_px.map(|px| 0.5 * (f64::from(px) - 1.0)),
         };
-        let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&looking_at(&viewpoint, middle), &pinhole, size_px));
+        let pose = |azimuth_deg, distance_mm| {
+            let viewpoint = Viewpoint {
+                azimuth_deg,
+                pitch_deg,
+                distance_mm,
+            };
+            looking_at(&viewpoint, middle)
+        };
+        let is_whole = |distance_mm: f64| {
+            let turns = (0..TURNS).map(|i| 360.0 * f64::from(i) / f64::from(TURNS));
+            turns
+                .map(|turn| outline(self.mesh, &pose(turn, distance_mm), &pinhole))
+                .all(|b| {
+                    b.is_some_and(|b| {
+                        let [across, down] = [(0, b.x1, b.x2), (1, b.y1, b.y2)].map(|(axis, low, high)| {
+                            let middle: f64 = pinhole.centre_px[axis];
+                            (middle - low).max(high - middle) / (0.5 * f64::from(size_px[axis]))
+                        });
+                        across.max(down) <= FILLED
+                    })
+                })
+        };
+        // The ball around the model is whole from the larger distance.
+        let radius = 0.5 * (high - low).norm();
+        let half_angle = (0.5 * FILLED * f64::from(width.min(height)) / focal_length_px).atan();
+        let (mut near, mut far) = (radius, radius / half_angle.sin());
+        for _ in 0..STEPS {
+            let distance_mm = 0.5 * (near + far);
+            if is_whole(distance_mm) {
+                far = distance_mm;
+            } else {
+                near = distance_mm;
+            }
+        }
+        let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&pose(azimuth_deg, far), &pinhole, size_px));
         image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })
     }
 
