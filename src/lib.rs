@@ -29,6 +29,8 @@
 mod ap;
 #[cfg(feature = "full")]
 mod attack;
+#[cfg(feature = "full")]
+mod bake;
 mod board;
 #[cfg(feature = "full")]
 mod calibrate;

@@ -55,5 +55,6 @@ mod solvers;
 mod survey;
 mod tag_detectors;
 mod texture;
+mod texture_bake;
 mod truth;
 mod unwrap;

@@ -25,6 +25,7 @@ use clap::Subcommand;
 
 use super::{CommandResult, Outcome, detectors, progress, score};
 use crate::frames::FrameSet;
+pub(super) use render::{azimuths, size};
 
 /// From frames of a painted model to a pattern that detectors do not see it in
 #[derive(clap::Args)]

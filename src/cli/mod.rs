@@ -39,6 +39,8 @@ mod sessions;
 #[cfg(feature = "full")]
 mod survey;
 mod texture;
+#[cfg(feature = "full")]
+mod textures;
 mod units;
 
 use std::error::Error;
@@ -71,6 +73,8 @@ enum Command {
     Print(print::Args),
     Scene(scene::Args),
     Pattern(pattern::Args),
+    #[cfg(feature = "full")]
+    Texture(textures::Args),
     Camera(camera::Args),
     Colour(colour::Args),
     #[cfg(feature = "full")]
@@ -151,6 +155,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Print(args) => print::run(args, out),
         Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
+        #[cfg(feature = "full")]
+        Command::Texture(args) => textures::run(&args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
         #[cfg(feature = "full")]

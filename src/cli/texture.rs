@@ -14,12 +14,7 @@ use crate::texture::{FaceTexels, Mapped, MappedImages, PlacedPatch, Texture, Tex
 #[derive(clap::Args)]
 pub(crate) struct TextureArgs {
     /// The pattern: a PNG with one pixel per cell
-    #[arg(
-        long,
-        value_name = "PNG",
-        required_unless_present = "texture",
-        conflicts_with = "texture"
-    )]
+    #[arg(long, value_name = "PNG", conflicts_with = "texture")]
     pub pattern: Option<PathBuf>,
     /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
     #[arg(long, value_name = "MM", requires = "pattern", allow_negative_numbers = true)]

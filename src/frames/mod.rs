@@ -23,12 +23,12 @@
 //! | `positions` | optional, 16-bit RGB: x, y, z of the paint, model frame, at the centre of each of `factor`² parts of a pixel |
 //! | `sides` | with `positions`, 8-bit grey: 0 no paint, else 1 + the index of the [`Side`] that the paint belongs to |
 //! | `T_camera_model` | 4×4, row by row, mm, OpenCV's camera frame |
-//! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}` or `"original"` |
+//! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}`, `{"texture": {"file": …}}` or `"original"` |
 //! | `light`, `place` | what lights the scene, and where it is; frames of one place are not independent |
 //! | `box_xyxy_px` | optional: the box of the whole outline, corner to corner, clipped to the image |
 //!
 //! **A flat colour** is the paint's diffuse reflectance as 8-bit sRGB: `flat_rgb` [188, 188, 188] reflects half of the light (0.5 in linear
-//! light). It is not the colour the paint has in the image. The same holds for a pattern's cells, which lie on the model as
+//! light). It is not the colour the paint has in the image. The same holds for a texture's texels and a pattern's cells, which lie on the model as
 //! [`world_aligned`](crate::pattern::world_aligned) says.
 //!
 //! Frames with the same `T_camera_model` may share masks, positions and sides. Those made of photos ([`photos`]) have the camera's
@@ -42,6 +42,7 @@ pub(crate) mod photos;
 pub(crate) mod raster;
 mod read;
 pub(crate) mod render;
+pub(crate) mod shaded;
 mod write;
 
 pub(crate) use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};
@@ -162,6 +163,8 @@ pub enum FramePaint {
     FlatRgb([u8; 3]),
     /// A world-aligned pattern.
     Pattern(PatternPaint),
+    /// An image on texture coordinates.
+    Texture(TexturePaint),
     /// Whatever the maker of the frames had on it.
     Original,
 }
@@ -174,6 +177,14 @@ pub struct PatternPaint {
     pub file: String,
     /// Width of one repeat on the model.
     pub tile_mm: f64,
+}
+
+/// A texture on the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TexturePaint {
+    /// PNG below the folder of the frames.
+    pub file: String,
 }
 
 /// The paint at one point of an image.
@@ -273,8 +284,10 @@ impl Frame {
                 .into_iter()
                 .filter_map(|(key, file)| Some((key, file.as_deref()?))),
         );
-        if let FramePaint::Pattern(pattern) = &self.paint {
-            all.push(("pattern", &pattern.file));
+        match &self.paint {
+            FramePaint::Pattern(pattern) => all.push(("pattern", &pattern.file)),
+            FramePaint::Texture(texture) => all.push(("texture", &texture.file)),
+            FramePaint::FlatRgb(_) | FramePaint::Original => {}
         }
         all
     }

@@ -96,6 +96,7 @@ pub struct Mesh {
     looks: Vec<Option<Look>>,
     /// Of each triangle; empty when the file has none.
     coordinates: Vec<Option<TextureCoordinates>>,
+    frame: placement::FileFrame,
 }
 
 /// The places of a triangle's corners in its image: u to the right, v up, the image fills the unit square.
@@ -176,6 +177,7 @@ impl Mesh {
             materials: vec!["box".to_owned()],
             looks: Vec::new(),
             coordinates: Vec::new(),
+            frame: placement::FileFrame::default(),
         }
     }
 
@@ -201,6 +203,11 @@ impl Mesh {
     /// Model frame, mm.
     pub fn corners_mm(&self, triangle: &Triangle) -> [Point3<f64>; 3] {
         triangle.corners.map(|i| self.points[i])
+    }
+
+    /// A point of the model frame, mm, in the frame and unit of the mesh's file.
+    pub(crate) fn in_file(&self, point_mm: &Point3<f64>) -> Point3<f64> {
+        self.frame.of_model(point_mm)
     }
 
     /// The names of the materials, in the file's order.
@@ -401,6 +408,7 @@ impl Soup {
                 true => self.coordinates,
                 false => Vec::new(),
             },
+            frame: placement::FileFrame::default(),
         }
     }
 }

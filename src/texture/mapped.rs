@@ -45,6 +45,13 @@ struct Map {
     wrap: [Wrap; 2],
 }
 
+/// An image and where triangles lie in it.
+pub(crate) struct OnlyImage {
+    pub image: Arc<RgbImage>,
+    pub wrap: Wrap,
+    pub coordinates: Vec<TextureCoordinates>,
+}
+
 /// A texture that was read, what it was read from besides its own file, and what there is to say about it.
 pub(crate) struct Mapped {
     pub images: MappedImages,
@@ -151,6 +158,29 @@ impl MappedImages {
             }
             Some(Place::Nowhere) | None => PAPER,
         }
+    }
+
+    /// The one image of these triangles; `None` where they have several, or a plain colour.
+    pub(crate) fn only_image(&self, triangles: &[usize]) -> Option<OnlyImage> {
+        let mut only: Option<(Arc<RgbImage>, Wrap)> = None;
+        let mut coordinates = Vec::with_capacity(triangles.len());
+        for triangle in triangles {
+            let Some(Place::In { map, at }) = self.places.get(*triangle) else {
+                return None;
+            };
+            let map = self.maps.get(*map)?;
+            let (image, wrap) = only.get_or_insert_with(|| (Arc::clone(&map.image), map.wrap[0]));
+            if !Arc::ptr_eq(image, &map.image) || map.wrap != [*wrap; 2] {
+                return None;
+            }
+            coordinates.push(*at);
+        }
+        let (image, wrap) = only?;
+        Some(OnlyImage {
+            image,
+            wrap,
+            coordinates,
+        })
     }
 
     /// The area of a triangle in its image, in texels; `None` without an image.
