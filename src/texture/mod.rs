@@ -20,7 +20,6 @@ use nalgebra::Point3;
 
 use crate::files::FileError;
 use crate::mesh::{Mesh, doubled_area};
-use crate::pattern::light;
 
 /// Why there is no texture. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
@@ -108,17 +107,6 @@ impl Texture {
                 on_top.unwrap_or_else(|| below.colour(mesh, at))
             }
         }
-    }
-
-    /// The mean of the colours at some points, as light adds them; `None` of no points.
-    pub(crate) fn mean(&self, mesh: &Mesh, points: impl Iterator<Item = SurfacePoint>) -> Option<[u8; 3]> {
-        let (mut sum, mut count) = ([0.0; 3], 0_u32);
-        for point in points {
-            let linear = light::linear_of(self.colour(mesh, &point));
-            (0..3).for_each(|c| sum[c] += linear[c]);
-            count += 1;
-        }
-        (count > 0).then(|| light::rgb_of(sum.map(|v| v / f64::from(count))))
     }
 
     /// About how long a side of a texel is on a triangle's surface, mm: how finely the texture is to be sampled there. `None` where the

@@ -245,6 +245,7 @@ fn chart(surface: &Surface, piece: Piece) -> Chart {
 
 impl Chart {
     /// How long its outline is, slits and holes included.
+    #[cfg(test)]
     pub(crate) fn outline_mm(&self) -> f64 {
         let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
         let mut sides = std::collections::BTreeMap::new();
