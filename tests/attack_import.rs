@@ -9,8 +9,6 @@ use std::process::Output;
 
 use common::{assert_refused, program, shared, stdout};
 use image::{GrayImage, RgbImage};
-use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
 use scaleproof::frames::FrameSet;
 
 /// Vehicle and camera as such scripts write them: x, y, z, pitch, yaw, roll.
@@ -57,44 +55,30 @@ fn folder() -> tempfile::TempDir {
 fn shot(width: usize, height: usize, vehicle: &[f64], camera: &[f64]) -> Vec<u8> {
     let mut bgr = [200_u8, 10, 0].repeat(width * height);
     bgr[..3].copy_from_slice(&[0, 0, 255]);
-    let mut file = std::io::Cursor::new(Vec::new());
-    let mut zip = NpzWriter::new(&mut file);
-    let shape = [height as u64, width as u64, 3];
-    let mut array = zip
-        .array("img", Default::default())
-        .unwrap()
-        .default_dtype()
-        .shape(&shape)
-        .begin_nd()
-        .unwrap();
-    array.extend(bgr).unwrap();
-    array.finish().unwrap();
-    for (name, numbers) in [("veh_trans", vehicle), ("cam_trans", camera)] {
-        let shape = [numbers.len() as u64 / 3, 3];
-        let mut array = zip
-            .array(name, Default::default())
-            .unwrap()
-            .default_dtype()
-            .shape(&shape)
-            .begin_nd()
-            .unwrap();
-        array.extend(numbers.iter().copied()).unwrap();
-        array.finish().unwrap();
-    }
-    drop(zip);
-    file.into_inner()
+    let of_bytes = header("|u1", "False", &format!("({height}, {width}, 3)"));
+    let transform = |numbers: &[f64]| {
+        let header = header("<f8", "False", &format!("({}, 3)", numbers.len() / 3));
+        npy(
+            &header,
+            &numbers.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>(),
+        )
+    };
+    archive(&[
+        ("img", npy(&of_bytes, &bgr)),
+        ("veh_trans", transform(vehicle)),
+        ("cam_trans", transform(camera)),
+    ])
 }
 
 /// An archive of arrays whose bytes are given.
 fn archive(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut file = std::io::Cursor::new(Vec::new());
-    let mut zip = NpzWriter::new(&mut file);
+    let mut zip = zip::ZipWriter::new(&mut file);
     for (name, bytes) in arrays {
-        zip.zip_writer()
-            .start_file(format!("{name}.npy"), Default::default())
-            .unwrap();
-        zip.zip_writer().write_all(bytes).unwrap();
+        zip.start_file(format!("{name}.npy"), Default::default()).unwrap();
+        zip.write_all(bytes).unwrap();
     }
+    zip.finish().unwrap();
     drop(zip);
     file.into_inner()
 }

@@ -3,8 +3,8 @@
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use npyz::npz::NpzArchive;
 use npyz::{Deserialize, NpyFile, Order};
+use zip::ZipArchive;
 
 use super::{FrameImportError, content};
 use crate::files;
@@ -17,7 +17,7 @@ const MOST_HEADER_BYTES: usize = 512;
 /// An opened `.npz` file.
 pub(super) struct Archive {
     path: PathBuf,
-    zip: NpzArchive<Cursor<Vec<u8>>>,
+    zip: ZipArchive<Cursor<Vec<u8>>>,
 }
 
 /// An array whose shape is known, and whose numbers are not yet read.
@@ -33,7 +33,7 @@ impl Archive {
         let broken = |e| content(path, format!("it is no whole archive of NumPy ({e}): save it again"));
         Ok(Self {
             path: path.to_owned(),
-            zip: NpzArchive::new(Cursor::new(bytes)).map_err(broken)?,
+            zip: ZipArchive::new(Cursor::new(bytes)).map_err(broken)?,
         })
     }
 
@@ -41,16 +41,21 @@ impl Archive {
     /// No such array, one that is damaged, of objects, or in Fortran's order.
     pub(super) fn array(&mut self, name: &str) -> Result<Array, FrameImportError> {
         let wrong = |reason: String| content(&self.path, format!("the array {name} {reason}"));
-        if !self.zip.array_names().any(|known| known == name) {
-            let names: Vec<&str> = self.zip.array_names().take(LISTED).collect();
+        let mut names: Vec<&str> = self
+            .zip
+            .file_names()
+            .filter_map(|file| file.strip_suffix(".npy"))
+            .collect();
+        if !names.contains(&name) {
+            names.sort_unstable();
+            names.truncate(LISTED);
             return Err(content(
                 &self.path,
                 format!("it has no array {name}; it has {}", names.join(", ")),
             ));
         }
         let mut bytes = Vec::new();
-        let file = npyz::npz::file_name_from_array_name(name);
-        let entry = self.zip.zip_archive().by_name(&file);
+        let entry = self.zip.by_name(&format!("{name}.npy"));
         let entry = entry.map_err(|e| wrong(format!("cannot be read ({e})")))?;
         let read = entry.take(MOST_BYTES + 1).read_to_end(&mut bytes);
         read.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?;
