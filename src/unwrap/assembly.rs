@@ -178,7 +178,7 @@ impl<'a> Assembly<'a> {
         let mut flat = patch.mean_places(&start);
         patch.relax(&mut flat, Energy::Rigid, UNFOLD.0, UNFOLD.1);
         let (_, sums) = self.stretch_sums(&patch, &flat);
-        if !(sums.excess <= HOPELESS * self.worst_excess * sums.area) {
+        if sums.excess > HOPELESS * self.worst_excess * sums.area {
             return None;
         }
         patch.relax(&mut flat, Energy::Dirichlet, steps, least_gain);

@@ -133,7 +133,7 @@ impl Patch {
                 next.iter_mut().zip(&*flat).for_each(|(n, old)| *n = 0.5 * (*n + old));
                 after = self.energy(&next, energy);
             }
-            if !(after <= now) {
+            if after.is_nan() || after > now {
                 break;
             }
             *flat = next;
@@ -234,7 +234,7 @@ impl System<'_> {
         let mut size = dot(&residual, &step);
         let enough = SOLVER.1 * dot(&self.right_side, &scaled(&self.right_side)).max(f64::MIN_POSITIVE);
         for _ in 0..SOLVER.0 {
-            if !(size > enough) {
+            if size.is_nan() || size <= enough {
                 break;
             }
             let along = self.times(&step);

@@ -167,15 +167,14 @@ fn is_line(corners: &[Point3<f64>; 3]) -> bool {
     let longest = (0..3)
         .map(|i| (corners[i] - corners[(i + 1) % 3]).norm())
         .fold(0.0, f64::max);
-    // Written so that what is not a number is a line, too.
-    !(doubled_area(corners).norm() > LEAST_HEIGHT * longest * longest)
+    doubled_area(corners).norm() <= LEAST_HEIGHT * longest * longest
 }
 
 /// The places of all corners, and which of them each corner of the mesh has. Close ones are one place.
 fn welded(mesh: &Mesh) -> (Vec<Point3<f64>>, Vec<usize>) {
     let (low, high) = mesh.bounds_mm();
     let tolerance = WELD * (high - low).amax();
-    if !(tolerance > 0.0) {
+    if tolerance <= 0.0 {
         return (mesh.points().to_vec(), (0..mesh.points().len()).collect());
     }
     let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| ((p[i] - low[i]) / tolerance).floor() as i64);
