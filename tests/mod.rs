@@ -52,4 +52,5 @@ mod solvers;
 mod survey;
 mod tag_detectors;
 mod texture_bake;
+mod texture;
 mod truth;

@@ -114,6 +114,7 @@ const ADVICE: &[advice::Advise] = &[
     model::advice,
     score::advice,
     session::advice,
+    texture::advice,
 ];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.

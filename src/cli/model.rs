@@ -90,7 +90,11 @@ impl ModelArgs {
         };
         let faces = FaceList::load(path, &mesh)?;
         if faces.repeated > 0 {
-            say!("note: {} has {} twice", path.display(), count(faces.repeated, "face"));
+            say!(
+                "note: in {}, a face is named again {}",
+                path.display(),
+                count(faces.repeated, "time")
+            );
         }
         Ok(mesh.with_paint(&faces))
     }

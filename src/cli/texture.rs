@@ -8,7 +8,7 @@ use crate::files;
 use crate::mesh::{FaceList, Mesh, MeshPlacement};
 use crate::pattern::Pattern;
 use crate::print::patch::PanelPatch;
-use crate::texture::{FaceTexels, Mapped, MappedImages, PlacedPatch, Texture, Tile, check_same_shape};
+use crate::texture::{FaceTexels, Mapped, MappedImages, PlacedPatch, Texture, TextureError, Tile, check_same_shape};
 
 /// The pattern or texture.
 #[derive(clap::Args)]
@@ -139,3 +139,15 @@ fn extension(path: &Path) -> String {
 fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
+
+/// What to do about an error of the library.
+pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        TextureError::NoCoordinates { .. } => Some(" (--material or --faces)".into()),
+        TextureError::NoImages | TextureError::Material { .. } => Some("; --texture takes another image".into()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,7 @@ use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Glb, Node, Primitive, Semantic};
 use nalgebra::{Matrix4, Point3};
 
-use super::gltf_look::{Placing, look, placing};
+use super::gltf_look::{Placing, looks, placing};
 use super::image::Look;
 use super::{Soup, Trouble, corner};
 
@@ -23,10 +23,9 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
         .ok_or_else(|| Trouble::damaged("its data are in other files; save everything in one .glb"))?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let roots = scene.ok_or_else(|| Trouble::damaged("it has no scene"))?;
-    let materials = document.materials();
     let file = File {
         blob,
-        looks: materials.map(|m| look(&m, &document, blob, &soup.folder)).collect(),
+        looks: looks(&document, blob, &soup.folder),
     };
     let mut budget = 100_000;
     for root in roots.nodes() {

@@ -12,15 +12,22 @@ use percent_encoding::percent_decode_str;
 
 use super::image::{ImageSource, Look, Wrap};
 
+/// Of each material.
+pub(super) fn looks(document: &Document, blob: &[u8], folder: &Path) -> Vec<Look> {
+    let images = sources(document, blob, folder);
+    document.materials().map(|material| look(&material, &images)).collect()
+}
+
 /// The base colour: an image times a factor, or the factor alone (glTF 2.0, section 3.9.2).
-pub(super) fn look(material: &Material, document: &Document, blob: &[u8], folder: &Path) -> Look {
+fn look(material: &Material, images: &[ImageSource]) -> Look {
     let base = material.pbr_metallic_roughness();
     let texture = base.base_color_texture().map(|info| info.texture());
     let [r, g, b, alpha] = base.base_color_factor().map(f64::from);
     let alpha = (material.alpha_mode() != AlphaMode::Opaque).then_some(alpha);
-    let image = texture
-        .as_ref()
-        .map(|texture| source(texture.source().index(), document, blob, folder));
+    let image = texture.as_ref().map(|texture| {
+        let source = images.get(texture.source().index()).cloned();
+        source.unwrap_or_else(|| refused("is not in the file"))
+    });
     let sampler = texture.map(|texture| texture.sampler());
     Look {
         image: match alpha.is_some_and(|alpha| alpha <= 0.0) {
@@ -43,28 +50,33 @@ fn wrap(mode: WrappingMode) -> Wrap {
     }
 }
 
-/// The gltf crate's own reader of images trusts that embedded ones name their type.
-fn source(image: usize, document: &Document, blob: &[u8], folder: &Path) -> ImageSource {
-    let refused = |reason: &str| ImageSource::Refused(format!("its image {reason}"));
-    let Some(image) = document.as_json().images.get(image) else {
-        return refused("is not in the file");
+fn refused(reason: &str) -> ImageSource {
+    ImageSource::Refused(format!("its image {reason}"))
+}
+
+/// Of each image. The gltf crate's own reader trusts that embedded ones name their type.
+fn sources(document: &Document, blob: &[u8], folder: &Path) -> Vec<ImageSource> {
+    let images = &document.as_json().images;
+    let blob: Arc<[u8]> = if images.is_empty() { [].into() } else { blob.into() };
+    let inside = |view: usize| {
+        let view = document.views().nth(view)?;
+        let range = view.offset()..view.offset().checked_add(view.length())?;
+        blob.get(range.clone())?;
+        Some(ImageSource::Inside(Arc::clone(&blob), range))
     };
-    match (&image.buffer_view, &image.uri) {
-        (Some(view), _) => {
-            let view = document.views().nth(view.value());
-            let bytes = view.and_then(|view| blob.get(view.offset()..view.offset().checked_add(view.length())?));
-            bytes.map_or_else(|| refused("ends too early"), |bytes| ImageSource::Inside(bytes.into()))
-        }
+    let source = |image: &gltf::json::Image| match (&image.buffer_view, &image.uri) {
+        (Some(view), _) => inside(view.value()).unwrap_or_else(|| refused("ends too early")),
         (None, Some(uri)) if uri.starts_with("data:") => {
             let bytes = uri.split_once(";base64,").map(|(_, text)| STANDARD.decode(text));
             match bytes {
-                Some(Ok(bytes)) => ImageSource::Inside(Arc::from(bytes)),
+                Some(Ok(bytes)) => ImageSource::Inside(bytes.as_slice().into(), 0..bytes.len()),
                 _ => refused("is a data URI that is no base64"),
             }
         }
         (None, Some(uri)) => ImageSource::beside(folder, &percent_decode_str(uri).decode_utf8_lossy()),
         (None, None) => refused("is named nowhere"),
-    }
+    };
+    images.iter().map(source).collect()
 }
 
 /// Which set of coordinates a material takes, and where they lie in its image.

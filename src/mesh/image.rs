@@ -1,5 +1,6 @@
 //! Where the image of a material is, and how coordinates lie in it. Nothing is read or decoded here: most commands need no image.
 
+use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -32,8 +33,8 @@ impl Look {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum ImageSource {
     File(PathBuf),
-    /// Within the mesh's file.
-    Inside(Arc<[u8]>),
+    /// Within the mesh's file: some of its bytes. Many materials share them.
+    Inside(Arc<[u8]>, Range<usize>),
     /// Why there is none, as a clause.
     Refused(String),
 }

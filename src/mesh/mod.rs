@@ -336,6 +336,8 @@ struct Soup {
     materials: Vec<String>,
     /// Of each material.
     looks: Vec<Option<Look>>,
+    /// The materials of each name.
+    named: HashMap<String, Vec<usize>>,
     /// Of each triangle.
     coordinates: Vec<Option<TextureCoordinates>>,
     /// The index of each place met so far, by the bits of its coordinates.
@@ -347,9 +349,10 @@ type Corner = (Point3<f64>, Option<[f64; 2]>);
 
 impl Soup {
     fn material(&mut self, name: &str, look: Option<Look>) -> usize {
-        let mut known = self.materials.iter().zip(&self.looks);
-        let index = known.position(|(m, l)| m == name && *l == look);
-        index.unwrap_or_else(|| {
+        let named = self.named.entry(name.to_owned()).or_default();
+        let known = named.iter().find(|material| self.looks[**material] == look);
+        known.copied().unwrap_or_else(|| {
+            named.push(self.materials.len());
             self.materials.push(name.to_owned());
             self.looks.push(look);
             self.materials.len() - 1

@@ -122,7 +122,7 @@ fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
 /// What the libraries say.
 struct Library {
     maps: HashMap<String, Map>,
-    /// The first that cannot be read.
+    /// The first line of which one cannot be read.
     unread: Option<String>,
 }
 
@@ -133,16 +133,18 @@ impl Library {
             maps: HashMap::new(),
             unread: None,
         };
-        for name in lines.iter().flat_map(|line| names(line, soup)) {
-            let read = match ImageSource::beside(&soup.folder, name) {
-                ImageSource::File(path) => files::read_at_most(&path, MOST_LIBRARY_BYTES).ok(),
-                _ => None,
-            };
-            match read {
-                Some(bytes) => library
-                    .maps
-                    .extend(mtl::maps(&String::from_utf8_lossy(&bytes), &soup.folder)),
-                None => _ = library.unread.get_or_insert_with(|| name.to_owned()),
+        for line in lines {
+            for name in names(line, soup) {
+                let read = match ImageSource::beside(&soup.folder, name) {
+                    ImageSource::File(path) => files::read_at_most(&path, MOST_LIBRARY_BYTES).ok(),
+                    _ => None,
+                };
+                match read {
+                    Some(bytes) => library
+                        .maps
+                        .extend(mtl::maps(&String::from_utf8_lossy(&bytes), &soup.folder)),
+                    None => _ = library.unread.get_or_insert_with(|| (*line).to_owned()),
+                }
             }
         }
         library

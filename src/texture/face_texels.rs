@@ -36,7 +36,7 @@ impl FaceTexels {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         match Self::parse(&bytes, mesh.triangles().len()) {
             Ok(texels) => Ok((texels, files::sha256_hex(&bytes))),
-            Err(reason) => Err(TextureError::Array {
+            Err(reason) => Err(TextureError::Unusable {
                 path: path.to_owned(),
                 reason,
             }),

@@ -18,6 +18,8 @@ use crate::spelling::count;
 const MAX_COORDINATE: f64 = 1e6;
 /// So far a point is drawn to the middle of its triangle, that no border of a texel decides by rounding whether the texel beside it is taken.
 const INWARD: f64 = 1e-9;
+/// All images of a mesh, as files and decoded. One of the largest that are decoded fits.
+const MOST_BYTES: usize = 2 << 30;
 /// Where a file gives no image, no coordinates and no colour.
 const PAPER: [u8; 3] = [255; 3];
 
@@ -68,7 +70,10 @@ impl MappedImages {
     /// An image that cannot be used, painted triangles without coordinates.
     pub(crate) fn of_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        let opened = open(&bytes, Some(1.0)).map_err(|reason| TextureError::image(path, reason))?;
+        let opened = open(&bytes, Some(1.0)).map_err(|reason| TextureError::Unusable {
+            path: path.to_owned(),
+            reason,
+        })?;
         let wraps = |look: Option<&Look>| look.map_or([Wrap::Repeat; 2], |look| look.wrap);
         let image = Arc::new(opened.pixels);
         let materials = 0..mesh.materials().len();
@@ -215,7 +220,9 @@ enum Skin {
 #[derive(Default)]
 struct Collected {
     maps: Vec<Map>,
-    decoded: HashMap<String, Arc<RgbImage>>,
+    decoded: HashMap<(String, String), Arc<RgbImage>>,
+    /// Bytes of all that was read and decoded.
+    held: usize,
     sha256: Vec<String>,
     files: Vec<PathBuf>,
     notes: Vec<String>,
@@ -231,32 +238,53 @@ impl Collected {
         let Some(source) = &look.image else {
             return Ok(Skin::Plain(light::rgb_of(look.factor)));
         };
-        let (name, bytes) = match source {
+        let name = match source {
             ImageSource::Refused(reason) => return Err(unusable(reason.clone())),
-            ImageSource::Inside(bytes) => (format!("the image of material '{material}'"), bytes.to_vec()),
-            ImageSource::File(path) => {
-                let bytes = files::read_at_most(path, Budget::FILE.bytes).map_err(|e| unusable(e.to_string()))?;
-                self.files.push(path.clone());
-                (path.display().to_string(), bytes)
-            }
+            ImageSource::Inside(..) => format!("the image of material '{material}'"),
+            ImageSource::File(path) => path.display().to_string(),
         };
-        let sha256 = files::sha256_hex(&bytes);
-        let key = format!("{sha256} {:?} {:?}", look.factor, look.alpha);
+        let key = (key_of(source), format!("{:?} {:?}", look.factor, look.alpha));
         let image = match self.decoded.get(&key) {
             Some(image) => Arc::clone(image),
             None => {
-                let Opened { mut pixels, notes } =
-                    open(&bytes, look.alpha).map_err(|reason| unusable(format!("{name}: {reason}")))?;
-                multiply(&mut pixels, look.factor);
-                self.notes.extend(sentences(&name, notes));
-                let image = Arc::new(pixels);
+                let image = self.decode(&name, source, look).map_err(unusable)?;
                 self.decoded.insert(key, Arc::clone(&image));
-                self.sha256.push(sha256);
                 image
             }
         };
         self.maps.push(Map { image, wrap: look.wrap });
         Ok(Skin::Image(self.maps.len() - 1))
+    }
+
+    fn decode(&mut self, name: &str, source: &ImageSource, look: &Look) -> Result<Arc<RgbImage>, String> {
+        let read;
+        let bytes = match source {
+            ImageSource::Inside(blob, range) => blob.get(range.clone()).unwrap_or_default(),
+            ImageSource::File(path) => {
+                read = files::read_at_most(path, Budget::FILE.bytes).map_err(|e| e.to_string())?;
+                self.files.push(path.clone());
+                &read
+            }
+            ImageSource::Refused(reason) => return Err(reason.clone()),
+        };
+        let Opened { mut pixels, notes } = open(bytes, look.alpha).map_err(|reason| format!("{name}: {reason}"))?;
+        self.held += bytes.len() + pixels.as_raw().len();
+        if self.held > MOST_BYTES {
+            return Err(format!("the mesh's images take more than {} MB", MOST_BYTES >> 20));
+        }
+        multiply(&mut pixels, look.factor);
+        self.notes.extend(sentences(name, notes));
+        self.sha256.push(files::sha256_hex(bytes));
+        Ok(Arc::new(pixels))
+    }
+}
+
+/// What tells the sources of one mesh apart.
+fn key_of(source: &ImageSource) -> String {
+    match source {
+        ImageSource::Inside(blob, range) => format!("{:p} {range:?}", Arc::as_ptr(blob)),
+        ImageSource::File(path) => path.display().to_string(),
+        ImageSource::Refused(reason) => reason.clone(),
     }
 }
 
@@ -287,13 +315,6 @@ fn check(corners: &TextureCoordinates) -> Result<(), TextureError> {
 }
 
 impl TextureError {
-    fn image(path: &Path, reason: String) -> Self {
-        Self::Image {
-            path: path.to_owned(),
-            reason,
-        }
-    }
-
     pub(super) fn coverage(missing: &usize, all: &usize) -> String {
         match missing == all {
             true => "the mesh has no texture coordinates".into(),

@@ -29,9 +29,7 @@ pub(crate) enum TextureError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("the texture {path} cannot be used: {reason}", path = path.display())]
-    Image { path: PathBuf, reason: String },
-    #[error("the texture {path} cannot be used: {reason}", path = path.display())]
-    Array { path: PathBuf, reason: String },
+    Unusable { path: PathBuf, reason: String },
     #[error("the mesh's material '{material}' cannot be painted: {reason}")]
     Material { material: String, reason: String },
     #[error("no material of the mesh's paint has an image; give an image, or a mesh with images")]
