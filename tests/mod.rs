@@ -54,3 +54,4 @@ mod tag_detectors;
 mod texture_bake;
 mod texture;
 mod truth;
+mod unwrap;

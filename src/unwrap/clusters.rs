@@ -1,8 +1,7 @@
-//! First clusters: faces beside each other whose normals are almost those of the first.
+//! First clusters: faces beside each other whose normals are almost those of the first, and which no crease parts.
 
 use nalgebra::{Point3, Vector3};
 
-use super::UnwrapRequest;
 use super::surface::Surface;
 use super::topology::Topology;
 use crate::mesh::doubled_area;
@@ -11,15 +10,17 @@ use crate::mesh::doubled_area;
 const CONE_DEG: f64 = 11.0;
 
 /// Every face is in one.
-pub(super) fn grow(surface: &Surface, topology: &Topology, request: &UnwrapRequest) -> Vec<Vec<usize>> {
+pub(super) fn grow(surface: &Surface, topology: &Topology, fits_mm: Option<[f64; 2]>) -> Vec<Vec<usize>> {
     let normals: Vec<Vector3<f64>> = (0..surface.faces.len())
         .map(|f| doubled_area(&surface.corners(f)).normalize())
         .collect();
     let least = CONE_DEG.to_radians().cos();
     // In whatever way such a piece is turned, it fits.
-    let widest = request.fits_mm.map_or(f64::INFINITY, |[a, b]| 0.5 * a.min(b));
+    let widest = fits_mm.map_or(f64::INFINITY, |[a, b]| 0.5 * a.min(b));
     let (mut is_taken, mut clusters) = (vec![false; normals.len()], Vec::new());
-    for seed in 0..normals.len() {
+    let mut seeds: Vec<usize> = (0..normals.len()).collect();
+    seeds.sort_by(|a, b| surface.area(*b).total_cmp(&surface.area(*a)));
+    for seed in seeds {
         if is_taken[seed] {
             continue;
         }
@@ -28,7 +29,7 @@ pub(super) fn grow(surface: &Surface, topology: &Topology, request: &UnwrapReque
         let centre = surface.corners(seed)[0];
         while let Some(face) = cluster.get(next).copied() {
             next += 1;
-            for neighbour in topology.across[face].into_iter().flatten() {
+            for (neighbour, _) in topology.across[face].into_iter().flatten() {
                 let near = |p: &Point3<f64>| (p - centre).norm() <= widest;
                 if !is_taken[neighbour]
                     && normals[neighbour].dot(&normals[seed]) >= least

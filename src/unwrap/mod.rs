@@ -1,19 +1,36 @@
 //! Cuts the paint of a mesh into few pieces of bounded stretch and flattens each one.
 //!
-//! The steps in order, one file each: the [`surface`] (corners welded, large triangles subdivided), what of it is [`visibility`] from outside,
-//! its [`topology`], first [`clusters`] that are almost flat, and pieces made of them.
+//! The steps in order, one file each: the paint as a [`surface`] (corners welded, large triangles subdivided); what of it is visible
+//! ([`visibility`]); which faces lie beside each other ([`topology`]); almost flat [`clusters`]; and gluing them ([`merge`]) as long as the union,
+//! laid flat ([`patch`]), keeps its stretch, does not overlap and fits the paper ([`assembly`]). Gluing is cheapest first, so seams stay where
+//! they are needed: along creases and where the surface ends.
 
+mod assembly;
+mod borders;
 mod clusters;
+mod merge;
+mod neighbours;
+mod outline;
+mod patch;
 mod stretch;
 mod surface;
 mod topology;
+mod visibility;
 
 use nalgebra::Point3;
+
+use assembly::{Assembly, Piece};
+use neighbours::neighbours;
+use surface::{Face, Surface};
+use topology::Topology;
 
 use crate::mesh::Mesh;
 
 /// More triangles than this take minutes.
 pub(crate) const MAX_TRIANGLES: usize = 200_000;
+
+/// What can be asked for. No surface is flat to the last digit.
+const STRETCH: std::ops::RangeInclusive<f64> = 1.001..=2.0;
 
 /// What pieces are asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +128,7 @@ pub(crate) enum UnwrapError {
         "the paint takes {needed} pieces of this size and stretch, and {most} are allowed; allow more pieces, more stretch or larger paper"
     )]
     TooFewPieces { most: usize, needed: usize },
-    #[error("a stretch of {value} cannot be kept; 1.001 and more can")]
+    #[error("a stretch of {value} cannot be asked for; {} to {} can", STRETCH.start(), STRETCH.end())]
     BadStretch { value: f64 },
     #[error("pieces of {} × {} mm are too small for this model", size_mm[0], size_mm[1])]
     BadSize { size_mm: [f64; 2] },
@@ -128,17 +145,36 @@ pub(crate) fn unwrap(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Unwrapped, UnwrapError> {
     check(request)?;
-    let surface = surface::Surface::of(mesh, materials, request.fits_mm)?;
-    let topology = topology::Topology::of(&surface);
-    let clusters = clusters::grow(&surface, &topology, request);
-    let charts: Vec<Chart> = clusters.iter().map(|faces| flat_chart(&surface, faces)).collect();
+    let mut surface = Surface::of(mesh, materials, request.fits_mm)?;
+    let mut left_out = Vec::new();
+    let mut seen = visibility::seen(mesh, &surface);
+    if !request.hidden_too {
+        let is_visible = visibility::visible(&seen, &neighbours(&surface, |_, _| true));
+        left_out.extend(surface.left_out(&unmarked(&is_visible), LeftOutReason::Hidden));
+        surface.keep(&is_visible);
+        let is_kept = seen.into_iter().zip(is_visible);
+        seen = is_kept.filter_map(|(seen, is)| is.then_some(seen)).collect();
+    }
+    let topology = Topology::of(&mut surface, &seen);
+    let mut assembly = Assembly::new(&surface, &topology, request);
+    for cluster in clusters::grow(&surface, &topology, request.fits_mm) {
+        assembly.add_cluster(&cluster);
+    }
+    let has_piece: Vec<bool> = assembly.piece_of.iter().map(Option::is_some).collect();
+    left_out.extend(surface.left_out(&unmarked(&has_piece), LeftOutReason::NoArea));
+    let pieces = merge::pieces(&assembly, progress);
     progress(1.0);
-    summary(surface, charts)
+    summary(surface, pieces, left_out, request)
+}
+
+/// The faces that are not marked.
+fn unmarked(marks: &[bool]) -> Vec<usize> {
+    (0..marks.len()).filter(|f| !marks[*f]).collect()
 }
 
 fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
     for value in [request.mean_stretch, request.stretch_99] {
-        if !(1.001..).contains(&value) {
+        if !STRETCH.contains(&value) {
             return Err(UnwrapError::BadStretch { value });
         }
     }
@@ -148,53 +184,79 @@ fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
     }
 }
 
-/// The faces seen along the first one's normal.
-fn flat_chart(surface: &surface::Surface, faces: &[usize]) -> Chart {
-    let corners = surface.corners(faces[0]);
-    let normal = crate::mesh::doubled_area(&corners).normalize();
-    let x = (corners[1] - corners[0]).normalize();
-    let y = normal.cross(&x);
-    let face = |f: &usize| {
-        let (face, corners) = (&surface.faces[*f], surface.corners(*f));
-        let flat = corners.map(|p| nalgebra::Vector2::new(p.coords.dot(&x), p.coords.dot(&y)));
-        FlatFace {
-            triangle: face.triangle,
-            weights: face.weights,
-            corners: face.corners,
-            flat_mm: flat.map(Into::into),
-            stretch: stretch::stretch(stretch::singular_values(&stretch::laid(&corners), &flat)),
-        }
-    };
-    Chart {
-        faces: faces.iter().map(face).collect(),
-        surface_mm2: faces.iter().map(|f| surface.area(*f)).sum(),
-    }
-}
-
-fn summary(surface: surface::Surface, mut charts: Vec<Chart>) -> Result<Unwrapped, UnwrapError> {
-    charts.sort_by(|a, b| b.surface_mm2.total_cmp(&a.surface_mm2));
-    let mut left_out = Vec::new();
-    if !surface.no_area.is_empty() {
-        left_out.push(LeftOut {
-            triangles: surface.no_area.clone(),
-            surface_mm2: 0.0,
-            reason: LeftOutReason::NoArea,
-        });
-    }
-    let area = |f: &FlatFace| 0.5 * crate::mesh::doubled_area(&f.corners.map(|c| surface.points[c])).norm();
-    let faces = charts.iter().flat_map(|c| &c.faces);
-    let values: Vec<(f64, f64)> = faces.map(|f| (f.stretch, area(f))).collect();
-    let visible_mm2: f64 = values.iter().map(|(_, area)| area).sum();
-    if values.is_empty() {
+/// The pieces largest first, without those that may be left out, and what they keep.
+fn summary(
+    surface: Surface,
+    mut pieces: Vec<Piece>,
+    mut left_out: Vec<LeftOut>,
+    request: &UnwrapRequest,
+) -> Result<Unwrapped, UnwrapError> {
+    pieces.sort_by(|a, b| b.sums.area.total_cmp(&a.sums.area).then(a.faces.cmp(&b.faces)));
+    let visible_mm2: f64 = pieces.iter().map(|p| p.sums.area).sum();
+    if pieces.is_empty() {
         return Err(UnwrapError::NoPaint);
     }
+    if let Some(most) = request.most_pieces {
+        let beyond = pieces.split_off(merge::needed(&pieces).max(most).min(pieces.len()));
+        if pieces.len() > most {
+            return Err(UnwrapError::TooFewPieces {
+                most,
+                needed: pieces.len(),
+            });
+        }
+        let faces: Vec<usize> = beyond.into_iter().flat_map(|p| p.faces).collect();
+        left_out.extend(surface.left_out(&faces, LeftOutReason::TooSmall));
+    }
+    let values = pieces.iter().flat_map(|p| p.faces.iter().zip(&p.stretch));
+    let values: Vec<(f64, f64)> = values.map(|(f, stretch)| (*stretch, surface.area(*f))).collect();
+    let covered: f64 = values.iter().map(|(_, area)| area).sum();
     Ok(Unwrapped {
-        mean_stretch: values.iter().map(|(s, area)| s * area).sum::<f64>() / visible_mm2,
+        charts: pieces.into_iter().map(|p| chart(&surface, p)).collect(),
+        left_out,
+        visible_mm2,
+        mean_stretch: values.iter().map(|(s, area)| s * area).sum::<f64>() / covered,
         largest_stretch: values.iter().map(|(s, _)| *s).fold(1.0, f64::max),
         stretch_99: stretch::percentile(values, 0.99),
         points_mm: surface.points,
-        charts,
-        left_out,
-        visible_mm2,
     })
+}
+
+fn chart(surface: &Surface, piece: Piece) -> Chart {
+    let parts = piece.faces.iter().zip(piece.flat).zip(piece.stretch);
+    let faces = parts.map(|((f, flat), stretch)| {
+        let Face {
+            triangle,
+            weights,
+            corners,
+        } = surface.faces[*f].clone();
+        FlatFace {
+            triangle,
+            weights,
+            corners,
+            flat_mm: flat.map(Into::into),
+            stretch,
+        }
+    });
+    Chart {
+        faces: faces.collect(),
+        surface_mm2: piece.sums.area,
+    }
+}
+
+impl Chart {
+    /// How long its outline is, slits and holes included.
+    pub(crate) fn outline_mm(&self) -> f64 {
+        let key = |p: [f64; 2]| p.map(|v| (v + 0.0).to_bits());
+        let mut sides = std::collections::BTreeMap::new();
+        for face in &self.faces {
+            for i in 0..3 {
+                let (p, q) = (face.flat_mm[i], face.flat_mm[(i + 1) % 3]);
+                let length = (p[0] - q[0]).hypot(p[1] - q[1]);
+                let ends = [key(p).min(key(q)), key(p).max(key(q))];
+                let entry = sides.entry(ends).or_insert((0, length));
+                entry.0 += 1;
+            }
+        }
+        sides.values().filter(|(n, _)| *n == 1).map(|(_, l)| l).sum()
+    }
 }

@@ -1,6 +1,6 @@
 //! The paint as faces: its corners welded, its large triangles subdivided.
 
-use std::collections::{BTreeMap, BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap};
 
 use nalgebra::Point3;
 
@@ -27,7 +27,8 @@ pub(super) struct Face {
 pub(super) struct Surface {
     pub points: Vec<Point3<f64>>,
     pub faces: Vec<Face>,
-    pub no_area: Vec<usize>,
+    /// Triangles of the mesh without area.
+    lines: Vec<usize>,
 }
 
 impl Surface {
@@ -45,11 +46,11 @@ impl Surface {
             return Err(UnwrapError::TooManyTriangles { count });
         }
         let (points, place) = welded(mesh);
-        let (mut faces, mut no_area) = (Vec::new(), Vec::new());
+        let (mut faces, mut lines) = (Vec::new(), Vec::new());
         for (triangle, t) in paint {
             let corners = t.corners.map(|c| place[c]);
             if is_line(&corners.map(|c| points[c])) {
-                no_area.push(triangle);
+                lines.push(triangle);
             } else {
                 let weights = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 faces.push(Face {
@@ -59,11 +60,20 @@ impl Surface {
                 });
             }
         }
-        let mut surface = Self { points, faces, no_area };
+        if faces.is_empty() {
+            return Err(UnwrapError::NoPaint);
+        }
+        let mut surface = Self { points, faces, lines };
         if let Some(size) = fits_mm {
             surface.subdivide(EDGE_OF_PAPER * size[0].min(size[1]), size)?;
         }
         Ok(surface)
+    }
+
+    /// Keeps these faces only.
+    pub(super) fn keep(&mut self, is_kept: &[bool]) {
+        let mut is_kept = is_kept.iter();
+        self.faces.retain(|_| is_kept.next() == Some(&true));
     }
 
     pub(super) fn corners(&self, face: usize) -> [Point3<f64>; 3] {
@@ -134,16 +144,16 @@ impl Surface {
         self.faces.push(second);
     }
 
-    /// The triangles of the mesh that these faces are parts of.
-    pub(super) fn left_out(&self, faces: &[usize], reason: LeftOutReason) -> LeftOut {
-        let mut triangles: Vec<usize> = faces.iter().map(|f| self.faces[*f].triangle).collect();
-        triangles.sort_unstable();
-        triangles.dedup();
-        LeftOut {
-            triangles,
+    /// The triangles of the mesh that these faces are parts of. Those without area have no faces, and are told with their reason.
+    pub(super) fn left_out(&self, faces: &[usize], reason: LeftOutReason) -> Option<LeftOut> {
+        let lines = (reason == LeftOutReason::NoArea).then_some(&self.lines);
+        let parts = faces.iter().map(|f| self.faces[*f].triangle);
+        let triangles: BTreeSet<usize> = parts.chain(lines.into_iter().flatten().copied()).collect();
+        (!triangles.is_empty()).then(|| LeftOut {
+            triangles: triangles.into_iter().collect(),
             surface_mm2: faces.iter().map(|f| self.area(*f)).sum(),
             reason,
-        }
+        })
     }
 }
 
@@ -157,15 +167,14 @@ fn is_line(corners: &[Point3<f64>; 3]) -> bool {
     let longest = (0..3)
         .map(|i| (corners[i] - corners[(i + 1) % 3]).norm())
         .fold(0.0, f64::max);
-    // Written so that what is not a number is a line, too.
-    !(doubled_area(corners).norm() > LEAST_HEIGHT * longest * longest)
+    doubled_area(corners).norm() <= LEAST_HEIGHT * longest * longest
 }
 
 /// The places of all corners, and which of them each corner of the mesh has. Close ones are one place.
 fn welded(mesh: &Mesh) -> (Vec<Point3<f64>>, Vec<usize>) {
     let (low, high) = mesh.bounds_mm();
     let tolerance = WELD * (high - low).amax();
-    if !(tolerance > 0.0) {
+    if tolerance <= 0.0 {
         return (mesh.points().to_vec(), (0..mesh.points().len()).collect());
     }
     let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| ((p[i] - low[i]) / tolerance).floor() as i64);
