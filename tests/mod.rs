@@ -56,5 +56,6 @@ mod survey;
 mod tag_detectors;
 mod texture;
 mod texture_bake;
+mod texture;
 mod truth;
 mod unwrap;

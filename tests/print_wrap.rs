@@ -593,7 +593,7 @@ fn the_shipped_examples_are_what_their_commands_give() {
     for (name, command) in [
         (
             "ring4_wrap_a3.pdf",
-            format!("wrap --scene {scene} --pattern {png} --tile-mm 118"),
+            format!("wrap --panels --scene {scene} --pattern {png} --tile-mm 118"),
         ),
         (
             "ring4_patch_a3.pdf",

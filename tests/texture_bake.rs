@@ -171,7 +171,8 @@ impl Bench {
     /// `texture …` in the folder.
     fn run(&self, arguments: &str) -> Output {
         let mut command = program();
-        command.current_dir(self.0.path()).arg("texture");
+        // What is said of long work is no result.
+        command.current_dir(self.0.path()).args(["--quiet", "texture"]);
         command.args(arguments.split_whitespace()).output().unwrap()
     }
 
@@ -600,16 +601,18 @@ fn the_published_camouflage_looks_as_its_authors_drew_it() {
         }
     }
     let overlap = drawn.intersection_over_union(&view);
-    for side in [1, 2, 4] {
-        let blocks = drawn.blocks(&view, side);
-        let paint = || blocks.iter().filter(|b| b.is_paint);
-        let ours: Vec<f64> = paint().map(|b| chroma(b.ours)).collect();
-        let theirs: Vec<f64> = paint().map(|b| chroma(b.theirs)).collect();
-        println!(
-            "{side} px: {} blocks, rank correlation of chroma {:.3}",
-            ours.len(),
-            correlation(&ranks(&ours), &ranks(&theirs))
-        );
-    }
-    println!("{view:?}, agreement {best:.3}, IoU {overlap:.4}");
+    // Details of the texture are smaller than a pixel of the picture.
+    let blocks = drawn.blocks(&view, 2);
+    let paint = || blocks.iter().filter(|b| b.is_paint);
+    let ours: Vec<f64> = paint().map(|b| chroma(b.ours)).collect();
+    let theirs: Vec<f64> = paint().map(|b| chroma(b.theirs)).collect();
+    let agreement = correlation(&ranks(&ours), &ranks(&theirs));
+    println!(
+        "{view:?}: IoU {overlap:.4}; rank correlation of chroma {agreement:.3} in {} blocks of the paint",
+        ours.len()
+    );
+    assert!(
+        overlap >= 0.95 && agreement >= 0.9 && ours.len() > 500,
+        "{view:?}: {overlap} {agreement}"
+    );
 }

@@ -90,11 +90,11 @@ pub(crate) struct BakeRequest<'a> {
     pub unwrap: bool,
 }
 
-/// Bakes a texture. `progress` hears the share of the unwrapping that is done.
+/// Bakes a texture.
 ///
 /// # Errors
 /// No paint, paint that cannot be unwrapped or does not fit.
-pub(crate) fn bake(request: &BakeRequest, progress: &mut dyn FnMut(f64)) -> Result<Baked, BakeError> {
+pub(crate) fn bake(request: &BakeRequest) -> Result<Baked, BakeError> {
     let BakeRequest { mesh, size_px, .. } = *request;
     let [width, height] = size_px;
     if size_px.iter().any(|px| !SIDE_PX.contains(px)) {
@@ -111,7 +111,7 @@ pub(crate) fn bake(request: &BakeRequest, progress: &mut dyn FnMut(f64)) -> Resu
     let (charts, unwrapped) = match kept {
         Ok(charts) => (charts, None),
         Err(why) => {
-            let flat = flattened(mesh, request.materials, &paint, progress)?;
+            let flat = flattened(mesh, request.materials, &paint)?;
             let packed = packing::into_image(&flat, size_px, packing::ROOM).ok_or(BakeError::TooSmall {
                 charts: flat.len(),
                 width,
@@ -168,7 +168,7 @@ fn flattened(
         hidden_too: true,
         ..UnwrapRequest::default()
     };
-    let unwrapped = unwrap::unwrap(mesh, materials, &request, progress)?;
+    let unwrapped = unwrap::unwrap(mesh, materials, &request, &mut |_| ())?;
     let face = |face: unwrap::FlatFace| BakedFace {
         triangle: face.triangle,
         weights: face.weights,
@@ -200,61 +200,5 @@ fn alone(mesh: &Mesh, triangle: usize) -> BakedFace {
         triangle,
         weights: WHOLE,
         uv: [[0.0; 2], [along.norm(), 0.0], [right, up]],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::MeshPlacement;
-    use crate::pattern::Pattern;
-    use crate::texture::Tile;
-
-    #[test]
-    fn try_skyline() {
-        let placement = MeshPlacement {
-            length_mm: Some(455.0),
-            ..Default::default()
-        };
-        let mesh = Mesh::load(
-            &std::path::Path::new("/work/shared/meshes/skyline_r32_lowpoly_ccby4.glb"),
-            &placement,
-        )
-        .unwrap();
-        let materials = mesh.materials_named(&["Material.001".into()]).unwrap();
-        let texture = Texture::Tile(Tile::new(Pattern::random(16, 1).unwrap(), 240.0));
-        let t = std::time::Instant::now();
-        let baked = bake(
-            &BakeRequest {
-                mesh: &mesh,
-                materials: &materials,
-                texture: &texture,
-                size_px: [2048; 2],
-                unwrap: false,
-            },
-            &mut |_| (),
-        )
-        .unwrap();
-        eprintln!(
-            "{:?} charts {} texel {} mm, {:?}",
-            baked.unwrapped,
-            baked.charts,
-            baked.texel_mm,
-            t.elapsed()
-        );
-        baked.image.save("/var/tmp/wt/R-sky.png").unwrap();
-        let mut wrong = 0;
-        for face in &baked.faces {
-            let p = face.at([0.3, 0.3, 0.4]);
-            let uv: [f64; 2] = std::array::from_fn(|k| 0.3 * face.uv[0][k] + 0.3 * face.uv[1][k] + 0.4 * face.uv[2][k]);
-            let read = baked
-                .image
-                .get_pixel((uv[0] * 2048.0) as u32, ((1.0 - uv[1]) * 2048.0) as u32)
-                .0;
-            if read != texture.colour(&mesh, &p) {
-                wrong += 1;
-            }
-        }
-        eprintln!("{wrong} of {}", baked.faces.len());
     }
 }

@@ -136,9 +136,9 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
         size_px: size(&args.size)?,
         unwrap: args.unwrap,
     };
-    let bar = progress::steps("baking", 100);
-    let baked = bake(&request, &mut |share| bar.set_position((100.0 * share) as u64))?;
-    bar.finish_and_clear();
+    let busy = progress::busy("baking");
+    let baked = bake(&request)?;
+    busy.finish_and_clear();
     let png = encode_rgb(&baked.image)?;
     let textured = TexturedModel::new(&model.mesh, &model.materials, &baked, &png);
     let turn = match &model.file {

@@ -1,13 +1,16 @@
 //! Glue tabs: on one side of each seam a strip of paper that goes under the other piece.
 
 use super::flat::Piece;
-use super::seams::{Seam, border};
+use super::seams::{Seam, SeamEdge, border};
+use crate::geometry::distance;
 use crate::print::wrap::{Contour, Point, Region};
 
 /// A tab that is cut back to less than this share of its length times its width does not hold.
 const LEAST_SHARE: f64 = 0.4;
 /// Shorter seams hold without a tab.
 const SHORTEST_MM: f64 = 6.0;
+/// A border that turns by more is no line to fold along.
+const BEND_DEG: f64 = 20.0;
 /// Between a tab and what else is there, for the knife.
 const GAP_MM: f64 = 0.6;
 
@@ -41,7 +44,7 @@ pub(crate) fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> A
             let piece = seam.pieces()[side];
             let strip = strip(seam, pieces, side, width_mm);
             // What runs along the border stays; what comes near another part of the piece goes.
-            let own = Region::union(along(seam, pieces, side, 2.0 * GAP_MM));
+            let own = Region::union(beside(&lines(seam, pieces, side), 2.0 * GAP_MM));
             let off = strip.without(&near[piece].without(&own)).without(&pieces[piece].region);
             off.without(&all.tabs[piece].region.grown(GAP_MM))
         };
@@ -59,51 +62,95 @@ pub(crate) fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> A
     all
 }
 
-/// The strip beside a seam, its ends slanted.
+/// The strip beside a seam: straight parts with slanted ends, so that each folds by itself.
 fn strip(seam: &Seam, pieces: &[Piece], side: usize, width_mm: f64) -> Region {
-    let slant = width_mm.min(0.3 * seam.length_mm);
-    let whole = Region::union(along(seam, pieces, side, width_mm));
-    let ends: Vec<Contour> = [0.0, 1.0]
-        .iter()
-        .filter_map(|end| wedge(seam, pieces, side, *end, width_mm, slant))
-        .collect();
-    whole.without(&Region::union(ends))
+    let lines = lines(seam, pieces, side);
+    let parts = straight_parts(&lines);
+    let strips = parts.map(|part| {
+        let slant = width_mm.min(0.3 * part.iter().map(Line::length_mm).sum::<f64>());
+        let ends = [(part.first(), 1.0), (part.last(), -1.0)];
+        let ends = ends
+            .into_iter()
+            .filter_map(|(line, sign)| Some(line?.wedge(sign, slant, width_mm)));
+        Region::union(beside(part, width_mm)).without(&Region::union(ends.collect()))
+    });
+    strips.fold(Region::default(), |all, strip| all.or(&strip))
+}
+
+/// An edge of a border, in the order of its seam.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    from: Point,
+    to: Point,
+    outward: Point,
+}
+
+impl Line {
+    fn length_mm(&self) -> f64 {
+        distance(self.from, self.to)
+    }
+
+    fn along(&self) -> Point {
+        let length = self.length_mm().max(f64::MIN_POSITIVE);
+        [0, 1].map(|axis| (self.to[axis] - self.from[axis]) / length)
+    }
+
+    fn out(p: Point, outward: Point, mm: f64) -> Point {
+        [0, 1].map(|axis| p[axis] + mm * outward[axis])
+    }
+
+    /// What the slanted end of a strip loses: at the start (1) or at the end (-1).
+    fn wedge(&self, sign: f64, slant: f64, width_mm: f64) -> Contour {
+        let end = if sign > 0.0 { self.from } else { self.to };
+        let along = self.along().map(|c| sign * c);
+        let at = |a: f64, mm: f64| Self::out(Self::out(end, along, a), self.outward, mm);
+        // A little more outwards and backwards, so that nothing of the corner stays.
+        vec![
+            at(0.0, 0.0),
+            at(1.2 * slant, 1.2 * width_mm),
+            at(-width_mm, 1.2 * width_mm),
+            at(-width_mm, 0.0),
+        ]
+    }
+}
+
+/// A seam on one of its sides.
+fn lines(seam: &Seam, pieces: &[Piece], side: usize) -> Vec<Line> {
+    let line = |edge: &SeamEdge| {
+        let border = border(pieces, edge.sides[side]);
+        let [a, b] = border.flat;
+        let (from, to) = if edge.backwards { (b, a) } else { (a, b) };
+        let outward = border.outward;
+        Line { from, to, outward }
+    };
+    seam.edges.iter().map(line).collect()
+}
+
+/// Cut where the border turns by more than paper folds along.
+fn straight_parts(lines: &[Line]) -> impl Iterator<Item = &[Line]> {
+    let goes_on = |a: &Line, b: &Line| {
+        let ([ax, ay], [bx, by]) = (a.along(), b.along());
+        ax * bx + ay * by > BEND_DEG.to_radians().cos()
+    };
+    lines.chunk_by(goes_on)
 }
 
 /// A strip of quadrilaterals, and the wedges between them at corners.
-fn along(seam: &Seam, pieces: &[Piece], side: usize, width_mm: f64) -> Vec<Contour> {
-    let out = |p: Point, n: Point| [p[0] + width_mm * n[0], p[1] + width_mm * n[1]];
+fn beside(lines: &[Line], width_mm: f64) -> Vec<Contour> {
     let mut outlines = Vec::new();
-    let mut last: Option<(Point, Point)> = None;
-    for edge in &seam.edges {
-        let border = border(pieces, edge.sides[side]);
-        let [mut a, mut b] = border.flat;
-        if edge.backwards {
-            std::mem::swap(&mut a, &mut b);
-        }
-        if let Some((corner, normal)) = last {
-            outlines.push(vec![corner, out(corner, normal), out(corner, border.outward)]);
-        }
-        outlines.push(vec![a, b, out(b, border.outward), out(a, border.outward)]);
-        last = Some((b, border.outward));
+    for line in lines {
+        let Line { from, to, outward } = *line;
+        outlines.push(vec![
+            from,
+            to,
+            Line::out(to, outward, width_mm),
+            Line::out(from, outward, width_mm),
+        ]);
+    }
+    for pair in lines.windows(2) {
+        let corner = pair[0].to;
+        let out = |line: &Line| Line::out(corner, line.outward, width_mm);
+        outlines.push(vec![corner, out(&pair[0]), out(&pair[1])]);
     }
     outlines
-}
-
-/// What the slanted end of a strip loses.
-fn wedge(seam: &Seam, pieces: &[Piece], side: usize, end: f64, width_mm: f64, slant: f64) -> Option<Contour> {
-    let place = seam.place(pieces, side, end)?;
-    let inner = seam.place(pieces, side, (end - slant / seam.length_mm).abs())?;
-    let [nx, ny] = place.outward;
-    let (dx, dy) = (inner.at[0] - place.at[0], inner.at[1] - place.at[1]);
-    let along = [ny, -nx];
-    let sign = (along[0] * dx + along[1] * dy).signum();
-    let at = |a: f64, out: f64| [0, 1].map(|k| place.at[k] + a * sign * along[k] + out * place.outward[k]);
-    // A little more outwards and backwards, so that nothing of the corner stays.
-    Some(vec![
-        at(0.0, 0.0),
-        at(1.2 * slant, 1.2 * width_mm),
-        at(-width_mm, 1.2 * width_mm),
-        at(-width_mm, 0.0),
-    ])
 }
