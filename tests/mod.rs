@@ -56,6 +56,5 @@ mod survey;
 mod tag_detectors;
 mod texture;
 mod texture_bake;
-mod texture;
 mod truth;
 mod unwrap;
