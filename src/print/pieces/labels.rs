@@ -24,7 +24,9 @@ const TICKS_MM: f64 = 40.0;
 const END_TICK_MM: f64 = 1.6;
 const TICK_MM: f64 = 0.8;
 /// Directions that a leader takes, off the one straight away from the border.
-const TURNS_DEG: [f64; 9] = [0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0];
+const TURNS_DEG: [f64; 13] = [
+    0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0, 100.0, -100.0, 120.0, -120.0,
+];
 
 /// A sign beside a piece, in the piece's plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,7 +93,9 @@ fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usi
         LETTER_MM
     };
     let steps = (seam.length_mm / 4.0).ceil().clamp(1.0, 24.0) as usize;
-    let shares: Vec<f64> = (0..steps).map(|i| (i as f64 + 0.5) / steps as f64).collect();
+    // The ends, too: of a slit only its mouth is open.
+    let inner = (0..steps).map(|i| (i as f64 + 0.5) / steps as f64);
+    let shares: Vec<f64> = [0.01].into_iter().chain(inner).chain([0.99]).collect();
     let find = |side: usize, share: f64| -> Option<(f64, Label)> {
         let place = seam.place(pieces, side, share)?;
         let label = |at| Label {
@@ -184,6 +188,7 @@ fn ticks(seam: &Seam, pieces: &[Piece], places: &mut [Places], room: &Room) {
 /// Where there is room beside one piece.
 struct Places {
     signs: Signs,
+    region: Region,
     ink: Region,
     edges: Vec<[Point; 2]>,
     buckets: Buckets,
@@ -200,6 +205,7 @@ impl Places {
         Self {
             signs: Signs::default(),
             buckets: Buckets::new(low, high, edges.iter().map(|e| bounds(e, reach))),
+            region: piece.region.clone(),
             ink: ink.clone(),
             edges,
             low,
@@ -207,20 +213,24 @@ impl Places {
         }
     }
 
-    /// A free place for a label near a place of the border, and how far from it.
+    /// A free place for a label near a place of the border, and how far from it. In a notch, its leader may cross the bleed.
     fn free(&self, border: Point, outward: Point, radius_mm: f64, room: &Room) -> Option<(f64, Point)> {
         let nearest = room.bleed_mm + radius_mm + CLEAR_MM;
         let count = (FARTHEST_MM / 0.8) as usize;
-        (0..count).map(|i| nearest + 0.8 * i as f64).find_map(|mm| {
-            TURNS_DEG.iter().find_map(|turn| {
-                let (s, c) = turn.to_radians().sin_cos();
-                let direction = [c * outward[0] - s * outward[1], s * outward[0] + c * outward[1]];
-                let at = [border[0] + mm * direction[0], border[1] + mm * direction[1]];
-                let clear = self.is_free(at, radius_mm) && self.is_open(border, at, radius_mm, room);
-                // A leader that runs straight away is easier to follow.
-                clear.then_some((mm + 0.02 * turn.abs(), at))
+        let find = |blocking: &Region| {
+            (0..count).map(|i| nearest + 0.8 * i as f64).find_map(|mm| {
+                TURNS_DEG.iter().find_map(|turn| {
+                    let (s, c) = turn.to_radians().sin_cos();
+                    let direction = [c * outward[0] - s * outward[1], s * outward[0] + c * outward[1]];
+                    let at = [border[0] + mm * direction[0], border[1] + mm * direction[1]];
+                    let clear = self.is_free(at, radius_mm) && self.is_open(border, at, radius_mm, (room, blocking));
+                    clear.then_some((mm, at))
+                })
             })
-        })
+        };
+        // What crosses its neighbours' bleed is read less easily than what is far away.
+        let crossing = || find(&self.region).map(|(mm, at)| (mm + FARTHEST_MM, at));
+        find(&self.ink).or_else(crossing)
     }
 
     /// Whether a disc is inside the room and off all ink and signs.
@@ -248,8 +258,8 @@ impl Places {
         inside && off_labels() && off_lines() && off_ink()
     }
 
-    /// Whether a leader from the border reaches a label over nothing but its own bleed.
-    fn is_open(&self, border: Point, at: Point, radius_mm: f64, room: &Room) -> bool {
+    /// Whether a leader from the border reaches a label over nothing that blocks it.
+    fn is_open(&self, border: Point, at: Point, radius_mm: f64, (room, blocking): (&Room, &Region)) -> bool {
         let length = distance(border, at);
         let along = |mm: f64| [0, 1].map(|axis| border[axis] + mm / length * (at[axis] - border[axis]));
         let from = room.bleed_mm + 2.0 * CLEAR_MM;
@@ -261,7 +271,7 @@ impl Places {
                 .labels
                 .iter()
                 .all(|l| distance(l.at, p) >= l.radius_mm + CLEAR_MM);
-            off_labels && !self.ink.contains(p)
+            off_labels && !blocking.contains(p)
         })
     }
 
