@@ -51,7 +51,7 @@ mod score;
 mod solvers;
 mod survey;
 mod tag_detectors;
-mod texture_bake;
 mod texture;
+mod texture_bake;
 mod truth;
 mod unwrap;

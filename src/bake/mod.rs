@@ -158,12 +158,7 @@ fn paint(mesh: &Mesh, materials: &[usize]) -> Vec<usize> {
 type FlatChart = Vec<BakedFace>;
 
 /// The paint in pieces. What has none, as it has no area or is there twice, is a piece of its own.
-fn flattened(
-    mesh: &Mesh,
-    materials: &[usize],
-    paint: &[usize],
-    progress: &mut dyn FnMut(f64),
-) -> Result<Vec<FlatChart>, BakeError> {
+fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<FlatChart>, BakeError> {
     let request = UnwrapRequest {
         hidden_too: true,
         ..UnwrapRequest::default()

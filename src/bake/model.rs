@@ -87,7 +87,7 @@ impl TexturedModel {
             return Skin { name, factor, image };
         };
         let bytes = match &look.image {
-            Some(ImageSource::Inside(bytes)) => Some(Arc::clone(bytes)),
+            Some(ImageSource::Inside(bytes, at)) => bytes.get(at.clone()).map(Arc::from),
             Some(ImageSource::File(path)) => files::read(path).ok().map(Arc::from),
             Some(ImageSource::Refused(_)) | None => None,
         };
