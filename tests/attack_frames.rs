@@ -323,7 +323,7 @@ fn a_render_that_cannot_be_is_refused() {
         attack(&arguments)
     };
     let flat = ["--flat", "808080"];
-    assert_refused(&render(&[]), &["at least one flat colour or pattern"]);
+    assert_refused(&render(&[]), &["at least one flat colour, pattern or texture"]);
     assert_refused(&render(&["--flat", "80808"]), &["'80808'", "six hexadecimal digits"]);
     assert_refused(&render(&["--flat", "808080", "808080"]), &["rendered twice"]);
     assert_refused(&render(&[flat[0], flat[1], "--light", "forest@400"]), &["forest@400"]);

@@ -86,8 +86,8 @@ struct ShowArgs {
     /// Width and height of each view in pixels, as in 480x360
     #[arg(long, value_name = "PX", default_value = "480x360")]
     size_px: String,
-    /// A folder for one image each view, or one .png with all of them
-    #[arg(short, long, value_name = "FOLDER|PNG")]
+    /// One .png with all views, or a folder for an image of each
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// One JSON object instead of text
     #[arg(long)]
