@@ -91,7 +91,9 @@ fn compare(
     };
     let (width, height) = written.image.dimensions();
     let size = [f64::from(width), f64::from(height)];
+    let in_texels = |uv: [f64; 2]| [0, 1].map(|axis| uv[axis] * size[axis]);
     let sides = sides_at_edges(written, paint, &to_model);
+    let mut turns = Turns::default();
     let mut sum = 0.0;
     let mut faces = Vec::new();
     for (_, corners) in written.faces.iter().filter(|(material, _)| material == paint) {
@@ -104,15 +106,16 @@ fn compare(
             let texels = [0, 1].map(|axis| (q[axis] - p[axis]) * size[axis]);
             (next - places[i]).norm() / texels[0].hypot(texels[1])
         });
-        // Edges at which the surface turns to another side.
-        let turns: [bool; 3] = std::array::from_fn(|i| sides[&edge(corners, i)].len() > 1);
-        faces.push((sum, places, uv, normal, texel_mm.fold(0.0, f64::max), turns));
+        for i in (0..3).filter(|i| sides[&edge(corners, *i)].len() > 1) {
+            turns.add([uv[i], uv[(i + 1) % 3]].map(in_texels));
+        }
+        faces.push((sum, places, uv, normal, texel_mm.fold(0.0, f64::max)));
     }
     let mut rng = Pcg32::seed_from_u64(7);
     let mut compared = Compared::default();
     while compared.right + compared.wrong < 10_000 {
         let at = sum * rng.random::<f64>();
-        let (_, places, corners, normal, texel_mm, turns) =
+        let (_, places, corners, normal, texel_mm) =
             &faces[faces.partition_point(|face| face.0 < at).min(faces.len() - 1)];
         let (a, b): (f64, f64) = (rng.random(), rng.random());
         let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
@@ -122,9 +125,7 @@ fn compare(
         let to_border = Side::of(normal)
             .project(&place)
             .map(|mm| (mm - mapped.cell_mm * (mm / mapped.cell_mm).round()).abs());
-        let is_by_a_turn =
-            (0..3).any(|i| turns[i] && texels_between(uv, corners[i], corners[(i + 1) % 3], size) < REACH);
-        if is_by_a_turn || to_border.iter().any(|mm| *mm < REACH * texel_mm) {
+        if turns.are_near(in_texels(uv)) || to_border.iter().any(|mm| *mm < REACH * texel_mm) {
             compared.near_a_border += 1;
         } else if written.pixel(uv) == mapped.colour(&place, normal) {
             compared.right += 1;
@@ -156,11 +157,38 @@ fn sides_at_edges(
     sides
 }
 
-/// From a place of an image to the line through two others.
-fn texels_between(at: [f64; 2], p: [f64; 2], q: [f64; 2], size: [f64; 2]) -> f64 {
-    let from_p = |r: [f64; 2]| [0, 1].map(|axis| (r[axis] - p[axis]) * size[axis]);
-    let (along, to) = (from_p(q), from_p(at));
-    (along[0] * to[1] - along[1] * to[0]).abs() / along[0].hypot(along[1]).max(1e-12)
+/// Edges at which the surface turns to another side, in texels: thin triangles turn within a texel, so those of others count, too.
+#[derive(Default)]
+struct Turns(HashMap<[i64; 2], Vec<[[f64; 2]; 2]>>);
+
+impl Turns {
+    /// Texels along a bucket.
+    const BUCKET: f64 = 16.0;
+
+    fn add(&mut self, ends: [[f64; 2]; 2]) {
+        let span = |axis: usize| {
+            let [a, b] = ends.map(|end| end[axis]);
+            let bucket = |at: f64| (at / Self::BUCKET).floor() as i64;
+            bucket(a.min(b) - REACH)..=bucket(a.max(b) + REACH)
+        };
+        for row in span(1) {
+            for column in span(0) {
+                self.0.entry([column, row]).or_default().push(ends);
+            }
+        }
+    }
+
+    fn are_near(&self, at: [f64; 2]) -> bool {
+        let bucket = at.map(|texels| (texels / Self::BUCKET).floor() as i64);
+        let near = |[a, b]: &[[f64; 2]; 2]| {
+            let along = [b[0] - a[0], b[1] - a[1]];
+            let to = [at[0] - a[0], at[1] - a[1]];
+            let squared = along[0].powi(2) + along[1].powi(2);
+            let share = ((along[0] * to[0] + along[1] * to[1]) / squared.max(1e-12)).clamp(0.0, 1.0);
+            (to[0] - share * along[0]).hypot(to[1] - share * along[1]) < REACH
+        };
+        self.0.get(&bucket).is_some_and(|edges| edges.iter().any(near))
+    }
 }
 
 /// The box around all that is used.

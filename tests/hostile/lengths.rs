@@ -126,7 +126,7 @@ const REQUESTS: &[(&str, &str, &[&str])] = &[
     ("pieces", "--dpi 1e6", &["dpi"]),
     ("pieces", "--max-stretch nan", &["stretch"]),
     ("pieces", "--pieces 0", &["pieces"]),
-    ("pieces", "--tabs=1e200", &["tabs"]),
+    ("pieces", "--tabs=1e200", &["glue tab cannot be 1e200 mm"]),
     ("board", "--square-mm 1e200", &["square cannot be 1e200 mm"]),
     ("board", "--square-mm 1e-300", &["square cannot be 1e-300 mm"]),
     ("board", "--squares 100000x100000", &["give 3 to 100"]),
