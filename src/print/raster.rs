@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::pattern::light;
 use crate::texture::{SurfacePoint, Texture};
 
-/// Samples along a side of a pixel: first few, then many where these differ; of fine textures more, up to the most.
+/// Samples of a pixel, as squares: first few, then many where these differ; of fine textures more, up to the most.
 const SAMPLES: [usize; 2] = [2, 6];
 const MOST_SAMPLES: usize = 12;
 /// From a border into the surface beside it, to see its colour.
@@ -197,9 +197,8 @@ impl<'a> FlatPaint<'a> {
     fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
         let samples = |count: usize, last: &mut usize| {
             let mut found = Found::default();
-            for i in 0..count * count {
-                let along = |i: usize| (i as f64 + 0.5) / count as f64;
-                let (x, y) = (corner[0] + along(i % count), corner[1] + along(i / count));
+            for [across, down] in spread(count * count) {
+                let (x, y) = (corner[0] + across, corner[1] + down);
                 if let Some(point) = self.locate(pose.back(grid.place(x, y)), last) {
                     found.add(self.texture.colour(self.mesh, &point));
                 }
@@ -283,6 +282,16 @@ impl<'a> FlatPaint<'a> {
             .flat_map(|mm| [on, left].map(|d| [foot[0] + mm * d[0], foot[1] + mm * d[1]]))
             .find_map(|q| self.locate(q, last))
     }
+}
+
+/// Places of the unit square of which no two share a row or a column (Hammersley 1960), so that the share on one side of an edge is met
+/// closely.
+fn spread(count: usize) -> impl Iterator<Item = Point> {
+    (0..count as u32).map(move |i| {
+        let half = 0.5 / count as f64;
+        let reversed = f64::from(i.reverse_bits()) / 4_294_967_296.0;
+        [f64::from(i) / count as f64 + half, (reversed + half).min(1.0 - half)]
+    })
 }
 
 /// Colours of a pixel's samples.

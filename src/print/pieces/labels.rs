@@ -10,6 +10,8 @@ use crate::print::wrap::{Point, Region};
 /// Half the room of a letter, and of two letters.
 const LETTER_MM: f64 = 1.6;
 const LETTERS_MM: f64 = 2.2;
+/// Shares of these that are tried.
+const SIZES: [f64; 2] = [1.0, 0.75];
 /// The ring around a piece's number.
 pub(crate) const NUMBER_RING_MM: f64 = 3.0;
 /// The ring and the arrow at it.
@@ -71,7 +73,8 @@ pub(crate) fn signs(
         ticks(seam, pieces, &mut places, room);
     }
     let mut unlettered_mm = 0.0;
-    for (seam, tab) in seams.iter().zip(tabs) {
+    // The shortest first: the longest find room elsewhere.
+    for (seam, tab) in seams.iter().zip(tabs).rev() {
         if !letter(seam, pieces, &mut places, *tab, room) {
             unlettered_mm += seam.length_mm;
         }
@@ -85,90 +88,98 @@ pub(crate) fn signs(
     }
 }
 
-/// Puts the letter of a seam on both of its sides, at the same place of the seam if there is one.
+/// Puts the letter of a seam on both of its sides, smaller where it is narrow; `false` if there is no room.
 fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usize, f64)>, room: &Room) -> bool {
-    let radius_mm = if seam.letter.chars().count() > 1 {
-        LETTERS_MM
-    } else {
-        LETTER_MM
+    let radius_mm = match seam.letter.chars().count() {
+        1 => LETTER_MM,
+        _ => LETTERS_MM,
     };
-    let steps = (seam.length_mm / 4.0).ceil().clamp(1.0, 24.0) as usize;
-    // The ends, too: of a slit only its mouth is open.
-    let inner = (0..steps).map(|i| (i as f64 + 0.5) / steps as f64);
-    let shares: Vec<f64> = [0.01].into_iter().chain(inner).chain([0.99]).collect();
-    let find = |side: usize, share: f64| -> Option<(f64, Label)> {
-        let place = seam.place(pieces, side, share)?;
-        let label = |at| Label {
-            text: seam.letter.clone(),
+    SIZES.iter().any(|size| {
+        let search = LetterSearch {
+            seam,
+            pieces,
+            tab,
+            room,
+            radius_mm: size * radius_mm,
+        };
+        search.together(places) || search.apart(places)
+    })
+}
+
+/// Looks for the places of a seam's letter.
+struct LetterSearch<'a> {
+    seam: &'a Seam,
+    pieces: &'a [Piece],
+    tab: Option<(usize, f64)>,
+    room: &'a Room,
+    radius_mm: f64,
+}
+
+impl LetterSearch<'_> {
+    /// Shares of the seam's length. The ends, too: of a slit only its mouth is open.
+    fn shares(&self) -> Vec<f64> {
+        let steps = (self.seam.length_mm / 4.0).ceil().clamp(1.0, 24.0) as usize;
+        let inner = (0..steps).map(|i| (i as f64 + 0.5) / steps as f64);
+        [0.01].into_iter().chain(inner).chain([0.99]).collect()
+    }
+
+    /// The letter on one side at a share of the seam, and how far it is from there.
+    fn find(&self, places: &[Places], side: usize, share: f64) -> Option<(f64, Label)> {
+        let place = self.seam.place(self.pieces, side, share)?;
+        let (away, at) = match self.tab {
+            Some((with_tab, mm)) if with_tab == side => {
+                (0.0, [0, 1].map(|axis| place.at[axis] + mm * place.outward[axis]))
+            }
+            _ => places[self.seam.pieces()[side]].free(place.at, place.outward, self.radius_mm, self.room)?,
+        };
+        let label = Label {
+            text: self.seam.letter.clone(),
             at,
-            radius_mm,
+            radius_mm: self.radius_mm,
             names: place.at,
             is_number: false,
         };
-        match tab {
-            Some((with_tab, mm)) if with_tab == side => {
-                let at = [0, 1].map(|axis| place.at[axis] + mm * place.outward[axis]);
-                Some((0.0, label(at)))
-            }
-            _ => {
-                let (away, at) = places[seam.pieces()[side]].free(place.at, place.outward, radius_mm, room)?;
-                Some((away, label(at)))
-            }
-        }
-    };
-    let off_middle = |share: f64| 0.3 * (share - 0.5).abs() * seam.length_mm;
-    let both = shares.iter().filter_map(|share| {
-        let (first, second) = (find(0, *share)?, find(1, *share)?);
-        Some((first.0 + second.0 + off_middle(*share), [first.1, second.1]))
-    });
-    // On one piece, both labels may want the same room.
-    let apart = |labels: &[Label; 2]| {
-        let [first, second] = seam.pieces();
-        first != second || distance(labels[0].at, labels[1].at) >= 2.0 * radius_mm + CLEAR_MM
-    };
-    let together = both
-        .filter(|(_, labels)| apart(labels))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((_, labels)) = together {
-        for (piece, label) in seam.pieces().into_iter().zip(labels) {
-            places[piece].signs.labels.push(label);
-        }
-        return true;
+        Some((away, label))
     }
-    let mut all = true;
-    for side in 0..2 {
-        let found = shares
-            .iter()
-            .filter_map(|share| find_one(seam, pieces, places, side, *share, radius_mm, room));
-        match found.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((_, label)) => places[seam.pieces()[side]].signs.labels.push(label),
-            None => all = false,
-        }
-    }
-    all
-}
 
-fn find_one(
-    seam: &Seam,
-    pieces: &[Piece],
-    places: &[Places],
-    side: usize,
-    share: f64,
-    radius_mm: f64,
-    room: &Room,
-) -> Option<(f64, Label)> {
-    let place = seam.place(pieces, side, share)?;
-    let (away, at) = places[seam.pieces()[side]].free(place.at, place.outward, radius_mm, room)?;
-    Some((
-        away,
-        Label {
-            text: seam.letter.clone(),
-            at,
-            radius_mm,
-            names: place.at,
-            is_number: false,
-        },
-    ))
+    /// At the same place of the seam on both sides.
+    fn together(&self, places: &mut [Places]) -> bool {
+        let [one, other] = self.seam.pieces();
+        // On one piece, both labels may want the same room.
+        let reach = 2.0 * self.radius_mm + CLEAR_MM;
+        let off_middle = |share: f64| 0.3 * (share - 0.5).abs() * self.seam.length_mm;
+        let both = self.shares().into_iter().filter_map(|share| {
+            let ((away, first), (too, second)) = (self.find(places, 0, share)?, self.find(places, 1, share)?);
+            let clear = one != other || distance(first.at, second.at) >= reach;
+            clear.then_some((away + too + off_middle(share), [first, second]))
+        });
+        let Some((_, [first, second])) = both.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return false;
+        };
+        places[one].signs.labels.push(first);
+        places[other].signs.labels.push(second);
+        true
+    }
+
+    /// Wherever there is room on each side.
+    fn apart(&self, places: &mut [Places]) -> bool {
+        let best = |places: &[Places], side: usize| {
+            let found = self
+                .shares()
+                .into_iter()
+                .filter_map(|share| self.find(places, side, share));
+            found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, label)| label)
+        };
+        let [one, other] = self.seam.pieces();
+        let Some(first) = best(places, 0) else { return false };
+        places[one].signs.labels.push(first);
+        let Some(second) = best(places, 1) else {
+            places[one].signs.labels.pop();
+            return false;
+        };
+        places[other].signs.labels.push(second);
+        true
+    }
 }
 
 /// Ticks at both ends of a seam and along it, at the same places on both sides.
