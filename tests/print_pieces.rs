@@ -107,18 +107,16 @@ impl Read {
     }
 
     /// The edges at which the surface begins to look to another side, so that other cells begin.
-    fn turns(&self) -> BTreeSet<[[i64; 3]; 2]> {
-        let mut sides = BTreeMap::<_, BTreeSet<Side>>::new();
+    fn turns(&self) -> Vec<[Point3<f64>; 2]> {
+        let mut sides = BTreeMap::<_, (_, BTreeSet<Side>)>::new();
         for corners in self.made.pieces.iter().flat_map(|piece| &piece.corners) {
             for edge in edges(corners) {
-                sides.entry(key(edge)).or_default().insert(Side::of(&normal(corners)));
+                let (_, sides) = sides.entry(key(edge)).or_insert((edge, BTreeSet::new()));
+                sides.insert(Side::of(&normal(corners)));
             }
         }
-        sides
-            .into_iter()
-            .filter(|(_, sides)| sides.len() > 1)
-            .map(|(edge, _)| edge)
-            .collect()
+        let turning = sides.into_values().filter(|(_, sides)| sides.len() > 1);
+        turning.map(|(edge, _)| edge).collect()
     }
 
     /// Which share of 10,000 points has its world-aligned colour on paper, those within 0.1 mm of a cell's border excepted.
@@ -137,11 +135,13 @@ impl Read {
                 let rest = at[axis].rem_euclid(cell_mm);
                 steepest[axis] < most && rest.min(cell_mm - rest) <= 0.1
             };
-            let at_turn = |edge: &[Point3<f64>; 2]| {
-                let along = (edge[1] - edge[0]).normalize();
-                turns.contains(&key(*edge)) && (at - edge[0]).cross(&along).norm() <= 0.1
+            // Thin triangles turn within 0.1 mm, so the edges of others count, too.
+            let at_turn = |[a, b]: &[Point3<f64>; 2]| {
+                let along = b - a;
+                let share = (along.dot(&(at - a)) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+                (at - a - share * along).norm() <= 0.1
             };
-            if (0..3).any(near) || edges(corners).iter().any(at_turn) {
+            if (0..3).any(near) || turns.iter().any(at_turn) {
                 continue;
             }
             compared += 1.0;

@@ -650,10 +650,10 @@ fn the_published_camouflage_looks_as_its_authors_drew_it() {
     let mut best = drawn.agreement(&view);
     for _ in 0..6 {
         let before = best;
-        for i in 0..steps.len() {
+        for (i, step) in steps.iter().enumerate() {
             for sign in [1.0, -1.0] {
                 let mut other = view;
-                other.0[i] += sign * steps[i];
+                other.0[i] += sign * step;
                 if i == 2 {
                     // The size in the image stays.
                     other.0[3] *= other.0[2] / view.0[2];

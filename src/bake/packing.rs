@@ -12,7 +12,7 @@ const SHARES: (f64, f64) = (0.95, 0.02);
 
 /// The same charts with coordinates in the unit square; `None` when they do not fit.
 pub(super) fn into_image(charts: &[FlatChart], [width, height]: [u32; 2], room: f64) -> Option<Vec<Vec<BakedFace>>> {
-    let upright: Vec<FlatChart> = charts.iter().map(|chart| upright(chart)).collect();
+    let upright: Vec<FlatChart> = charts.iter().map(upright).collect();
     let area: f64 = upright.iter().flatten().map(|face| area(&face.uv)).sum();
     let room = (f64::from(width.min(height)) * room).max(1.0);
     let scale_of = |share: f64| (share * f64::from(width) * f64::from(height) / area.max(1e-9)).sqrt();
