@@ -18,6 +18,7 @@ pub(crate) use own::NotKept;
 pub(crate) use triangles::TriangleImage;
 
 use image::RgbImage;
+use nalgebra::Matrix3;
 
 use crate::mesh::{Mesh, doubled_area};
 use crate::texture::{SurfacePoint, Texture};
@@ -164,10 +165,18 @@ fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<Fl
         ..UnwrapRequest::default()
     };
     let unwrapped = unwrap::unwrap(mesh, materials, &request, &mut |_| ())?;
-    let face = |face: unwrap::FlatFace| BakedFace {
-        triangle: face.triangle,
-        weights: face.weights,
-        uv: face.flat_mm,
+    let face = |face: unwrap::FlatFace| {
+        let mut baked = BakedFace {
+            triangle: face.triangle,
+            weights: face.weights,
+            uv: face.flat_mm,
+        };
+        // Pieces turn faces whose back is outside; the mesh's own order of corners says which side of a face is lit.
+        if Matrix3::from_fn(|r, c| face.weights[r][c]).determinant() < 0.0 {
+            baked.weights.swap(1, 2);
+            baked.uv.swap(1, 2);
+        }
+        baked
     };
     let mut charts: Vec<FlatChart> = unwrapped
         .charts
