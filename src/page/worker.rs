@@ -180,39 +180,34 @@ impl<'a> CaptureWorker<'a> {
                 WorkerEvent::Frame(Ok(None)) => {
                     self.source_ended = true;
                     wants_frame = None;
+                    self.publish(None);
                 }
                 WorkerEvent::Frame(Ok(Some((frame, settings)))) => {
                     self.set(settings)?;
                     self.judge(frame.into(), false)?;
+                    self.publish(None);
                     // Asked for only now, so that none waits here and grows old.
                     if let Some(more) = &wants_frame {
                         let _ = more.try_send(()); // the source takes what is asked
                     }
                 }
-                // A running camera's calibration does not fit a phone's photos.
-                WorkerEvent::Upload(_, _, reply) if self.about.is_stream => {
-                    let _ = reply.send(ActionReply::refused(
-                        StatusCode::CONFLICT,
-                        "The running camera takes the photos",
-                    ));
-                }
                 WorkerEvent::Upload(bytes, _place, reply) => {
-                    self.uploads += 1;
-                    let response = self.judge(upload::frame(self.uploads, bytes).into(), false)?;
-                    let _ = reply.send(response); // a browser that has left needs no answer, here and below
+                    let answer = self.upload(bytes)?;
+                    self.answer(reply, answer);
                 }
                 WorkerEvent::Shoot(reply) => {
                     let newest = self.newest.as_ref().map(|newest| newest.frame.clone());
-                    let response = match newest {
+                    let answer = match newest {
                         Some(frame) => self.judge(frame, true)?,
                         None => ActionReply::refused(StatusCode::CONFLICT, "There is no photo yet"),
                     };
-                    let _ = reply.send(response);
+                    self.answer(reply, answer);
                 }
                 WorkerEvent::Undo(reply) => {
                     let before = self.filled();
                     let photos = self.capture.undo()?.into_iter().collect();
-                    let _ = reply.send(self.taken_back(photos, &before)?);
+                    let answer = self.taken_back(photos, &before)?;
+                    self.answer(reply, answer);
                 }
                 WorkerEvent::Redo(sector, reply) => {
                     let before = self.filled();
@@ -220,12 +215,28 @@ impl<'a> CaptureWorker<'a> {
                         Some(bin) => self.capture.redo(self.scene, |other| other == bin)?,
                         None => Vec::new(),
                     };
-                    let _ = reply.send(self.taken_back(photos, &before)?);
+                    let answer = self.taken_back(photos, &before)?;
+                    self.answer(reply, answer);
                 }
             }
-            self.publish(None);
         }
         Ok(())
+    }
+
+    fn upload(&mut self, bytes: Vec<u8>) -> Result<ActionReply, PageError> {
+        // A running camera's calibration does not fit a phone's photos.
+        if self.about.is_stream {
+            let sentence = "The running camera takes the photos";
+            return Ok(ActionReply::refused(StatusCode::CONFLICT, sentence));
+        }
+        self.uploads += 1;
+        self.judge(upload::frame(self.uploads, bytes).into(), false)
+    }
+
+    /// Publishes first: who has the answer and asks for the state sees what the answer speaks of.
+    fn answer(&self, reply: ReplySender, answer: ActionReply) {
+        self.publish(None);
+        let _ = reply.send(answer); // a browser that has left needs no answer
     }
 
     fn set(&mut self, settings: Option<CameraSettings>) -> Result<(), PageError> {
