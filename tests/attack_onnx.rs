@@ -12,7 +12,7 @@ use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof::detect::{Detector, Manifest, Runtime};
-use scaleproof::whitebox::WhiteBox;
+use scaleproof::whitebox::{Prediction, WhiteBox};
 use scaleproof::whitebox::detector::OnnxDetector;
 use scaleproof::whitebox::onnx::OnnxNetwork;
 
@@ -30,7 +30,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), &Device::flex()).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -76,13 +76,26 @@ fn best_predictions(confidences: &[f64], count: usize) -> Vec<f64> {
     weights
 }
 
-fn loss(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], weights: &[f64]) -> f64 {
+/// Σ weight · loss of some predictions, each met again in another image by its place in the list or, in lists that are sorted by
+/// confidence, as the one that is nearest.
+fn loss(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], known: &[Prediction], weights: &[f64]) -> f64 {
     let predictions = detector.predictions(picture, size).unwrap();
-    predictions
-        .iter()
-        .zip(weights)
-        .map(|(prediction, w)| w * prediction.loss)
-        .sum()
+    let is_sorted = detector.name().starts_with("deim");
+    let again = |i: usize| match is_sorted {
+        false => &predictions[i],
+        true => predictions
+            .iter()
+            .min_by(|a, b| distance(a, &known[i]).total_cmp(&distance(b, &known[i])))
+            .unwrap(),
+    };
+    let weighted = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+    weighted.map(|(i, weight)| weight * again(i).loss).sum()
+}
+
+/// In pixels; a hundredth of confidence counts as one.
+fn distance(a: &Prediction, b: &Prediction) -> f64 {
+    let [c, d]: [[f64; 4]; 2] = [a.box_px.into(), b.box_px.into()];
+    (0..4).map(|i| (c[i] - d[i]).abs()).sum::<f64>() + 100.0 * (a.confidence - b.confidence).abs()
 }
 
 fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
@@ -93,15 +106,19 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 }
 
 /// By how much directional derivatives of the three best predictions' losses differ from central differences, relatively; the worst of some
-/// directions.
-fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> f64 {
+/// directions, and in how many the loss jumps.
+///
+/// Networks that choose queries choose others a little further on: the loss has a jump there, and the derivatives from both sides disagree.
+fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> (f64, usize) {
     let look = detector.forward(picture, size).unwrap();
-    let confidences: Vec<f64> = look.predictions().iter().map(|c| c.confidence).collect();
+    let known = look.predictions().to_vec();
+    let confidences: Vec<f64> = known.iter().map(|c| c.confidence).collect();
     let weights = best_predictions(&confidences, 3);
     let gradient = look.vjp(&weights);
     let length = dot(&gradient, &gradient).sqrt();
-    let before = loss(detector, picture, size, &weights);
-    let differences = (0..2).map(|_| {
+    let before = loss(detector, picture, size, &known, &weights);
+    let (mut worst, mut jumps) = (0.0_f64, 0);
+    for _ in 0..2 {
         // Half along the gradient, so that the derivative stands out of the noise of 32 bits, half anywhere.
         let noise: Vec<[f64; 3]> = gradient
             .iter()
@@ -113,20 +130,26 @@ fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2
             .collect();
         let expected = dot(&gradient, &direction);
         // The loss is to change little, since nets of rectifiers bend, but by more than the rounding of 32 bits.
-        let step = 0.003 * before / expected;
+        let steps = [0.003, 0.001, 0.0003].map(|share| share * before / expected);
         let moved = |by: f64| -> Vec<[f64; 3]> {
             let pixels = picture.iter().zip(&direction);
             pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
         };
-        let [up, down] = [step, -step].map(|by| loss(detector, &moved(by), size, &weights));
-        let found = (up - down) / (2.0 * step);
-        println!(
-            "{}: {expected:.5} by gradient, {found:.5} by differences",
-            detector.name()
-        );
-        (found / expected - 1.0).abs()
-    });
-    differences.fold(0.0, f64::max)
+        let slopes = steps.iter().map(|step| {
+            let [up, down] = [*step, -step].map(|by| loss(detector, &moved(by), size, &known, &weights));
+            [(up - before) / step, (before - down) / step]
+        });
+        let smooth = slopes.into_iter().find(|[up, down]| (up - down).abs() < 0.05 * (up + down).abs() / 2.0);
+        let Some([up, down]) = smooth else {
+            println!("{}: {expected:.5} by gradient, the loss jumps", detector.name());
+            jumps += 1;
+            continue;
+        };
+        let found = (up + down) / 2.0;
+        println!("{}: {expected:.5} by gradient, {found:.5} by differences", detector.name());
+        worst = worst.max((found / expected - 1.0).abs());
+    }
+    (worst, jumps)
 }
 
 #[test]
@@ -136,13 +159,15 @@ fn gradients_are_those_of_finite_differences() {
         let Some((detector, _)) = opened(name, file, &[CAR]) else {
             return;
         };
-        let photos = photos();
-        let worst = photos.iter().step_by(5).map(|path| {
+        let (mut worst, mut jumps) = (0.0_f64, 0);
+        for path in photos().iter().step_by(5) {
             let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
-            worst_derivative(&detector, &picture, size, &mut rng)
-        });
-        let worst = worst.fold(0.0, f64::max);
-        println!("{name}: directional derivatives within {:.2} %", 100.0 * worst);
+            let (of_photo, of_photo_jumps) = worst_derivative(&detector, &picture, size, &mut rng);
+            worst = worst.max(of_photo);
+            jumps += of_photo_jumps;
+        }
+        println!("{name}: directional derivatives within {:.2} %, {jumps} of 8 at jumps", 100.0 * worst);
+        assert!(jumps == 0 || name.starts_with("deim") && jumps <= 2, "{name}: {jumps}");
         assert!(worst < 0.01, "{name}: {worst}");
     }
 }
@@ -600,15 +625,91 @@ fn rearrangements() -> Vec<Small> {
     ]
 }
 
+fn choices() -> Vec<Small> {
+    use onnx::{constant, float_attribute, step, text_attribute as text, whole_attribute as whole, whole_constant};
+    let shape = [1, 2, 3, 4];
+    // The indices depend on the image: they are repeated, and used along another tensor.
+    let used = [
+        whole_constant("k", &[1], &[2]),
+        step("TopK", &["x", "k"], &["best", "where"], &[whole("axis", 2)]),
+        step("Mul", &["x", "x"], &["squares"], &[]),
+        step("GatherElements", &["squares", "where"], &["taken"], &[whole("axis", 2)]),
+        step("Add", &["best", "taken"], &["y"], &[]),
+    ];
+    let repeated = [
+        whole_constant("k", &[1], &[3]),
+        whole_constant("last", &[1], &[-1]),
+        whole_constant("flat", &[2], &[1, -1]),
+        whole_constant("times", &[3], &[1, 1, 4]),
+        whole_constant("six_by_four", &[3], &[1, 6, 4]),
+        step("ReduceMax", &["x"], &["row_bests"], &[onnx::list_attribute("axes", &[-1]), whole("keepdims", 0)]),
+        step("Reshape", &["row_bests", "flat"], &["rows"], &[]),
+        step("TopK", &["rows", "k"], &["best", "where"], &[whole("largest", 0)]),
+        step("Unsqueeze", &["where", "last"], &["column"], &[]),
+        step("Tile", &["column", "times"], &["columns"], &[]),
+        step("Reshape", &["x", "six_by_four"], &["lines"], &[]),
+        step("GatherElements", &["lines", "columns"], &["y"], &[whole("axis", 1)]),
+    ];
+    // Places from far outside to the middle, which move with the image.
+    let sampled = |name, padding: &str, align: i64| {
+        let places: Vec<f32> = (0..24).map(|i| (i * 7 % 24) as f32 / 8.0 - 1.45).collect();
+        let parts = vec![
+            constant("places", &[2, 3, 2, 2], &places),
+            whole_constant("images", &[4], &[2, 1, 3, 4]),
+            whole_constant("grid", &[4], &[2, 3, 2, 2]),
+            constant("tenth", &[], &[0.1]),
+            step("Reshape", &["x", "images"], &["seen"], &[]),
+            step("Reshape", &["x", "grid"], &["numbers"], &[]),
+            step("Mul", &["numbers", "tenth"], &["shifts"], &[]),
+            step("Add", &["places", "shifts"], &["grid_places"], &[]),
+            step(
+                "GridSample",
+                &["seen", "grid_places"],
+                &["y"],
+                &[text("mode", "bilinear"), text("padding_mode", padding), whole("align_corners", align)],
+            ),
+        ];
+        Small {
+            opset: 16,
+            ..small(name, &shape, parts)
+        }
+    };
+    let scale: Vec<f32> = (0..12).map(|i| 0.5 + i as f32 / 10.0).collect();
+    let norm = [
+        constant("scale", &[3, 4], &scale),
+        constant("shift", &[3, 4], &[0.25; 12]),
+        step(
+            "LayerNormalization",
+            &["x", "scale", "shift"],
+            &["y"],
+            &[whole("axis", 2), float_attribute("epsilon", 1e-3)],
+        ),
+    ];
+    let product = |name, parts: [Vec<u8>; 2]| small(name, &shape, parts.into());
+    let vectors = constant("v", &[4], &[0.5, -1.0, 2.0, 0.25]);
+    let rows = constant("v", &[3], &[0.5, -1.0, 2.0]);
+    vec![
+        product("MatMul, a column", [vectors, step("MatMul", &["x", "v"], &["y"], &[])]),
+        product("MatMul, a row", [rows, step("MatMul", &["v", "x"], &["y"], &[])]),
+        small("TopK and GatherElements", &shape, used.into()),
+        small("The least rows", &shape, repeated.into()),
+        sampled("GridSample, zeros", "zeros", 0),
+        sampled("GridSample, corners", "zeros", 1),
+        sampled("GridSample, border", "border", 0),
+        Small {
+            opset: 17,
+            ..small("LayerNormalization", &shape, norm.into())
+        },
+    ]
+}
+
 #[test]
 fn every_operator_answers_and_derives_as_it_should() {
     let mut count = 0;
-    for net in [activations(), arithmetic(), convolutions(), resizes(), rearrangements()]
-        .into_iter()
-        .flatten()
-    {
+    let nets = [activations(), arithmetic(), convolutions(), resizes(), rearrangements(), choices()];
+    for net in nets.into_iter().flatten() {
         let bytes = net.bytes();
-        let network = OnnxNetwork::read(&bytes, net.name, &net.shape, &Device::flex())
+        let network = OnnxNetwork::read(&bytes, net.name, &net.shape, None, &Device::flex())
             .unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
@@ -795,7 +896,8 @@ fn networks_that_end_as_the_families_do_are_followed() {
             found[0]
         );
         let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7], &Device::flex()).unwrap();
-        let worst = worst_derivative(&cars, &picture, size, &mut rng);
+        let (worst, jumps) = worst_derivative(&cars, &picture, size, &mut rng);
+        assert_eq!(jumps, 0, "{head}");
         assert!(worst < 0.01, "{head}: {worst}");
     }
 }
@@ -853,7 +955,7 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
                 }
             }
             all += 1;
-            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, &Device::flex()) {
+            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None, &Device::flex()) {
                 refused += 1;
                 let sentence = e.to_string();
                 assert!(
@@ -903,15 +1005,8 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     );
     let error = refusal(&whole, &manifest, &[2, 80]);
     assert!(error.contains("[2, 80] are not among its 80"), "{error}");
-    let deim = Manifest::named("deimv2_atto").unwrap();
-    let error = refusal(&whole, &deim, &[2]);
+    let head = ONE_BOX.rfind("kind = ").unwrap();
+    let chosen = Manifest::parse(&format!("{}kind = \"yolov10\"\n", &ONE_BOX[..head]), "chosen.toml").unwrap();
+    let error = refusal(&whole, &chosen, &[2]);
     assert!(error.contains("chooses boxes by itself"), "{error}");
-    if let Some(file) = shared("detectors/deimv2_hgnetv2_atto_coco.onnx") {
-        let error = OnnxDetector::open(&deim, &file, &[2], &Device::flex())
-            .err()
-            .unwrap()
-            .to_string();
-        println!("{error}");
-        assert!(error.contains("GridSample") && error.contains("TopK"), "{error}");
-    }
 }

@@ -36,7 +36,7 @@ fn in_64_bits() {
         };
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
-        let network = OnnxNetwork::read(&bytes, file, &shape, &device).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), &device).unwrap();
         let mut sessions = [session(&bytes), as_written(&bytes)];
         let photos = photos();
         assert_eq!(photos.len(), 20);

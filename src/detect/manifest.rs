@@ -141,6 +141,7 @@ pub enum Head {
     Nanodet { strides: Vec<u32>, nms_iou: f64 },
     Fastestdet { nms_iou: f64 },
     Deim {},
+    Yolov3 { nms_iou: f64 },
     Yolov4 { nms_iou: f64 },
     Yolov5 { nms_iou: f64 },
     Yolov8 { nms_iou: f64 },
@@ -151,6 +152,15 @@ pub enum Head {
     SsdResnet34(FirstLabel),
     Rcnn(FirstLabel),
     NanodetPlus { strides: Vec<u32>, nms_iou: f64 },
+    Efficientdet { scores: Scores, nms_iou: f64 },
+}
+
+/// What a head without its last sigmoid, or with it, answers with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scores {
+    Logits,
+    Probabilities,
 }
 
 /// How a head with numbered labels counts.
@@ -357,6 +367,8 @@ impl Head {
             Head::Yolox { nms_iou }
             | Head::Nanodet { nms_iou, .. }
             | Head::Fastestdet { nms_iou }
+            | Head::Efficientdet { nms_iou, .. }
+            | Head::Yolov3 { nms_iou }
             | Head::Yolov4 { nms_iou }
             | Head::Yolov5 { nms_iou }
             | Head::Yolov8 { nms_iou }

@@ -27,7 +27,7 @@ pub(crate) use counting::NoSuchClass;
 #[cfg(feature = "full")]
 pub(crate) use fetch::{FetchError, fetch};
 #[cfg(feature = "attack")]
-pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};
+pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors, wants_photo_size};
 #[cfg(feature = "attack")]
 pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]

@@ -6,7 +6,7 @@ use burn::tensor::Device;
 
 use super::onnx::{NetworkPass, OnnxNetwork, Output};
 use super::resample::Resampler;
-use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors};
+use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size};
 use crate::files;
 use crate::whitebox::{ForwardPass, Prediction, WhiteBox, WhiteBoxError};
 
@@ -42,10 +42,12 @@ impl OnnxDetector {
             }));
         }
         let file = weights.display().to_string();
+        // Its boxes are then in pixels of its input, as those of other heads.
+        let photo_size = wants_photo_size(&manifest.head).then_some(manifest.input.size_px);
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, device)?,
+            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, photo_size, device)?,
         };
         // A head that does not fit is refused now, not at the first image.
         let [width, height] = manifest.input.size_px;
@@ -110,13 +112,16 @@ impl OnnxDetector {
                 output: output.name.clone(),
             });
         }
-        let Anchors { anchors, exponents } = anchors(&self.manifest, &tensors, way.placement().canvas)
+        let found = anchors(&self.manifest, &tensors, way.placement().canvas)
             .map_err(|reason| WhiteBoxError::Head(reason.to_string()))?
             .ok_or(WhiteBoxError::ChosenBoxes)?;
-        let terms: Vec<Terms> = anchors
-            .iter()
-            .map(|a| self.terms(a, exponents, &answer.outputs))
-            .collect();
+        let is_sigmoid = |a: &Anchor| answer.outputs[a.output].is_logit.get(a.first_label) == Some(&true);
+        if found.are_logits && found.anchors.first().is_some_and(is_sigmoid) {
+            return Err(WhiteBoxError::Probabilities);
+        }
+        let counts = |a: &&Anchor| a.label.is_none_or(|label| self.labels.contains(&label));
+        let anchors: Vec<&Anchor> = found.anchors.iter().filter(counts).collect();
+        let terms: Vec<Terms> = anchors.iter().map(|a| self.terms(a, &found, &answer.outputs)).collect();
         let predictions = anchors.iter().zip(&terms).map(|(anchor, terms)| Prediction {
             box_px: way.placement().to_photo(anchor.b),
             confidence: terms.confidence(),
@@ -131,12 +136,18 @@ impl OnnxDetector {
     }
 
     /// What an anchor's confidence is made of: its objectness and the best of the labels that count.
-    fn terms(&self, anchor: &Anchor, [objectness, label]: [f32; 2], outputs: &[Output]) -> Terms {
-        let term = |index: usize, exponent: f32| Term::new(&outputs[anchor.output], anchor.output, index, exponent);
-        let of_labels = self
-            .labels
-            .iter()
-            .map(|l| term(anchor.first_label + l * anchor.label_step, label));
+    fn terms(&self, anchor: &Anchor, anchors: &Anchors, outputs: &[Output]) -> Terms {
+        let output = &outputs[anchor.output];
+        let [objectness, label] = anchors.exponents;
+        let term = |index: usize, exponent: f32| Term::new((output, anchor.output), index, exponent, anchors.are_logits);
+        let scores = match anchor.label {
+            Some(_) => vec![anchor.first_label],
+            None => {
+                let columns = self.labels.iter().filter_map(|label| label.checked_sub(anchors.first_scored));
+                columns.map(|column| anchor.first_label + column * anchor.label_step).collect()
+            }
+        };
+        let of_labels = scores.into_iter().map(|index| term(index, label));
         let best = of_labels.max_by(|a, b| a.ln.total_cmp(&b.ln));
         Terms(
             anchor
@@ -154,7 +165,10 @@ fn tensor(output: &Output) -> Tensor {
     Tensor {
         name: output.name.clone(),
         shape: output.shape.clone(),
-        data: Data::F32(output.values()),
+        data: match output.is_whole {
+            true => Data::I64(output.raw.iter().map(|v| *v as i64).collect()),
+            false => Data::F32(output.values()),
+        },
     }
 }
 
@@ -174,9 +188,9 @@ struct Term {
 const FINEST: f64 = 1.0 / (1 << 24) as f64;
 
 impl Term {
-    fn new(from: &Output, output: usize, index: usize, exponent: f32) -> Term {
+    fn new((from, output): (&Output, usize), index: usize, exponent: f32, are_logits: bool) -> Term {
         let (x, exponent) = (f64::from(from.raw[index]), f64::from(exponent));
-        let (ln, derivative) = if from.is_logit[index] {
+        let (ln, derivative) = if are_logits || from.is_logit[index] {
             // ln σ(z) = −ln(1 + e^−z), whose derivative is 1 − σ(z).
             let ln = if x > 0.0 {
                 -(-x).exp().ln_1p()

@@ -18,8 +18,6 @@ pub enum NetworkFault {
     WholeInput(usize),
     #[error("its input {0} holds fractions where whole numbers belong")]
     FractionInput(usize),
-    #[error("its output {0} holds whole numbers")]
-    WholeOutput(String),
     #[error("its output {0} is never computed")]
     NotComputed(String),
     #[error("it takes {1} {0} and gets {2}")]

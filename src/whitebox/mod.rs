@@ -55,6 +55,8 @@ pub enum WhiteBoxError {
     /// What its head says of its outputs.
     #[error("{0}")]
     Head(String),
+    #[error("its head expects logits, and the network answers with probabilities: correct the manifest's head")]
+    Probabilities,
     #[error("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")]
     ChosenBoxes,
 }

@@ -3,13 +3,20 @@
 
 use super::super::nms::CandidateBox;
 use super::rows::Rows;
-use super::{HeadError, Tensor, misfit};
+use super::{Anchors, HeadError, Tensor, misfit};
 use crate::geometry::BoxPx;
 
 pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
-    let rows =
-        Rows::pick(outputs).ok_or_else(|| misfit("deim", "labels 1×n, boxes 1×n×4, scores 1×n".into(), outputs))?;
-    rows.candidates(0, labels, BoxPx::from)
+    rows(outputs)?.candidates(0, labels, BoxPx::from)
+}
+
+/// Its rows as anchors: each has one label.
+pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
+    Ok(Anchors::new(rows(outputs)?.anchors(outputs, labels)))
+}
+
+fn rows(outputs: &[Tensor]) -> Result<Rows<'_>, HeadError> {
+    Rows::pick(outputs).ok_or_else(|| misfit("deim", "labels 1×n, boxes 1×n×4, scores 1×n".into(), outputs))
 }
 
 #[cfg(test)]

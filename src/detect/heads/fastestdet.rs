@@ -28,12 +28,13 @@ pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usi
             output: 0,
             objectness: Some(cell),
             first_label: 5 * plane + cell,
+            label: None,
             label_step: plane,
         }
     });
     Ok(Anchors {
-        anchors: cells.collect(),
         exponents: [0.6, 0.4],
+        ..Anchors::new(cells.collect())
     })
 }
 

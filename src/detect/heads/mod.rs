@@ -1,6 +1,7 @@
 //! One file per output layout: tensors in, candidates out.
 
 mod deim;
+pub(super) mod efficientdet;
 mod fastestdet;
 mod nanodet;
 mod nanodet_plus;
@@ -11,6 +12,7 @@ mod rtdetr;
 mod ssd_resnet34;
 mod tf_od;
 mod yolov10;
+mod yolov3;
 mod yolov4;
 mod yolov5;
 mod yolov8;
@@ -68,17 +70,23 @@ pub(crate) struct Anchor {
     pub output: usize,
     /// Index of its objectness, in heads that have one.
     pub objectness: Option<usize>,
-    /// Index of its first label's score.
+    /// Index of its first label's score, or of its only one.
     pub first_label: usize,
+    /// The only label it has a score for, in heads that name it.
+    pub label: Option<usize>,
     /// From one label's score to the next.
     pub label_step: usize,
 }
 
-/// All boxes of a head whose anchors are the same for every image.
+/// All boxes of a head that leaves the choice among them to its user.
 pub(crate) struct Anchors {
     pub anchors: Vec<Anchor>,
     /// score = objectness^exponents\[0\] · label^exponents\[1\]
     pub exponents: [f32; 2],
+    /// Whether both are the sigmoids of the outputs' numbers.
+    pub are_logits: bool,
+    /// Which of the labels the first score is of: 1 where the list begins with the background and the outputs do not.
+    pub first_scored: usize,
 }
 
 impl Anchor {
@@ -89,6 +97,7 @@ impl Anchor {
             output,
             objectness: has_objectness.then(|| first_label - 1),
             first_label,
+            label: None,
             label_step: 1,
         }
     }
@@ -96,26 +105,31 @@ impl Anchor {
 
 impl Anchors {
     fn new(anchors: Vec<Anchor>) -> Anchors {
-        let exponents = [1.0, 1.0];
-        Anchors { anchors, exponents }
+        Anchors {
+            anchors,
+            exponents: [1.0, 1.0],
+            are_logits: false,
+            first_scored: 0,
+        }
     }
 
     /// Each anchor's best label, where it reaches the score floor.
     fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<CandidateBox> {
+        let score = |number: f32| if self.are_logits { sigmoid(number) } else { number };
         let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
         let candidate = |anchor: &Anchor| {
             let data = outputs.get(anchor.output)?.floats()?;
             let scores = data[anchor.first_label..]
                 .iter()
                 .step_by(anchor.label_step)
-                .take(labels);
-            let (label, score) = best(scores.copied());
-            let score = power(score, self.exponents[1]);
-            let score = match anchor.objectness {
-                Some(i) => power(data[i], self.exponents[0]) * score,
-                None => score,
+                .take(labels - self.first_scored);
+            let (label, best) = best(scores.copied());
+            let of_label = power(score(best), self.exponents[1]);
+            let both = match anchor.objectness {
+                Some(i) => power(score(data[i]), self.exponents[0]) * of_label,
+                None => of_label,
             };
-            from_corners(label, score, anchor.b)
+            from_corners(label + self.first_scored, both, anchor.b)
         };
         self.anchors.iter().filter_map(candidate).collect()
     }
@@ -130,9 +144,13 @@ pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -
         Head::Nanodet { strides, .. } => nanodet::anchors(outputs, size, strides, labels)?,
         Head::NanodetPlus { strides, .. } => nanodet_plus::anchors(outputs, size, strides, labels)?,
         Head::Fastestdet { .. } => fastestdet::anchors(outputs, size, labels)?,
+        Head::Yolov3 { .. } => yolov3::anchors(outputs, size, labels)?,
+        Head::Efficientdet { scores, .. } => efficientdet::anchors(outputs, size, *scores, labels)?,
+        Head::Rfdetr {} => rfdetr::anchors(outputs, size, labels)?,
         Head::Yolov4 { .. } => yolov4::anchors(outputs, size, labels)?,
         Head::Yolov5 { .. } => yolov5::anchors(outputs, labels)?,
         Head::Yolov8 { .. } => yolov8::anchors(outputs, labels)?,
+        Head::Deim {} => deim::anchors(outputs, labels)?,
         _ => return Ok(None),
     }))
 }
@@ -214,7 +232,7 @@ fn is_finite(b: &BoxPx) -> bool {
 }
 
 /// Does the detector want the photo's size as a second input?
-pub(super) fn wants_photo_size(head: &Head) -> bool {
+pub(crate) fn wants_photo_size(head: &Head) -> bool {
     matches!(head, Head::Deim {})
 }
 

@@ -1,4 +1,4 @@
-//! NanoDet: per stride n×labels sigmoid scores and n×(4·bins) box logits, picked by shape.
+//! NanoDet: per stride n×labels sigmoid scores and n×(4·bins) box logits, picked by shape, with a batch axis or without.
 //!
 //! Each side's distance is the mean of a softmax over bins, times the stride; cells are centred at i·s + (s − 1)/2. Source:
 //! Li et al. 2020 (generalised focal loss) and the NanoDet repository.
@@ -18,7 +18,8 @@ pub(super) fn anchors(
     for &stride in strides {
         let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));
         let cells = (columns * rows) as usize;
-        let fits = |t: &Tensor, row: usize| t.shape == [1, cells, row] && t.floats().is_some();
+        let is_table = |shape: &[usize], row: usize| matches!(shape, [1, n, r] | [n, r] if [*n, *r] == [cells, row]);
+        let fits = |t: &Tensor, row: usize| is_table(&t.shape, row) && t.floats().is_some();
         let with = |row: usize| outputs.iter().position(|t| fits(t, row));
         let sides = with(4 * BINS).and_then(|i| outputs[i].floats());
         let (Some(output), Some(sides)) = (with(labels), sides) else {

@@ -1,18 +1,17 @@
-//! RF-DETR: boxes 1×n×4 (centre and size as shares of the input) and logits 1×n×labels, or one column more for "no object".
+//! RF-DETR, and RT-DETR and D-FINE as Transformers exports them: boxes 1×n×4 (centre and size as shares of the input) and logits 1×n×labels, or one column more for "no object".
 //!
 //! score = sigmoid(logit), and every pair of box and label is a candidate of its own, as the repository's `PostProcess` ranks
 //! them; no suppression needed.
 
 use super::super::nms::CandidateBox;
-use super::{HeadError, Tensor, from_centre, misfit, sigmoid};
+use super::{Anchor, Anchors, HeadError, Tensor, centred, from_centre, misfit, scaled, sigmoid};
 
 pub(super) fn decode(
     outputs: &[Tensor],
     [width, height]: [u32; 2],
     labels: usize,
 ) -> Result<Vec<CandidateBox>, HeadError> {
-    let (boxes, logits, columns) = tensors(outputs, labels)
-        .ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))?;
+    let (boxes, logits, columns) = checked(outputs, labels)?;
     let (w, h) = (width as f32, height as f32);
     let rows = boxes.chunks_exact(4).zip(logits.chunks_exact(columns));
     let pairs = rows.flat_map(|(b, logits)| {
@@ -25,7 +24,28 @@ pub(super) fn decode(
 
 /// Boxes, logits, and how many columns these have. With three or four labels both have four columns: then the boxes are
 /// the output named so, or the first.
-fn tensors(outputs: &[Tensor], labels: usize) -> Option<(&[f32], &[f32], usize)> {
+/// Its boxes with the logits of all labels each: the pairs of [`decode`], for a gradient.
+pub(super) fn anchors(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+    let (boxes, logits, columns) = checked(outputs, labels)?;
+    let output = outputs.iter().position(|t| t.floats().is_some_and(|v| std::ptr::eq(v, logits)));
+    let of_box = |(i, b): (usize, &[f32])| {
+        let b = scaled(centred([b[0], b[1], b[2], b[3]]), size);
+        Anchor::in_row(b, output.unwrap_or(0), i * columns, false)
+    };
+    Ok(Anchors {
+        are_logits: true,
+        ..Anchors::new(boxes.chunks_exact(4).enumerate().map(of_box).collect())
+    })
+}
+
+type Tables<'a> = (&'a [f32], &'a [f32], usize);
+
+fn checked(outputs: &[Tensor], labels: usize) -> Result<Tables<'_>, HeadError> {
+    tensors(outputs, labels).ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))
+}
+
+/// Boxes, logits, and how many logits a box has.
+fn tensors(outputs: &[Tensor], labels: usize) -> Option<Tables<'_>> {
     let named = outputs
         .iter()
         .position(|t| t.name.contains("box") || t.name.contains("det"));

@@ -1,7 +1,7 @@
 //! What the networks have in common that list their boxes: n labels, n boxes, n scores, already suppressed.
 
 use super::super::nms::CandidateBox;
-use super::{Data, HeadError, SCORE_FLOOR, Tensor, from_corners};
+use super::{Anchor, Data, HeadError, SCORE_FLOOR, Tensor, from_corners};
 use crate::geometry::BoxPx;
 
 /// The three lists, of equal length.
@@ -34,6 +34,22 @@ impl<'a> Rows<'a> {
             boxes: outputs[boxes].floats()?,
             scores,
         })
+    }
+
+    /// Every row whose label is known; those of padding have any label.
+    pub(super) fn anchors(&self, outputs: &[Tensor], labels: usize) -> Vec<Anchor> {
+        let of_scores = |t: &Tensor| t.floats().is_some_and(|v| std::ptr::eq(v, self.scores));
+        let output = outputs.iter().position(of_scores).unwrap_or(0);
+        let rows = self.labels.iter().zip(self.boxes.chunks_exact(4)).enumerate();
+        let known = rows.filter_map(|(i, (label, b))| {
+            let label = usize::try_from(*label).ok().filter(|label| *label < labels)?;
+            let b = BoxPx::from([b[0], b[1], b[2], b[3]].map(f64::from));
+            Some(Anchor {
+                label: Some(label),
+                ..Anchor::in_row(b, output, i, false)
+            })
+        });
+        known.collect()
     }
 
     /// The candidates; `first_label` is the number of the list's first entry. A label outside the list is an error, since

@@ -18,6 +18,7 @@ pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, Head
             output,
             objectness: None,
             first_label: 4 * columns + i,
+            label: None,
             label_step: columns,
         }
     });

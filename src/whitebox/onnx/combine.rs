@@ -4,7 +4,7 @@ use burn::tensor::{Tensor, activation};
 use onnx_ir::Node;
 use onnx_ir::reduce::{ReduceAxes, ReduceConfig};
 
-use super::operator::{IntegerSetting, Operator, axis_of, setting};
+use super::operator::{Inputs, IntegerSetting, Operator, axis_of, setting};
 use super::value::{Floats, RANK, Result, Value};
 use crate::whitebox::NetworkFault;
 
@@ -54,6 +54,41 @@ fn product(a: Floats, b: Floats) -> Result<Floats> {
     Ok(Floats { x, rank })
 }
 
+/// (x − mean) / √(variance + ε) · scale + shift, over all axes from one on.
+fn layer_norm(first: i64, epsilon: f64) -> Operator {
+    Operator::new(move |mut inputs| {
+        let Floats { x, rank } = inputs.floats(0)?;
+        let scale = inputs.floats(1)?;
+        let shift = inputs.optional_floats(2)?;
+        let axes = RANK - rank + axis_of(first, rank)?..RANK;
+        let mean = |x: Tensor<RANK>| axes.clone().fold(x, Tensor::mean_dim);
+        let centred = x.clone() - mean(x);
+        let variance = mean(centred.clone() * centred.clone());
+        let mut x = centred / variance.add_scalar(epsilon).sqrt() * scale.x;
+        if let Some(shift) = shift {
+            x = x + shift.x;
+        }
+        Ok(Floats { x, rank }.into())
+    })
+}
+
+/// As NumPy multiplies: a vector on the left is a row, one on the right a column, and its axis is gone afterwards.
+fn matmul(mut inputs: Inputs) -> Result<Value> {
+    let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);
+    let (left, right) = (a.shape(), b.shape());
+    let row = if left.len() == 1 { a.reshaped(&[1, left[0]])? } else { a };
+    let column = if right.len() == 1 { b.reshaped(&[right[0], 1])? } else { b };
+    let result = product(row, column)?;
+    let mut shape = result.shape();
+    if right.len() == 1 {
+        shape.pop();
+    }
+    if left.len() == 1 {
+        shape.remove(shape.len() - if right.len() == 1 { 1 } else { 2 });
+    }
+    result.reshaped(&shape).map(Value::Floats)
+}
+
 /// α·A·B + β·C of matrices, A and B turned where said.
 fn gemm(alpha: f32, beta: f32, turns: [bool; 2]) -> Operator {
     Operator::new(move |mut inputs| {
@@ -84,11 +119,12 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
         Node::ReduceMean(n) => reduce(&n.config, |x, axis| x.mean_dim(axis)),
         Node::ReduceMax(n) => reduce(&n.config, |x, axis| x.max_dim(axis)),
         Node::ReduceMin(n) => reduce(&n.config, |x, axis| x.min_dim(axis)),
-        Node::MatMul(_) => Operator::new(|mut inputs| product(inputs.floats(0)?, inputs.floats(1)?).map(Value::Floats)),
+        Node::MatMul(_) => Operator::new(matmul),
         Node::Gemm(n) => {
             let turns = [n.config.trans_a != 0, n.config.trans_b != 0];
             gemm(n.config.alpha, n.config.beta, turns)
         }
+        Node::LayerNormalization(n) if n.outputs.len() == 1 => layer_norm(n.config.axis, n.config.epsilon),
         // Made by the parser of Gemm, or of MatMul and Add.
         Node::Linear(n) => gemm(1.0, 1.0, [false, n.config.transpose_weight]),
         _ => return None,

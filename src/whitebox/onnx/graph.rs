@@ -93,20 +93,25 @@ impl Graph {
         values
     }
 
-    /// Turns into constants what does not depend on the image, and drops what leads to no output. `values`: of [`Graph::run_all`] on a
-    /// image that requires a gradient.
+    /// Turns into constants what does not depend on the image's numbers, and drops what leads to no output. `values`: of
+    /// [`Graph::run_all`].
     pub(super) fn fold_constants(&mut self, values: &[Option<Value>]) {
-        let steps = std::mem::take(&mut self.steps);
-        let requires_grad = |slot: &Slot| values[*slot].as_ref().is_some_and(Value::requires_grad);
-        let (differentiated, constant): (Vec<GraphStep>, Vec<GraphStep>) = steps
-            .into_iter()
-            .partition(|step| step.outputs.iter().any(requires_grad));
+        let mut dependent = BTreeSet::from([self.input]);
+        let (dependent_steps, constant): (Vec<GraphStep>, Vec<GraphStep>) =
+            std::mem::take(&mut self.steps).into_iter().partition(|step| {
+                let mut read = step.inputs.iter().flatten();
+                let depends = !step.operator.reads_shapes_only && read.any(|slot| dependent.contains(slot));
+                if depends {
+                    dependent.extend(&step.outputs);
+                }
+                depends
+            });
         for slot in constant.iter().flat_map(|step| &step.outputs) {
             if let Some(value) = &values[*slot] {
                 self.constants.insert(*slot, value.clone());
             }
         }
-        self.steps = differentiated;
+        self.steps = dependent_steps;
         self.prune();
     }
 
@@ -122,6 +127,13 @@ impl Graph {
         kept.reverse();
         self.steps = kept;
         self.constants.retain(|slot, _| needed.contains(slot));
+    }
+
+    /// Whatever reads a slot reads another from now on.
+    pub(super) fn read_instead(&mut self, slot: Slot, other: Slot) {
+        let inputs = self.steps.iter_mut().flat_map(|step| step.inputs.iter_mut().flatten());
+        let outputs = self.outputs.iter_mut().map(|(_, slot)| slot);
+        inputs.chain(outputs).filter(|read| **read == slot).for_each(|read| *read = other);
     }
 
     /// A slot of its own.

@@ -19,6 +19,7 @@ pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Resu
     let mut twins = Twins {
         makers: makers(graph),
         known: BTreeMap::new(),
+        added: Vec::new(),
         values,
     };
     let mut masks = Vec::new();
@@ -29,6 +30,15 @@ pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Resu
             Some(Value::Floats(mask)) => mask.values()?.iter().map(|v| *v > 0.5).collect(),
             _ => Vec::new(),
         });
+    }
+    twins.added.sort_by_key(|(after, _)| *after);
+    let mut added = twins.added.into_iter().peekable();
+    let steps = std::mem::take(&mut graph.steps).into_iter().enumerate();
+    for (i, step) in steps {
+        graph.steps.push(step);
+        while let Some((_, twin)) = added.next_if(|(after, _)| *after == i) {
+            graph.steps.push(twin);
+        }
     }
     Ok(masks)
 }
@@ -56,6 +66,8 @@ struct Twin {
 struct Twins<'a> {
     makers: BTreeMap<Slot, (usize, usize)>,
     known: BTreeMap<Slot, Twin>,
+    /// New steps, each with the number of the step it comes after.
+    added: Vec<(usize, GraphStep)>,
     values: &'a [Option<Value>],
 }
 
@@ -67,12 +79,12 @@ impl Twins<'_> {
         let itself = Twin { slot, is_logit: None };
         let twin = match self.makers.get(&slot) {
             None => itself,
-            Some(&(step, output)) => {
-                let step = graph.steps[step].clone();
+            Some(&(at, output)) => {
+                let step = graph.steps[at].clone();
                 match (step.operator.is_sigmoid, step.operator.rearranged) {
                     (true, _) => self.before(graph, &step, slot)?,
                     (false, Rearranged::Nothing) => itself,
-                    (false, rearranged) => self.moved(graph, &step, output, rearranged)?.unwrap_or(itself),
+                    (false, rearranged) => self.moved(graph, at, output, rearranged)?.unwrap_or(itself),
                 }
             }
         };
@@ -98,10 +110,11 @@ impl Twins<'_> {
     fn moved(
         &mut self,
         graph: &mut Graph,
-        step: &GraphStep,
+        at: usize,
         output: usize,
         rearranged: Rearranged,
     ) -> Result<Option<Twin>, NetworkFault> {
+        let step = graph.steps[at].clone();
         let moved = if rearranged == Rearranged::All {
             step.inputs.len()
         } else {
@@ -126,17 +139,24 @@ impl Twins<'_> {
         if !has_logits {
             return Ok(None);
         }
+        // Logits and scores have one order, a mixture of them has none.
+        let is_ordered = rearranged == Rearranged::Ordered;
+        if is_ordered && (output != 0 || !holds_only_logits(masks.first())?) {
+            return Ok(None);
+        }
         let mut masks = (step.operator.run)(Inputs {
             values: masks,
             device: &graph.device,
         })?;
         let outputs: Vec<Slot> = step.outputs.iter().map(|_| graph.new_slot()).collect();
         let slot = outputs[output];
-        graph.steps.push(GraphStep {
-            inputs,
-            outputs,
-            ..step.clone()
-        });
+        if is_ordered {
+            // Scores that round to the same number are ordered by their logits alone: the indices have to be of that order, too.
+            let [_, of_scores, ..] = step.outputs[..] else { return Ok(None) };
+            graph.read_instead(of_scores, outputs[1]);
+        }
+        let twin = GraphStep { inputs, outputs, ..step };
+        self.added.push((at, twin));
         let is_logit = Some(masks.swap_remove(output));
         Ok(Some(Twin { slot, is_logit }))
     }
@@ -146,5 +166,12 @@ impl Twins<'_> {
         let shape = self.values[slot].as_ref().ok_or("a value is never computed")?.shape();
         let count = shape.iter().product();
         Floats::new(vec![with; count], &shape, device).map(Value::Floats)
+    }
+}
+
+fn holds_only_logits(mask: Option<&Option<Value>>) -> Result<bool, NetworkFault> {
+    match mask {
+        Some(Some(Value::Floats(mask))) => Ok(mask.values()?.iter().all(|v| *v == 1.0)),
+        _ => Ok(false),
     }
 }

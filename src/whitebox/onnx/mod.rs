@@ -4,6 +4,7 @@
 //! file is opened, for one image: what does not depend on the image is then a constant. Weights carry no gradient.
 
 mod arithmetic;
+mod choice;
 mod combine;
 mod convolution;
 mod elementwise;
@@ -41,6 +42,8 @@ pub(crate) struct Output {
     /// Where [`Output::is_logit`] says so, the logit of the sigmoid that the file ends in.
     pub raw: Vec<f32>,
     pub is_logit: Vec<bool>,
+    /// Whether they are whole numbers, such as labels.
+    pub is_whole: bool,
 }
 
 impl Output {
@@ -56,13 +59,15 @@ impl Output {
 /// The outputs for one image, with their autodiff graph.
 pub(crate) struct NetworkPass {
     pub outputs: Vec<Output>,
-    tensors: Vec<Tensor<RANK>>,
+    /// `None` for whole numbers, which no gradient passes.
+    tensors: Vec<Option<Tensor<RANK>>>,
     image: Tensor<RANK>,
     device: Device,
 }
 
 impl OnnxNetwork {
-    /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors.
+    /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors. `photo_size`
+    /// is for a network whose second input is the photo's width and height.
     ///
     /// # Errors
     /// What is no ONNX file, makes no sense, or has operators that are not here, by their names.
@@ -70,10 +75,11 @@ impl OnnxNetwork {
         bytes: &[u8],
         file: &str,
         shape: &[usize],
+        photo_size: Option<[u32; 2]>,
         device: &Device,
     ) -> Result<OnnxNetwork, WhiteBoxError> {
         // The parser and the tensors panic on graphs whose parts do not go together.
-        quietly(|| Self::try_read(bytes, file, shape, device)).unwrap_or_else(|| {
+        quietly(|| Self::try_read(bytes, file, shape, photo_size, device)).unwrap_or_else(|| {
             Err(WhiteBoxError::OnnxNetwork {
                 file: file.to_owned(),
                 reason: NetworkFault::Malformed("its graph makes no sense"),
@@ -81,9 +87,15 @@ impl OnnxNetwork {
         })
     }
 
-    fn try_read(bytes: &[u8], file: &str, shape: &[usize], device: &Device) -> Result<OnnxNetwork, WhiteBoxError> {
+    fn try_read(
+        bytes: &[u8],
+        file: &str,
+        shape: &[usize],
+        photo_size: Option<[u32; 2]>,
+        device: &Device,
+    ) -> Result<OnnxNetwork, WhiteBoxError> {
         let device = device.clone().autodiff();
-        let graph = read::read(bytes, file, &device)?;
+        let graph = read::read(bytes, file, photo_size, &device)?;
         let mut network = OnnxNetwork {
             file: file.to_owned(),
             graph,
@@ -144,19 +156,21 @@ impl OnnxNetwork {
         let (image, value) = self.image(numbers, requires_grad)?;
         let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
         for (i, value) in self.graph.run(value)?.into_iter().enumerate() {
-            let Value::Floats(value) = value else {
-                return Err(NetworkFault::WholeOutput(self.graph.outputs[i].0.clone()));
+            let shape = value.shape();
+            let (raw, tensor) = match value {
+                Value::Floats(value) => (value.values()?, Some(value.x)),
+                Value::Integers(value) => (value.data.iter().map(|v| *v as f32).collect(), None),
             };
-            let raw = value.values()?;
             let mut is_logit = self.logits[i].clone();
             is_logit.resize(raw.len(), false);
             outputs.push(Output {
                 name: self.graph.outputs[i].0.clone(),
-                shape: value.shape(),
+                shape,
                 raw,
                 is_logit,
+                is_whole: tensor.is_none(),
             });
-            tensors.push(value.x);
+            tensors.push(tensor);
         }
         Ok(NetworkPass {
             outputs,
@@ -173,6 +187,7 @@ impl NetworkPass {
     pub(crate) fn vjp(self, derivatives: Vec<Vec<f32>>) -> Vec<f32> {
         let mut sum: Option<Tensor<1>> = None;
         for (tensor, derivatives) in self.tensors.into_iter().zip(derivatives) {
+            let Some(tensor) = tensor else { continue };
             // Backwards costs as much for zeros.
             if !tensor.is_tracked() || derivatives.iter().all(|derivative| *derivative == 0.0) {
                 continue;

@@ -17,6 +17,8 @@ pub(super) struct Operator {
     /// Which inputs' numbers come out unchanged, only elsewhere.
     pub rearranged: Rearranged,
     pub is_sigmoid: bool,
+    /// Whether its outputs follow from the inputs' shapes alone, whatever the numbers are.
+    pub reads_shapes_only: bool,
 }
 
 impl Operator {
@@ -25,6 +27,7 @@ impl Operator {
             run: Arc::new(run),
             rearranged: Rearranged::Nothing,
             is_sigmoid: false,
+            reads_shapes_only: false,
         }
     }
 
@@ -48,6 +51,8 @@ pub(super) enum Rearranged {
     Nothing,
     /// The first input's; the others say where to.
     First,
+    /// The first input's, as their own order has it; the second output says where they lay.
+    Ordered,
     All,
 }
 

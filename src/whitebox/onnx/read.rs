@@ -7,12 +7,12 @@ use onnx_ir::{Argument, Message, ModelProto, Node, OnnxGraph, OnnxGraphBuilder};
 
 use super::graph::{Graph, GraphStep, Slot};
 use super::operator::Operator;
-use super::value::Value;
-use super::{arithmetic, combine, convolution, elementwise, rearrange, resize, shapes};
+use super::value::{Integers, Value};
+use super::{arithmetic, choice, combine, convolution, elementwise, rearrange, resize, shapes};
 use crate::whitebox::{NetworkFault, WhiteBoxError};
 
 /// Reads a file's bytes; `file` is only named in errors.
-pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, WhiteBoxError> {
+pub(super) fn read(bytes: &[u8], file: &str, photo_size: Option<[u32; 2]>, device: &Device) -> Result<Graph, WhiteBoxError> {
     let unreadable = |reason: NetworkFault| WhiteBoxError::OnnxNetwork {
         file: file.to_owned(),
         reason,
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8], file: &str, device: &Device) -> Result<Graph, W
                 .join(", "),
         });
     }
-    let mut graph = Builder::new(device).graph(&parsed, operators).map_err(unreadable)?;
+    let mut graph = Builder::new(device).graph(&parsed, photo_size, operators).map_err(unreadable)?;
     // The parser gives outputs names of its own.
     let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
     for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {
@@ -52,6 +52,7 @@ fn operator(node: &Node) -> Option<Operator> {
         .or_else(|| rearrange::read(node))
         .or_else(|| resize::read(node))
         .or_else(|| combine::read(node))
+        .or_else(|| choice::read(node))
         .or_else(|| shapes::read(node))
 }
 
@@ -80,9 +81,25 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn graph(mut self, parsed: &OnnxGraph, operators: Vec<Option<Operator>>) -> Result<Graph, NetworkFault> {
-        let [image] = &parsed.inputs[..] else {
-            return Err(NetworkFault::Count("inputs", parsed.inputs.len(), 1));
+    fn graph(
+        mut self,
+        parsed: &OnnxGraph,
+        photo_size: Option<[u32; 2]>,
+        operators: Vec<Option<Operator>>,
+    ) -> Result<Graph, NetworkFault> {
+        let image = match (&parsed.inputs[..], photo_size) {
+            ([image], _) => image,
+            ([image, size], Some(photo_size)) => {
+                let data = photo_size.map(i64::from).to_vec();
+                let slot = self.named_slot(&size.name);
+                let size = Integers {
+                    shape: vec![1, 2],
+                    data,
+                };
+                self.constants.insert(slot, Value::Integers(size));
+                image
+            }
+            (more, _) => return Err(NetworkFault::Count("inputs", more.len(), 1)),
         };
         let input = self.named_slot(&image.name);
         let mut steps = Vec::new();

@@ -314,16 +314,23 @@ fn expand(wanted: IntegerSetting) -> Operator {
 fn tile(times: IntegerSetting) -> Operator {
     Operator::new(move |mut inputs| {
         let times = times.of(&inputs)?;
-        let Floats { x, rank } = inputs.floats(0)?;
+        let value = inputs.value(0)?;
+        let shape = value.shape();
         let times: Vec<usize> = times.iter().map(|t| usize::try_from(*t).unwrap_or(0)).collect();
-        if times.len() != rank || times.contains(&0) {
+        if times.len() != shape.len() || times.contains(&0) {
             return Err("it does not say for each axis how often to repeat it".into());
         }
-        let times = full(&times)?;
-        let sides = x.dims();
-        bounded((0..RANK).map(|i| sides[i].saturating_mul(times[i])))?;
-        let x = x.repeat(&times);
-        Ok(Floats { x, rank }.into())
+        bounded(shape.iter().zip(&times).map(|(side, times)| side.saturating_mul(*times)))?;
+        match value {
+            Value::Floats(Floats { x, rank }) => {
+                let x = x.repeat(&full(&times)?);
+                Ok(Floats { x, rank }.into())
+            }
+            whole => (0..shape.len()).try_fold(whole, |whole, axis| {
+                let indices: Vec<usize> = (0..times[axis]).flat_map(|_| 0..shape[axis]).collect();
+                whole.taken(axis, &indices)
+            }),
+        }
     })
 }
 
