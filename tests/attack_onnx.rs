@@ -12,9 +12,9 @@ use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof::detect::{Detector, Manifest, Runtime};
-use scaleproof::whitebox::{Prediction, WhiteBox};
 use scaleproof::whitebox::detector::OnnxDetector;
 use scaleproof::whitebox::onnx::OnnxNetwork;
+use scaleproof::whitebox::{Prediction, WhiteBox};
 
 use crate::tests::common::onnx;
 pub(super) mod parity;
@@ -139,14 +139,19 @@ fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2
             let [up, down] = [*step, -step].map(|by| loss(detector, &moved(by), size, &known, &weights));
             [(up - before) / step, (before - down) / step]
         });
-        let smooth = slopes.into_iter().find(|[up, down]| (up - down).abs() < 0.05 * (up + down).abs() / 2.0);
+        let smooth = slopes
+            .into_iter()
+            .find(|[up, down]| (up - down).abs() < 0.05 * (up + down).abs() / 2.0);
         let Some([up, down]) = smooth else {
             println!("{}: {expected:.5} by gradient, the loss jumps", detector.name());
             jumps += 1;
             continue;
         };
         let found = (up + down) / 2.0;
-        println!("{}: {expected:.5} by gradient, {found:.5} by differences", detector.name());
+        println!(
+            "{}: {expected:.5} by gradient, {found:.5} by differences",
+            detector.name()
+        );
         worst = worst.max((found / expected - 1.0).abs());
     }
     (worst, jumps)
@@ -166,7 +171,10 @@ fn gradients_are_those_of_finite_differences() {
             worst = worst.max(of_photo);
             jumps += of_photo_jumps;
         }
-        println!("{name}: directional derivatives within {:.2} %, {jumps} of 8 at jumps", 100.0 * worst);
+        println!(
+            "{name}: directional derivatives within {:.2} %, {jumps} of 8 at jumps",
+            100.0 * worst
+        );
         assert!(jumps == 0 || name.starts_with("deim") && jumps <= 2, "{name}: {jumps}");
         assert!(worst < 0.01, "{name}: {worst}");
     }
@@ -642,7 +650,12 @@ fn choices() -> Vec<Small> {
         whole_constant("flat", &[2], &[1, -1]),
         whole_constant("times", &[3], &[1, 1, 4]),
         whole_constant("six_by_four", &[3], &[1, 6, 4]),
-        step("ReduceMax", &["x"], &["row_bests"], &[onnx::list_attribute("axes", &[-1]), whole("keepdims", 0)]),
+        step(
+            "ReduceMax",
+            &["x"],
+            &["row_bests"],
+            &[onnx::list_attribute("axes", &[-1]), whole("keepdims", 0)],
+        ),
         step("Reshape", &["row_bests", "flat"], &["rows"], &[]),
         step("TopK", &["rows", "k"], &["best", "where"], &[whole("largest", 0)]),
         step("Unsqueeze", &["where", "last"], &["column"], &[]),
@@ -666,7 +679,11 @@ fn choices() -> Vec<Small> {
                 "GridSample",
                 &["seen", "grid_places"],
                 &["y"],
-                &[text("mode", "bilinear"), text("padding_mode", padding), whole("align_corners", align)],
+                &[
+                    text("mode", "bilinear"),
+                    text("padding_mode", padding),
+                    whole("align_corners", align),
+                ],
             ),
         ];
         Small {
@@ -706,7 +723,14 @@ fn choices() -> Vec<Small> {
 #[test]
 fn every_operator_answers_and_derives_as_it_should() {
     let mut count = 0;
-    let nets = [activations(), arithmetic(), convolutions(), resizes(), rearrangements(), choices()];
+    let nets = [
+        activations(),
+        arithmetic(),
+        convolutions(),
+        resizes(),
+        rearrangements(),
+        choices(),
+    ];
     for net in nets.into_iter().flatten() {
         let bytes = net.bytes();
         let network = OnnxNetwork::read(&bytes, net.name, &net.shape, None, &Device::flex())

@@ -226,6 +226,82 @@ fn yolov10_and_26() {
 }
 
 #[test]
+fn yolov3_grids_of_logits() {
+    let input = "size_px = [416, 320]\nresize = \"letterbox_centre\"\npad = 128";
+    let m = manifest("\"coco80\"", input, "kind = \"yolov3\"\nnms_iou = 0.45");
+    // Stride, which of the three anchors and its size; a box per grid.
+    let grids = [(8, 2, [33.0, 23.0]), (16, 0, [30.0, 61.0]), (32, 1, [156.0, 198.0])];
+    let logit = |p: f32| (p / (1.0 - p)).ln();
+    let inputs = [Input::floats("000_net", &[1, 3, 320, 416])];
+    proves(
+        &m,
+        &inputs,
+        |l| l,
+        |photo| {
+            let output = |(i, (stride, which, anchor)): (usize, &(usize, usize, [f32; 2]))| {
+                let (columns, rows) = (416 / stride, 320 / stride);
+                let mut data = vec![-40.0; 255 * columns * rows];
+                let [cx, cy, w, h] = letterboxed_truncated(photo, [416, 320]).centre(photo, &TRUTH[i]);
+                let (x, y) = (cx / *stride as f32, cy / *stride as f32);
+                let before = [
+                    logit(x.fract()),
+                    logit(y.fract()),
+                    (w / anchor[0]).ln(),
+                    (h / anchor[1]).ln(),
+                    logit(0.98),
+                ];
+                let row = labelled(&before, TRUTH[i].0, logit(TRUTH[i].1 / 0.98), -40.0);
+                let cell = y as usize * columns + x as usize;
+                for (k, number) in row.iter().enumerate() {
+                    data[(85 * which + k) * columns * rows + cell] = *number;
+                }
+                Output::floats(&format!("grid_{i}"), &[1, 255, rows, columns], data)
+            };
+            grids.iter().enumerate().map(output).collect()
+        },
+    );
+}
+
+#[test]
+fn efficientdet_by_its_anchors() {
+    for (scores, of) in [
+        ("logits", (|p: f32| (p / (1.0 - p)).ln()) as fn(f32) -> f32),
+        ("probabilities", |p| p),
+    ] {
+        let input = "size_px = [512, 512]\nresize = \"letterbox_top_left\"";
+        let head = format!("kind = \"efficientdet\"\nscores = \"{scores}\"\nnms_iou = 0.5");
+        let m = manifest("\"coco91\"", input, &head);
+        let empty = of(1e-9);
+        let inputs = [Input::floats("input", &[1, 3, 512, 512])];
+        proves(&m, &inputs, category, |photo| {
+            let gain = (512.0 / f64::from(photo[0])).min(512.0 / f64::from(photo[1]));
+            let place = Place {
+                scale: [gain; 2],
+                offset: [0.0; 2],
+                net: [512, 512],
+            };
+            let (mut boxes, mut labels) = (vec![0.0; 49104 * 4], vec![empty; 49104 * 90]);
+            for (i, t) in TRUTH.iter().enumerate() {
+                let [cx, cy, w, h] = place.centre(photo, t);
+                // Stride 32, behind 9 · (64² + 32²) anchors; size 2^(i/3), aspect 1.4 × 0.7.
+                let (x, y) = ((cx / 32.0) as usize, (cy / 32.0) as usize);
+                let side = 128.0 * 2_f32.powf(i as f32 / 3.0);
+                let (aw, ah) = (1.4 * side, 0.7 * side);
+                let at = 9 * (64 * 64 + 32 * 32) + (y * 16 + x) * 9 + 3 * i + 1;
+                let own = [x, y].map(|cell| (cell as f32 + 0.5) * 32.0);
+                let offsets = [(cy - own[1]) / ah, (cx - own[0]) / aw, (h / ah).ln(), (w / aw).ln()];
+                boxes[4 * at..4 * at + 4].copy_from_slice(&offsets);
+                labels[90 * at + category(t.0) - 1] = of(t.1);
+            }
+            vec![
+                Output::floats("regression", &[1, 49104, 4], boxes),
+                Output::floats("classification", &[1, 49104, 90], labels),
+            ]
+        });
+    }
+}
+
+#[test]
 fn yolov4_channels_last() {
     let input = "size_px = [416, 320]\nlayout = \"nhwc\"\nresize = \"letterbox_centre\"\npad = 128";
     let m = manifest("\"coco80\"", input, "kind = \"yolov4\"\nnms_iou = 0.213");
@@ -409,6 +485,28 @@ fn ssd_resnet34() {
                 Output::floats("bboxes", &[1, 3, 4], boxes),
                 Output::whole("labels", &[1, 3], &[3, 8, 1]),
                 Output::floats("scores", &[1, 3], vec![0.93, 0.41, 0.07]),
+            ]
+        },
+    );
+}
+
+/// `rf_detr_by_category_ids` with the names and the 80 labels of Transformers' exports.
+#[test]
+fn rt_detr_and_d_fine_of_transformers() {
+    let m = manifest("\"coco80\"", STRETCH, "kind = \"rfdetr\"");
+    proves(
+        &m,
+        &picture(),
+        |l| l,
+        |photo| {
+            let boxes: Vec<Vec<f32>> = TRUTH.iter().map(|t| shares(photo, t).to_vec()).collect();
+            let logits: Vec<_> = TRUTH
+                .iter()
+                .map(|t| labelled(&[], t.0, (t.1 / (1.0 - t.1)).ln(), -30.0))
+                .collect();
+            vec![
+                Output::floats("logits", &[1, 300, 80], rows(300, 80, -30.0, &logits)),
+                Output::floats("pred_boxes", &[1, 300, 4], rows(300, 4, 0.5, &boxes)),
             ]
         },
     );

@@ -135,6 +135,42 @@ fn one_stage_families_are_told_by_their_grids() {
         &nanodet,
         &["strides = [8, 16, 32]", "resize = \"letterbox_centre\""],
     );
+    // As the first exports gave them: without a batch axis, and here with a grid more.
+    let more = [
+        (96, 80),
+        (96, 32),
+        (24, 80),
+        (24, 32),
+        (6, 80),
+        (6, 32),
+        (2, 80),
+        (2, 32),
+    ];
+    let nanodet = more.map(|(n, row)| filled(&format!("{n}_{row}"), &[n, row], 0.2));
+    let strides = ["strides = [8, 16, 32, 64]", "kind = \"nanodet\""];
+    is(Family::Nanodet, none, &[picture()], &nanodet, &strides);
+    let v3 = [8, 16, 32].map(|s| filled(&format!("grid_{s}"), &[1, 255, 64 / s, 96 / s], -2.0));
+    let darknet = [
+        "kind = \"yolov3\"",
+        "resize = \"letterbox_centre\"",
+        "pad = 128",
+        "labels = \"coco80\"",
+    ];
+    is(Family::Yolov3, none, &[picture()], &v3, &darknet);
+    // 9 anchors for each of 96 + 24 + 6 + 2 + 1 cells.
+    for (score, scores) in [(-4.0, "scores = \"logits\""), (0.1, "scores = \"probabilities\"")] {
+        let tables = [
+            filled("regression", &[1, 1161, 4], 0.1),
+            filled("classification", &[1, 1161, 90], score),
+        ];
+        let lines = [
+            "kind = \"efficientdet\"",
+            scores,
+            "labels = \"coco91\"",
+            "resize = \"letterbox_top_left\"",
+        ];
+        is(Family::Efficientdet, none, &[picture()], &tables, &lines);
+    }
     is(
         Family::Fastestdet,
         none,
@@ -188,6 +224,22 @@ fn families_that_list_their_boxes_are_told_by_inputs_and_names() {
         &[filled("output0", &[1, 300, 84], 0.3)],
         &["kind = \"rtdetr\""],
     );
+    let hf = |columns| {
+        [
+            filled("logits", &[1, 300, columns], -4.0),
+            filled("pred_boxes", &[1, 300, 4], 0.3),
+        ]
+    };
+    let plain = [
+        "kind = \"rfdetr\"",
+        "kernel = \"antialiased\"",
+        "mean = [0.0, 0.0, 0.0]",
+        "labels = \"coco80\"",
+    ];
+    is(Family::HfDetr, Hints::default(), &[picture()], &hf(80), &plain);
+    // DETR's own scores are a softmax: nothing here reads them, and what reads the same shapes would read them wrongly.
+    let error = proposed(&onnx::network(&[picture()], &hf(92)), Hints::default()).unwrap_err();
+    assert!(error.contains("are of no known family"), "{error}");
     let rfdetr = [filled("dets", &[1, 300, 4], 0.3), filled("labels", &[1, 300, 91], -4.0)];
     let imagenet = ["mean = [123.675, 116.28, 103.53]", "labels = \"coco91\""];
     is(Family::Rfdetr, Hints::default(), &[picture()], &rfdetr, &imagenet);

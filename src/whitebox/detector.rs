@@ -139,12 +139,18 @@ impl OnnxDetector {
     fn terms(&self, anchor: &Anchor, anchors: &Anchors, outputs: &[Output]) -> Terms {
         let output = &outputs[anchor.output];
         let [objectness, label] = anchors.exponents;
-        let term = |index: usize, exponent: f32| Term::new((output, anchor.output), index, exponent, anchors.are_logits);
+        let term =
+            |index: usize, exponent: f32| Term::new((output, anchor.output), index, exponent, anchors.are_logits);
         let scores = match anchor.label {
             Some(_) => vec![anchor.first_label],
             None => {
-                let columns = self.labels.iter().filter_map(|label| label.checked_sub(anchors.first_scored));
-                columns.map(|column| anchor.first_label + column * anchor.label_step).collect()
+                let columns = self
+                    .labels
+                    .iter()
+                    .filter_map(|label| label.checked_sub(anchors.first_scored));
+                columns
+                    .map(|column| anchor.first_label + column * anchor.label_step)
+                    .collect()
             }
         };
         let of_labels = scores.into_iter().map(|index| term(index, label));

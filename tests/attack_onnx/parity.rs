@@ -49,7 +49,9 @@ pub fn by_onnx_runtime(session: &mut Session, shape: &[usize], numbers: &[f32]) 
     let mut inputs = Vec::from(ort::inputs![tensor]);
     if session.inputs().len() == 2 {
         let size = vec![shape[3] as i64, shape[2] as i64];
-        inputs.extend(ort::inputs![ort::value::Tensor::from_array((vec![1, 2], size)).unwrap()]);
+        inputs.extend(ort::inputs![
+            ort::value::Tensor::from_array((vec![1, 2], size)).unwrap()
+        ]);
     }
     let outputs = session.run(&inputs[..]).unwrap();
     let read = outputs.iter().map(|(name, value)| {
@@ -94,7 +96,10 @@ pub fn by_network(network: &OnnxNetwork, numbers: &[f32]) -> Vec<Answered> {
 /// by box, since equals may come in either order.
 pub fn worst_difference(ours: &[Answered], theirs: &[Answered]) -> f32 {
     assert_eq!(ours.len(), theirs.len());
-    if let Some(worst) = listed(ours).zip(listed(theirs)).map(|(ours, theirs)| worst_of_rows(&ours, &theirs)) {
+    if let Some(worst) = listed(ours)
+        .zip(listed(theirs))
+        .map(|(ours, theirs)| worst_of_rows(&ours, &theirs))
+    {
         return worst;
     }
     let mut worst = 0.0_f32;
@@ -117,7 +122,10 @@ fn listed(answer: &[Answered]) -> Option<Vec<Row>> {
     let (labels, scores, boxes) = (named("labels")?, named("scores")?, named("boxes")?);
     let largest = boxes.iter().fold(1.0_f32, |largest, v| largest.max(*v));
     let rows = labels.iter().zip(scores).zip(boxes.chunks_exact(4));
-    Some(rows.map(|((label, score), b)| (*label, *score, std::array::from_fn(|i| b[i] / largest))).collect())
+    Some(
+        rows.map(|((label, score), b)| (*label, *score, std::array::from_fn(|i| b[i] / largest)))
+            .collect(),
+    )
 }
 
 /// The largest difference of a row from the nearest of its label in the other list. Rows that are among the best by less than 1e-3 may be
@@ -129,7 +137,8 @@ fn worst_of_rows(ours: &[Row], theirs: &[Row]) -> f32 {
         let kept = rows.iter().filter(|(_, score, _)| *score > least + 1e-3);
         let nearest = kept.map(|(label, score, b)| {
             let same = others.iter().filter(|(other, ..)| other == label);
-            let differences = same.map(|(_, other, c)| (0..4).fold((score - other).abs(), |d, i| d.max((b[i] - c[i]).abs())));
+            let differences =
+                same.map(|(_, other, c)| (0..4).fold((score - other).abs(), |d, i| d.max((b[i] - c[i]).abs())));
             differences.fold(f32::INFINITY, f32::min)
         });
         nearest.fold(0.0, f32::max)

@@ -18,12 +18,7 @@ pub(crate) fn count(size: [u32; 2]) -> usize {
 }
 
 /// The 90 columns of COCO's category ids from 1 on are one fewer than the list of labels that begins with 0.
-pub(super) fn anchors(
-    outputs: &[Tensor],
-    size: [u32; 2],
-    scores: Scores,
-    labels: usize,
-) -> Result<Anchors, HeadError> {
+pub(super) fn anchors(outputs: &[Tensor], size: [u32; 2], scores: Scores, labels: usize) -> Result<Anchors, HeadError> {
     let rows = count(size);
     let refused = || {
         let expected = format!("1×{rows}×4 and 1×{rows}×{labels}");
@@ -31,9 +26,16 @@ pub(super) fn anchors(
     };
     // Exports that add the anchors themselves call them so.
     let is_offsets = |t: &&Tensor| t.shape == [1, rows, 4] && !t.name.contains("anchor");
-    let offsets = outputs.iter().find(is_offsets).and_then(Tensor::floats).ok_or_else(refused)?;
+    let offsets = outputs
+        .iter()
+        .find(is_offsets)
+        .and_then(Tensor::floats)
+        .ok_or_else(refused)?;
     let fits = |t: &Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && (columns == labels || columns + 1 == labels));
-    let output = outputs.iter().position(|t| fits(t) && t.floats().is_some()).ok_or_else(refused)?;
+    let output = outputs
+        .iter()
+        .position(|t| fits(t) && t.floats().is_some())
+        .ok_or_else(refused)?;
     let columns = outputs[output].shape[2];
     let boxes = own_boxes(size).zip(offsets.chunks_exact(4)).enumerate();
     let anchors = boxes.map(|(i, ([cx, cy, w, h], o))| {

@@ -27,7 +27,9 @@ pub(super) fn decode(
 /// Its boxes with the logits of all labels each: the pairs of [`decode`], for a gradient.
 pub(super) fn anchors(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
     let (boxes, logits, columns) = checked(outputs, labels)?;
-    let output = outputs.iter().position(|t| t.floats().is_some_and(|v| std::ptr::eq(v, logits)));
+    let output = outputs
+        .iter()
+        .position(|t| t.floats().is_some_and(|v| std::ptr::eq(v, logits)));
     let of_box = |(i, b): (usize, &[f32])| {
         let b = scaled(centred([b[0], b[1], b[2], b[3]]), size);
         Anchor::in_row(b, output.unwrap_or(0), i * columns, false)

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::detect::manifest::{FirstLabel, Head, Input, Resize};
+use crate::detect::manifest::{FirstLabel, Head, Input, Resize, Scores};
 use crate::detect::{Labels, ManifestError};
 
 /// A family of detectors that are fed and read alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Family {
+    /// Its three grids, not decoded.
+    Yolov3,
     Yolov4,
     /// Also v6 and v7.
     Yolov5,
@@ -26,6 +28,10 @@ pub(crate) enum Family {
     /// RT-DETR as Ultralytics exports it.
     Rtdetr,
     Rfdetr,
+    /// RT-DETR, RT-DETRv2 and D-FINE as Transformers exports them.
+    HfDetr,
+    /// Before its postprocessing.
+    Efficientdet,
     TfOd,
     SsdResnet34,
     /// Faster and Mask R-CNN of the ONNX zoo.
@@ -35,7 +41,8 @@ pub(crate) enum Family {
 }
 
 /// The families, in the order of the enum: how users write them, and what people call them.
-const NAMES: [(Family, &str, &str); 16] = [
+const NAMES: [(Family, &str, &str); 19] = [
+    (Family::Yolov3, "yolov3", "YOLOv3 of Darknet"),
     (Family::Yolov4, "yolov4", "YOLOv4 of the ONNX zoo"),
     (Family::Yolov5, "yolov5", "YOLOv5, v6 or v7"),
     (Family::Yolov8, "yolov8", "YOLOv8, v9, 11 or 12"),
@@ -56,6 +63,12 @@ const NAMES: [(Family, &str, &str); 16] = [
     ),
     (Family::Rtdetr, "rtdetr", "RT-DETR as Ultralytics exports it"),
     (Family::Rfdetr, "rfdetr", "RF-DETR"),
+    (Family::HfDetr, "hf_detr", "RT-DETR or D-FINE of Transformers"),
+    (
+        Family::Efficientdet,
+        "efficientdet",
+        "EfficientDet before its postprocessing",
+    ),
     (Family::TfOd, "tf_od", "TensorFlow Object Detection"),
     (Family::SsdResnet34, "ssd_resnet34", "SSD-ResNet34 of the ONNX zoo"),
     (Family::ZooRcnn, "zoo_rcnn", "Faster or Mask R-CNN of the ONNX zoo"),
@@ -111,12 +124,13 @@ impl Family {
     }
 
     /// How its outputs are read.
-    pub(super) fn head(self, labels: Labels, strides: Vec<u32>) -> Head {
+    pub(super) fn head(self, labels: Labels, strides: Vec<u32>, scores: Scores) -> Head {
         // 0 is the background, except with COCO's category ids, which need no shift.
         let first = FirstLabel {
             first_label: i64::from(labels != Labels::Coco91),
         };
         match self {
+            Family::Yolov3 => Head::Yolov3 { nms_iou: 0.45 },
             Family::Yolov4 => Head::Yolov4 { nms_iou: 0.213 },
             Family::Yolov5 | Family::YoloxDecoded => Head::Yolov5 { nms_iou: 0.45 },
             Family::Yolov8 => Head::Yolov8 { nms_iou: 0.7 },
@@ -127,7 +141,8 @@ impl Family {
             Family::Fastestdet => Head::Fastestdet { nms_iou: 0.45 },
             Family::Deim => Head::Deim {},
             Family::Rtdetr => Head::Rtdetr {},
-            Family::Rfdetr => Head::Rfdetr {},
+            Family::Rfdetr | Family::HfDetr => Head::Rfdetr {},
+            Family::Efficientdet => Head::Efficientdet { scores, nms_iou: 0.5 },
             Family::TfOd => Head::TfOd(first),
             Family::SsdResnet34 => Head::SsdResnet34(first),
             Family::ZooRcnn | Family::Torchvision => Head::Rcnn(first),

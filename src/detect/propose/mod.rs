@@ -176,7 +176,9 @@ pub(crate) fn propose_within(
             sha256,
         },
         input: input(&network, candidate.family)?,
-        head: candidate.family.head(labels, candidate.strides.clone()),
+        head: candidate
+            .family
+            .head(labels, candidate.strides.clone(), recognise::scores(&network)),
         class_map: BTreeMap::new(),
         folder: None,
     };

@@ -2,8 +2,8 @@
 
 use super::family::Family;
 use super::inspect::Inspected;
-use crate::detect::heads::{Data, Tensor};
-use crate::detect::manifest::Layout;
+use crate::detect::heads::{Data, Tensor, efficientdet};
+use crate::detect::manifest::{Layout, Scores};
 
 /// A family whose outputs have these shapes.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,7 +15,7 @@ pub(super) struct FamilyCandidate {
     pub strides: Vec<u32>,
 }
 
-/// The grids that the one-stage families use.
+/// The grids that the one-stage families with one table use.
 const STRIDES: [&[u32]; 3] = [&[8, 16, 32], &[8, 16, 32, 64], &[16, 32, 64]];
 
 /// Every family with outputs of these shapes.
@@ -36,8 +36,17 @@ pub(super) fn by_shape(network: &Inspected) -> Vec<FamilyCandidate> {
     found.extend(yolov4(outputs, network.size_px).map(|labels| candidate(Family::Yolov4, Some(labels))));
     found.extend(fastestdet(outputs, network.size_px).map(|labels| candidate(Family::Fastestdet, Some(labels))));
     found.extend(nanodet(outputs, network.size_px));
+    found.extend(yolov3(outputs, network.size_px).map(|labels| candidate(Family::Yolov3, Some(labels))));
+    found.extend(efficientdet(outputs, network.size_px).map(|labels| candidate(Family::Efficientdet, Some(labels))));
     if found.is_empty() {
-        found.extend(rfdetr(outputs).map(|columns| candidate(Family::Rfdetr, Some(columns))));
+        let is_of_transformers = named(outputs, "logits") && named(outputs, "pred_boxes");
+        match rfdetr(outputs) {
+            // 91 labels and "no object" are DETR's own, whose scores are a softmax: what reads these shapes would read them wrongly.
+            Some(92) if is_of_transformers => return Vec::new(),
+            Some(columns) if is_of_transformers => found.push(candidate(Family::HfDetr, Some(columns))),
+            Some(columns) => found.push(candidate(Family::Rfdetr, Some(columns))),
+            None => {}
+        }
     }
     if found.is_empty() {
         found.extend(outputs.iter().flat_map(|t| one_table(t, network.size_px)));
@@ -102,13 +111,49 @@ fn fastestdet(outputs: &[Tensor], [width, height]: [u32; 2]) -> Option<usize> {
     }
 }
 
+fn yolov3(outputs: &[Tensor], [width, height]: [u32; 2]) -> Option<usize> {
+    let labels = |s: u32| {
+        let of_grid = |t: &Tensor| match t.shape[..] {
+            [1, row, rows, columns] if [columns, rows] == [width / s, height / s].map(|v| v as usize) => {
+                (row % 3 == 0).then(|| (row / 3).checked_sub(5)).flatten()
+            }
+            _ => None,
+        };
+        outputs.iter().find_map(of_grid).filter(|labels| *labels > 0)
+    };
+    let found = labels(8)?;
+    (outputs.len() == 3 && labels(16) == Some(found) && labels(32) == Some(found)).then_some(found)
+}
+
+fn efficientdet(outputs: &[Tensor], size: [u32; 2]) -> Option<usize> {
+    let rows = efficientdet::count(size);
+    let columns = |t: &Tensor| match t.shape[..] {
+        [1, n, columns] if n == rows => Some(columns),
+        _ => None,
+    };
+    let has_boxes = outputs.iter().any(|t| columns(t) == Some(4));
+    let scores = outputs.iter().filter_map(columns).find(|columns| *columns != 4)?;
+    // COCO's category ids from 1 on.
+    has_boxes.then_some(if scores == 90 { 91 } else { scores })
+}
+
+/// Whether the scores of a family that has both are logits.
+pub(super) fn scores(network: &Inspected) -> Scores {
+    let tables = network.answers.iter().flatten().filter(|t| t.shape.last() != Some(&4));
+    let all = tables.flat_map(|t| floats(t).iter().copied());
+    match no_score(all) {
+        Some(_) => Scores::Logits,
+        None => Scores::Probabilities,
+    }
+}
+
 /// A pair of tables per stride.
 fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
     const BOX_LOGITS: usize = 32;
     let of_stride = |stride: u32| -> Vec<usize> {
         let count = cells(size, &[stride]);
         let rows = outputs.iter().filter_map(|t| match t.shape[..] {
-            [1, n, row] if n == count => Some(row),
+            [1, n, row] | [n, row] if n == count => Some(row),
             _ => None,
         });
         rows.collect()
@@ -121,14 +166,13 @@ fn nanodet(outputs: &[Tensor], size: [u32; 2]) -> Option<FamilyCandidate> {
             _ => None,
         }
     };
-    STRIDES.into_iter().find_map(|strides| {
-        let labels: Vec<usize> = strides.iter().filter_map(labels_of).collect();
-        let alike = labels.iter().all(|l| *l == labels[0]) && labels.len() == strides.len();
-        (alike && outputs.len() == 2 * strides.len()).then(|| FamilyCandidate {
-            family: Family::Nanodet,
-            labels: labels.first().copied(),
-            strides: strides.to_vec(),
-        })
+    let strides = [4, 8, 16, 32, 64, 128].into_iter();
+    let (strides, labels): (Vec<u32>, Vec<usize>) = strides.filter_map(|s| Some((s, labels_of(&s)?))).unzip();
+    let are_alike = labels.iter().all(|l| *l == labels[0]);
+    (!strides.is_empty() && are_alike && outputs.len() == 2 * strides.len()).then(|| FamilyCandidate {
+        family: Family::Nanodet,
+        labels: labels.first().copied(),
+        strides,
     })
 }
 
@@ -224,16 +268,23 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
             let t = table(outputs, candidate.labels? + 4)?;
             no_score(columns(t, 4..)).or_else(|| no_share(columns(t, 0..4)))
         }
-        Family::Rfdetr => {
+        Family::Rfdetr | Family::HfDetr => {
             let logits = outputs.iter().find(|t| t.shape.last() != Some(&4))?;
             let probabilities = no_score(floats(logits).iter().copied()).is_none();
-            let text = "its scores are probabilities already, and RF-DETR gives logits".to_owned();
+            let text = format!(
+                "its scores are probabilities already, and {} gives logits",
+                candidate.family.title()
+            );
             probabilities
                 .then_some(text)
                 .or_else(|| no_share(floats(table(outputs, 4)?).iter().copied()))
         }
         Family::SsdResnet34 => no_share(floats(listed_boxes(outputs)?).iter().copied()),
-        Family::Deim | Family::TfOd | Family::ZooRcnn | Family::Torchvision => None,
+        Family::Yolov3 => {
+            let probabilities = no_score(outputs.iter().flat_map(|t| floats(t).iter().copied())).is_none();
+            probabilities.then(|| "its numbers are probabilities already, and YOLOv3's grids are logits".to_owned())
+        }
+        Family::Efficientdet | Family::Deim | Family::TfOd | Family::ZooRcnn | Family::Torchvision => None,
     })
 }
 

@@ -115,7 +115,11 @@ fn grid_sample(align_corners: bool, clamps: bool) -> Operator {
         let [grids, new_rows, new_columns, coordinates] = grid.dims();
         if grids != count || coordinates != 2 || rows == 0 || columns == 0 {
             let shape = grid.dims().to_vec();
-            return Err(NetworkFault::Mismatch("images and places", images.dims().to_vec(), shape));
+            return Err(NetworkFault::Mismatch(
+                "images and places",
+                images.dims().to_vec(),
+                shape,
+            ));
         }
         let places = new_rows * new_columns;
         bounded([channels, count, places])?;
@@ -136,7 +140,8 @@ fn grid_sample(align_corners: bool, clamps: bool) -> Operator {
         };
         let floors = |numbers: Vec<f32>| numbers.into_iter().map(f32::floor).collect::<Vec<f32>>();
         let (left, top) = (floors(host(&x)?), floors(host(&y)?));
-        let constant = |numbers: Vec<f32>| Tensor::<2>::from_data(TensorData::new(numbers, [1, count * places]), &device);
+        let constant =
+            |numbers: Vec<f32>| Tensor::<2>::from_data(TensorData::new(numbers, [1, count * places]), &device);
         let (right_share, lower_share) = (x - constant(left.clone()), y - constant(top.clone()));
         // All images beside each other, a row a channel.
         let pixels = images.swap_dims(0, 1).reshape([channels, count * rows * columns]);
@@ -147,7 +152,11 @@ fn grid_sample(align_corners: bool, clamps: bool) -> Operator {
                 let (column, row) = (left + dx as f32, top + dy as f32);
                 let is_inside = (0.0..columns as f32).contains(&column) && (0.0..rows as f32).contains(&row);
                 inside.push(f32::from(u8::from(is_inside)));
-                let pixel = if is_inside { row as usize * columns + column as usize } else { 0 };
+                let pixel = if is_inside {
+                    row as usize * columns + column as usize
+                } else {
+                    0
+                };
                 indices.push((i / places * rows * columns + pixel) as i64);
             }
             let indices = Tensor::<1, Int>::from_data(TensorData::new(indices, [count * places]), &device);

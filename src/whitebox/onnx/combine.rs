@@ -77,7 +77,11 @@ fn matmul(mut inputs: Inputs) -> Result<Value> {
     let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);
     let (left, right) = (a.shape(), b.shape());
     let row = if left.len() == 1 { a.reshaped(&[1, left[0]])? } else { a };
-    let column = if right.len() == 1 { b.reshaped(&[right[0], 1])? } else { b };
+    let column = if right.len() == 1 {
+        b.reshaped(&[right[0], 1])?
+    } else {
+        b
+    };
     let result = product(row, column)?;
     let mut shape = result.shape();
     if right.len() == 1 {

@@ -133,7 +133,10 @@ impl Graph {
     pub(super) fn read_instead(&mut self, slot: Slot, other: Slot) {
         let inputs = self.steps.iter_mut().flat_map(|step| step.inputs.iter_mut().flatten());
         let outputs = self.outputs.iter_mut().map(|(_, slot)| slot);
-        inputs.chain(outputs).filter(|read| **read == slot).for_each(|read| *read = other);
+        inputs
+            .chain(outputs)
+            .filter(|read| **read == slot)
+            .for_each(|read| *read = other);
     }
 
     /// A slot of its own.

@@ -152,10 +152,16 @@ impl Twins<'_> {
         let slot = outputs[output];
         if is_ordered {
             // Scores that round to the same number are ordered by their logits alone: the indices have to be of that order, too.
-            let [_, of_scores, ..] = step.outputs[..] else { return Ok(None) };
+            let [_, of_scores, ..] = step.outputs[..] else {
+                return Ok(None);
+            };
             graph.read_instead(of_scores, outputs[1]);
         }
-        let twin = GraphStep { inputs, outputs, ..step };
+        let twin = GraphStep {
+            inputs,
+            outputs,
+            ..step
+        };
         self.added.push((at, twin));
         let is_logit = Some(masks.swap_remove(output));
         Ok(Some(Twin { slot, is_logit }))

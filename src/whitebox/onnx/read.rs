@@ -12,7 +12,12 @@ use super::{arithmetic, choice, combine, convolution, elementwise, rearrange, re
 use crate::whitebox::{NetworkFault, WhiteBoxError};
 
 /// Reads a file's bytes; `file` is only named in errors.
-pub(super) fn read(bytes: &[u8], file: &str, photo_size: Option<[u32; 2]>, device: &Device) -> Result<Graph, WhiteBoxError> {
+pub(super) fn read(
+    bytes: &[u8],
+    file: &str,
+    photo_size: Option<[u32; 2]>,
+    device: &Device,
+) -> Result<Graph, WhiteBoxError> {
     let unreadable = |reason: NetworkFault| WhiteBoxError::OnnxNetwork {
         file: file.to_owned(),
         reason,
@@ -36,7 +41,9 @@ pub(super) fn read(bytes: &[u8], file: &str, photo_size: Option<[u32; 2]>, devic
                 .join(", "),
         });
     }
-    let mut graph = Builder::new(device).graph(&parsed, photo_size, operators).map_err(unreadable)?;
+    let mut graph = Builder::new(device)
+        .graph(&parsed, photo_size, operators)
+        .map_err(unreadable)?;
     // The parser gives outputs names of its own.
     let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
     for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {

@@ -320,7 +320,12 @@ fn tile(times: IntegerSetting) -> Operator {
         if times.len() != shape.len() || times.contains(&0) {
             return Err("it does not say for each axis how often to repeat it".into());
         }
-        bounded(shape.iter().zip(&times).map(|(side, times)| side.saturating_mul(*times)))?;
+        bounded(
+            shape
+                .iter()
+                .zip(&times)
+                .map(|(side, times)| side.saturating_mul(*times)),
+        )?;
         match value {
             Value::Floats(Floats { x, rank }) => {
                 let x = x.repeat(&full(&times)?);
