@@ -46,6 +46,7 @@ mod print_tags;
 mod print_template;
 mod print_wrap;
 mod report;
+mod results_outside;
 mod scale;
 mod score;
 mod solvers;

@@ -131,6 +131,11 @@ fn recordings() {
 }
 
 #[test]
+fn detections_from_outside() {
+    survives("results", entry::results);
+}
+
+#[test]
 fn palettes() {
     survives("palette", entry::palette);
 }

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use super::detectors;
+use super::results::Results;
 use super::sessions::quoted;
 use crate::detect::{Manifest, Recording, WeightFolders};
 use crate::score::{EvaluatedDetector, evaluated_detectors};
@@ -16,6 +17,25 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// # Errors
 /// A named one that cannot take part; none at hand.
 pub(super) fn evaluated(
+    sessions: &[Session],
+    names: &[String],
+    is_recorded: bool,
+    folder: &detectors::Folder,
+    results: &Results,
+) -> Result<Vec<EvaluatedDetector>> {
+    let mut evaluated = match results.stand_alone(names, is_recorded) {
+        true => Vec::new(),
+        false => networks(sessions, names, is_recorded, folder)?,
+    };
+    evaluated.extend(results.open(sessions)?);
+    let names: Vec<&str> = evaluated.iter().map(|d| d.manifest.name.as_str()).collect();
+    match (1..names.len()).find(|i| names[..*i].contains(&names[*i])) {
+        None => Ok(evaluated),
+        Some(i) => Err(format!("two detectors are called {}: give one of them another name", names[i]).into()),
+    }
+}
+
+fn networks(
     sessions: &[Session],
     names: &[String],
     is_recorded: bool,

@@ -30,6 +30,7 @@ mod pattern;
 mod plan;
 mod print;
 mod progress;
+mod results;
 mod scene;
 mod score;
 mod session;
@@ -106,6 +107,7 @@ const ADVICE: &[advice::Advise] = &[
     locate::advice,
     merge::advice,
     print::wrap::advice,
+    results::advice,
     score::advice,
     session::advice,
 ];

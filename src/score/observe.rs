@@ -103,6 +103,11 @@ impl ScoringJob<'_> {
         }
     }
 
+    /// Among the photos of the run, from 0.
+    fn index(&self) -> usize {
+        usize::try_from(self.id.saturating_sub(1)).unwrap_or(usize::MAX)
+    }
+
     fn needs_tags(&self) -> bool {
         self.entry.box_xyxy_px.is_none() || self.entry.viewpoint.is_none()
     }
@@ -256,6 +261,15 @@ impl<'a> Observer<'a> {
                     detector: detector.manifest.name.clone(),
                 };
                 return Ok(found.ok_or_else(not_recorded).map_err(Stop::Run)?.to_vec());
+            }
+            DetectionSource::Outside(results) => {
+                let size = [decoded.file.width, decoded.file.height];
+                let found = results.of_photo(job.index(), &job.entry.file, size);
+                return found.map_err(|e| Stop::Run(e.into()));
+            }
+            DetectionSource::Elsewhere(card) => {
+                let (detector, file) = (card.name.clone(), job.entry.file.clone());
+                return Err(Stop::Run(ScoreError::NotRecorded { file, detector }));
             }
         };
         let manifest = &detector.manifest;
