@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof::board::Definition;
 use scaleproof::camera::{Camera, CameraFormat};
-use scaleproof::detect::{Manifest, OutsideResults, PhotoName, Recorded, ResultsRequest};
+use scaleproof::detect::{Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest};
 use scaleproof::files::sha256_hex;
 use scaleproof::frames::FrameSet;
 use scaleproof::frames::import::import as import_frames;
@@ -215,6 +215,14 @@ pub fn results(bytes: &[u8]) {
     read(&folder, None, None);
     text(b"2 0.5 0.5 0.25 0.3 0.91\n");
     read(&folder, None, Some(&given));
+}
+
+/// What a program says: a hello, an answer about a photo of 64 × 48 px, a manifest that starts it, and a command line.
+pub fn program(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    scaleproof::detect::read_as_a_programs(text);
+    let _ = ProgramSpec::parse(text, Path::new("mine.toml"));
+    let _ = ProgramSpec::named(&format!("exec:{text}"));
 }
 
 /// Shard files: the bytes as they are, and behind a head that says they are whole; what is read can be written and read again.

@@ -45,6 +45,7 @@ mod print_svg;
 mod print_tags;
 mod print_template;
 mod print_wrap;
+mod program_detectors;
 mod report;
 mod results_outside;
 mod scale;

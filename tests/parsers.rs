@@ -136,6 +136,11 @@ fn detections_from_outside() {
 }
 
 #[test]
+fn what_programs_say() {
+    survives("program", entry::program);
+}
+
+#[test]
 fn palettes() {
     survives("palette", entry::palette);
 }

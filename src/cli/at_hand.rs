@@ -23,10 +23,13 @@ pub(super) fn evaluated(
     folder: &detectors::Folder,
     results: &Results,
 ) -> Result<Vec<EvaluatedDetector>> {
-    let mut evaluated = match results.stand_alone(names, is_recorded) {
+    let (names, programs) = results.programs(names)?;
+    let stand_alone = (!programs.is_empty() || results.are_given()) && names.is_empty() && !is_recorded;
+    let mut evaluated = match stand_alone {
         true => Vec::new(),
-        false => networks(sessions, names, is_recorded, folder)?,
+        false => networks(sessions, &names, is_recorded, folder)?,
     };
+    evaluated.extend(results.start(programs, sessions)?);
     evaluated.extend(results.open(sessions)?);
     let names: Vec<&str> = evaluated.iter().map(|d| d.manifest.name.as_str()).collect();
     match (1..names.len()).find(|i| names[..*i].contains(&names[*i])) {

@@ -21,6 +21,7 @@ mod copies;
 mod demo;
 mod detectors;
 mod failing_alike;
+mod interrupt;
 mod locate;
 mod merge;
 mod mistakes;

@@ -1,10 +1,15 @@
-//! `--results NAME=FILE`: detectors whose detections another program wrote into files.
+//! Detectors that are other programs: `--results NAME=FILE`, whose detections lie in files, and `--detector exec:PROGRAM`, which run.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use crate::detect::{Manifest, OutsideError, OutsideResults, PhotoName, ResultsRequest};
-use crate::score::{EvaluatedDetector, EvaluatedDetectorError};
+use super::interrupt;
+use crate::detect::{
+    Manifest, OutsideError, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
+    ResultsRequest,
+};
+use crate::score::{EvaluatedDetector, EvaluatedDetectorError, ScoreError};
 use crate::session::Session;
 
 /// Detections from outside.
@@ -21,12 +26,49 @@ pub(super) struct Results {
     /// when left out.
     #[arg(long, value_name = "FILE", requires = "results")]
     categories: Option<PathBuf>,
+    /// With --detector exec:PROGRAM, or the manifest of a program: the seconds it gets to start, and for each photo.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..=604_800))]
+    detector_timeout: u64,
 }
 
+/// Names of networks, and the programs among the names.
+type NetworksAndPrograms = (Vec<String>, Vec<ProgramSpec>);
+
 impl Results {
-    /// Whether nothing else is scored.
-    pub(super) fn stand_alone(&self, names: &[String], is_recorded: bool) -> bool {
-        !self.results.is_empty() && names.is_empty() && !is_recorded
+    pub(super) fn are_given(&self) -> bool {
+        !self.results.is_empty()
+    }
+
+    /// Parts the names of detectors from programs.
+    pub(super) fn programs(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
+        let (mut networks, mut programs) = (Vec::new(), Vec::new());
+        for name in names {
+            match ProgramSpec::named(name)? {
+                Some(program) => programs.push(program),
+                None => networks.push(name.clone()),
+            }
+        }
+        Ok((networks, programs))
+    }
+
+    /// Starts the programs. From then on an interruption ends them before it ends this program.
+    pub(super) fn start(
+        &self,
+        programs: Vec<ProgramSpec>,
+        sessions: &[Session],
+    ) -> Result<Vec<EvaluatedDetector>, Box<dyn Error>> {
+        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+            return Ok(Vec::new());
+        };
+        if !programs.is_empty() {
+            interrupt::end_programs_first();
+        }
+        let limit = Duration::from_secs(self.detector_timeout);
+        let started = programs.into_iter().map(|spec| {
+            let program = ProgramDetector::open(spec, limit)?;
+            Ok(EvaluatedDetector::program(program, class)?)
+        });
+        started.collect()
     }
 
     /// Reads all of them, for the photos of some sessions.
@@ -75,6 +117,15 @@ fn name_and_path(given: &str) -> Result<(&str, &Path), String> {
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     if let Some(EvaluatedDetectorError::Outside(e)) = error.downcast_ref() {
         return advice(e);
+    }
+    if let Some(ScoreError::Program(e)) = error.downcast_ref() {
+        return advice(e);
+    }
+    if let Some(ProgramError::Lost(e)) = error.downcast_ref() {
+        return advice(e.as_ref());
+    }
+    if let Some(ProgramError::TooLong { .. }) = error.downcast_ref() {
+        return Some("give it more time by --detector-timeout".into());
     }
     match error.downcast_ref()? {
         OutsideError::NumberedImages { .. } => Some("name the COCO file of its images by --images".into()),

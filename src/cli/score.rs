@@ -19,7 +19,7 @@ pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
     /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
-    /// is named.
+    /// is named. A program of your own is `exec:PROGRAM` or `'exec:PROGRAM ARGUMENT …'`.
     #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
@@ -150,6 +150,12 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         &args.results,
     )?;
     opened.check_output(&args.output)?;
+    if let (true, Some(program)) = (args.record, detectors.iter().find(|d| d.foreign().is_some())) {
+        let name = &program.manifest.name;
+        return Err(
+            format!("--record stores the detections of networks, and {name} is a program: leave it out").into(),
+        );
+    }
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
     }

@@ -13,6 +13,7 @@ mod linear;
 mod manifest;
 mod nms;
 mod outside;
+mod program;
 mod propose;
 mod registered;
 mod runtime;
@@ -41,6 +42,9 @@ pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{CandidateBox, suppress};
 pub(crate) use outside::{OutsideError, OutsideResults, PhotoName, ResultsRequest, flat_name};
+#[cfg(any(test, fuzzing))]
+pub(crate) use program::read_as_a_programs;
+pub(crate) use program::{ProgramDetector, ProgramError, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs};
 #[cfg(test)]
 pub(crate) use propose::Proposal;
 #[cfg(test)]

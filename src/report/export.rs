@@ -42,14 +42,20 @@ pub(crate) struct ExportRequest<'a> {
     pub copy: bool,
 }
 
+/// Finds out, before photos are searched, that a folder is new or empty.
+pub(crate) fn check_export(folder: &Path) -> Result<(), ExportError> {
+    match std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
+        false => Ok(files::check_writable(folder)?),
+        true => Err(ExportError::NotEmpty {
+            folder: folder.to_owned(),
+        }),
+    }
+}
+
 /// Writes the export, whole or not at all, and returns the file that names everything.
 pub(crate) fn export(request: &ExportRequest) -> Result<PathBuf, ExportError> {
     let (scores, folder) = (request.scores, request.folder);
-    if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
-        return Err(ExportError::NotEmpty {
-            folder: folder.to_owned(),
-        });
-    }
+    check_export(folder)?;
     let names = names(&scores.photos)?;
     let classes = Classes::of(scores);
     let name_of = |photo: &ScoredPhoto| names.get(&photo.id).cloned().unwrap_or_default();

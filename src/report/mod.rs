@@ -27,7 +27,7 @@ pub(crate) use comparison::{comparison_json, comparison_table, write_comparison}
 pub(crate) use counted::counted;
 pub(crate) use evaluation::{Evaluation, evaluation_tables};
 pub(crate) use evaluation_files::write_evaluation;
-pub(crate) use export::{ExportFormat, ExportRequest, export};
+pub(crate) use export::{ExportFormat, ExportRequest, check_export, export};
 pub use table::summary_table;
 pub(crate) use truth::truth_boxes;
 

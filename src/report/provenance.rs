@@ -29,6 +29,9 @@ pub(super) struct DetectorProvenance {
     pub title: String,
     /// Absent when another program ran it.
     pub weights_sha256: Option<String>,
+    /// What a program says of itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
     /// SHA-256 by name, of the files of another program.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub files: BTreeMap<String, String>,
@@ -36,7 +39,7 @@ pub(super) struct DetectorProvenance {
     pub counted_labels: Vec<&'static str>,
     pub origin: String,
     pub licence: String,
-    /// `live`, `recorded` or `results`.
+    /// `live`, `recorded`, `results` or `program`.
     pub source: &'static str,
     /// For recordings: the program and runtime that made them.
     pub recorded_by: Option<String>,
@@ -81,6 +84,7 @@ fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
         name: c.manifest.name.clone(),
         title: c.manifest.title.clone(),
         weights_sha256: foreign.is_none().then(|| c.manifest.weights.sha256.clone()),
+        version: foreign.and_then(|card| card.version.clone()),
         files: foreign.iter().flat_map(|card| card.files.iter().cloned()).collect(),
         counted_labels: counted::labels_of(c),
         origin: c.manifest.origin.clone(),

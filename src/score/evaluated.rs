@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::detect::{
-    DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults, Recorded,
-    RecordedError, Runtime, WeightFolders, WeightsError,
+    DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults, ProgramDetector,
+    Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
 };
 use crate::files;
 use crate::scene::Classes;
@@ -31,6 +31,8 @@ pub enum DetectionSource {
     Recorded(Vec<Recorded>),
     /// Files that another program wrote.
     Outside(Arc<OutsideResults>),
+    /// A program that runs.
+    Program(Arc<ProgramDetector>),
     /// Another program, which is not needed here: the photos were looked at elsewhere.
     Elsewhere(Box<ForeignCard>),
 }
@@ -48,6 +50,8 @@ pub enum EvaluatedDetectorError {
     NoSuchClass(#[from] NoSuchClass),
     #[error(transparent)]
     Outside(#[from] OutsideError),
+    #[error("the manifest of {detector} is not valid: {fault}")]
+    ClassMap { detector: String, fault: String },
 }
 
 /// The folder of a session that holds recordings.
@@ -92,6 +96,21 @@ impl EvaluatedDetector {
         EvaluatedDetector::new(manifest, DetectionSource::Outside(Arc::new(results)), class)
     }
 
+    /// A detector that is a program.
+    pub(crate) fn program(
+        program: ProgramDetector,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let manifest = Manifest::of_foreign(program.card());
+        if let Some(fault) = manifest.class_map_fault() {
+            return Err(EvaluatedDetectorError::ClassMap {
+                detector: manifest.name,
+                fault,
+            });
+        }
+        EvaluatedDetector::new(manifest, DetectionSource::Program(Arc::new(program)), class)
+    }
+
     /// A detector of another program that looked at the photos elsewhere, for shards.
     pub(crate) fn foreign_elsewhere(
         card: &ForeignCard,
@@ -106,6 +125,7 @@ impl EvaluatedDetector {
         match &self.source {
             DetectionSource::Live(_) | DetectionSource::Recorded(_) => None,
             DetectionSource::Outside(results) => Some(results.card()),
+            DetectionSource::Program(program) => Some(program.card()),
             DetectionSource::Elsewhere(card) => Some(card),
         }
     }

@@ -41,6 +41,7 @@ enum Format {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    report::check_export(&args.output)?;
     let options = args.effort.options(&[])?;
     let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
     failing_alike::say_not_scored(&scores);

@@ -10,6 +10,7 @@ mod yolo;
 
 use std::path::{Path, PathBuf};
 
+use super::foreign::{check_score, placed};
 use super::{Detection, ForeignCard, ForeignKind, Labels, LabelsError, MAX_DETECTIONS, SCORE_FLOOR};
 use crate::files::{self, FileError};
 use crate::geometry::BoxPx;
@@ -111,13 +112,6 @@ struct ReadResults {
     files: Vec<(String, String)>,
 }
 
-/// A sigmoid or softmax may round up a little.
-const HIGHEST_SCORE: f64 = 1.001;
-/// Rounding a box to whole pixels explains so much over the border.
-const ROUNDING_PX: f64 = 1.0;
-/// No detector is this sure of a box that reaches out of its photo by more than [`FAR_OUT`] of a side.
-const SURE: f64 = 0.5;
-const FAR_OUT: f64 = 0.1;
 /// Results without any detection below were cut, which AP suffers from, unless a hundred boxes in each photo are above.
 const CUT_FROM: f64 = 0.01;
 
@@ -170,7 +164,10 @@ impl OutsideResults {
                 title: request.name.to_owned(),
                 licence: "not stated".into(),
                 origin: format!("{}, made by another program", name_of(path)),
+                version: None,
+                command: Vec::new(),
                 labels: categories.labels,
+                class_map: Default::default(),
                 files: read.files,
                 notes,
             },
@@ -214,15 +211,7 @@ impl OutsideResults {
         let size = [f64::from(width), f64::from(height)];
         let mut found = Vec::with_capacity(photo.boxes.len());
         for raw in &photo.boxes {
-            let b = raw.in_px(self.unit, size);
-            if let Some(fault) = place_fault(&b, raw.score, size) {
-                return Err(refuse(fault));
-            }
-            let inside = match reaches_out(&b, size) > ROUNDING_PX {
-                true => b.clipped(size[0], size[1]),
-                false => b,
-            };
-            found.extend(Detection::new(raw.label, raw.score.min(1.0), inside));
+            found.extend(placed(raw.label, raw.score, raw.in_px(self.unit, size), [width, height]).map_err(refuse)?);
         }
         Ok(found)
     }
@@ -239,41 +228,8 @@ impl RawBox {
     }
 }
 
-/// How far a box reaches over the border, in px.
-fn reaches_out(b: &BoxPx, [width, height]: [f64; 2]) -> f64 {
-    (-b.x1).max(-b.y1).max(b.x2 - width).max(b.y2 - height)
-}
-
-/// Why a box cannot be of a photo of this size.
-fn place_fault(b: &BoxPx, score: f64, [width, height]: [f64; 2]) -> Option<String> {
-    let shown = || {
-        let corners = <[f64; 4]>::from(*b).map(|v| format!("{v:.1}"));
-        format!(
-            "a box of confidence {score} from x, y = {}, {} to {}, {}",
-            corners[0], corners[1], corners[2], corners[3]
-        )
-    };
-    let why =
-        "was the image of another size, or are these corners (x1, y1, x2, y2) where COCO has x, y, width, height?";
-    if !b.clipped(width, height).is_solid() && b.is_solid() {
-        return Some(format!(
-            "{} lies outside the photo of {width}×{height} px: {why}",
-            shown()
-        ));
-    }
-    let far = reaches_out(b, [width, height]) > FAR_OUT * width.max(height);
-    (far && score >= SURE).then(|| format!("{} reaches far out of the photo of {width}×{height} px: {why}", shown()))
-}
-
 fn check_scores(boxes: &[RawBox]) -> Result<(), String> {
-    let is_score = |score: f64| (0.0..=HIGHEST_SCORE).contains(&score);
-    match boxes.iter().map(|b| b.score).find(|score| !is_score(*score)) {
-        None => Ok(()),
-        Some(score) if (1.0..=100.0).contains(&score) => Err(format!(
-            "the confidence {score} is above 1: divide it by 100 if it counts per cent; confidences go from 0 to 1"
-        )),
-        Some(score) => Err(format!("the confidence {score} is none: confidences go from 0 to 1")),
-    }
+    boxes.iter().try_for_each(|b| check_score(b.score))
 }
 
 /// Results that were put together twice count their false alarms twice.
@@ -304,7 +260,7 @@ fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
         .collect();
     if let Some(first) = silent.first() {
         notes.push(format!(
-            "the results of {name} do not mention {} of {} (the first: {first}): it counts as if nothing was found there",
+            "the results of {name} do not mention {} of {} (the first: {first}): there they count as if nothing was found",
             silent.len(),
             spelling::count(request.photos.len(), "photo"),
         ));

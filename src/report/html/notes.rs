@@ -69,6 +69,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
                         tr {
                             td { (d.title) } td.hash {
                                 @if let Some(weights) = &d.weights_sha256 { (weights) }
+                                @if let Some(version) = &d.version { (version) br; }
                                 @for (file, hash) in &d.files { (file) ": " (hash) br; }
                             } td.text { (d.origin) } td.text { (d.licence) }
                             td.text { (d.source) @if let Some(by) = &d.recorded_by { " by " (by) } }
