@@ -20,11 +20,13 @@ mod completions;
 mod copies;
 mod demo;
 mod detectors;
+mod enlarged;
 mod failing_alike;
 mod interrupt;
 mod locate;
 mod merge;
 mod mistakes;
+mod model;
 mod output;
 mod overview;
 mod pattern;
@@ -38,6 +40,9 @@ mod session;
 mod sessions;
 #[cfg(feature = "full")]
 mod survey;
+mod texture;
+#[cfg(feature = "full")]
+mod textures;
 mod units;
 
 use std::error::Error;
@@ -70,6 +75,8 @@ enum Command {
     Print(print::Args),
     Scene(scene::Args),
     Pattern(pattern::Args),
+    #[cfg(feature = "full")]
+    Texture(textures::Args),
     Camera(camera::Args),
     Colour(colour::Args),
     #[cfg(feature = "full")]
@@ -97,7 +104,9 @@ enum Outcome {
     SomeInputBad,
 }
 
-type CommandResult = Result<Outcome, Box<dyn Error>>;
+type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
+
+type CommandResult = Result<Outcome>;
 
 /// The advice of each command that has some.
 const ADVICE: &[advice::Advise] = &[
@@ -107,10 +116,15 @@ const ADVICE: &[advice::Advise] = &[
     detectors::advice,
     locate::advice,
     merge::advice,
-    print::wrap::advice,
+    model::advice,
+    pattern::advice,
+    print::template::advice,
     results::advice,
     score::advice,
     session::advice,
+    #[cfg(feature = "full")]
+    survey::advice,
+    texture::advice,
 ];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
@@ -144,6 +158,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Print(args) => print::run(args, out),
         Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
+        #[cfg(feature = "full")]
+        Command::Texture(args) => textures::run(&args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
         #[cfg(feature = "full")]

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress, results, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
 use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
 use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
@@ -102,7 +102,7 @@ impl Effort {
         self.threads.map(u32::from)
     }
 
-    pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options, Box<dyn std::error::Error>> {
+    pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
         let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());
         let folder = self
@@ -230,7 +230,7 @@ fn write_shard(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
     options: &Options,
-) -> Result<PathBuf, Box<dyn std::error::Error>> {
+) -> Result<PathBuf> {
     let photos = (1..=sessions.iter().map(|s| s.photos.len() as u64).sum()).filter(|photo| id.holds(*photo));
     let bar = progress::photos(&format!("scoring {id}"), photos.count());
     let observed = score::observe(sessions, detectors, options, id, || bar.inc(1));
