@@ -106,6 +106,8 @@ pub(super) fn parse(line: &str, asked: &Asked) -> Result<Verdict, String> {
     }
     detections.sort_by(|a, b| b.score.total_cmp(&a.score));
     detections.truncate(MAX_DETECTIONS);
+    // They are kept for the whole run, and so would be the room of all others.
+    detections.shrink_to_fit();
     Ok(Verdict::Detections(detections))
 }
 
