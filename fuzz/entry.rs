@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof::board::Definition;
 use scaleproof::camera::{Camera, CameraFormat};
-use scaleproof::detect::{Manifest, Recorded};
+use scaleproof::detect::{Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest};
 use scaleproof::files::sha256_hex;
 use scaleproof::frames::FrameSet;
 use scaleproof::frames::import::import as import_frames;
@@ -215,6 +215,57 @@ pub fn recording(bytes: &[u8]) {
     let _ = Recorded::open(folder, manifest).map(|r| r.of_photo("0a").map(<[_]>::len));
     file(&provenance_name, bytes);
     let _ = Recorded::open(folder, manifest);
+}
+
+/// Detections from outside: the bytes as a results list, as its images, as names of its categories and as a text file of YOLO's. What is read
+/// are boxes with an area in the photo or over its border, best first.
+pub fn results(bytes: &[u8]) {
+    let given = file("given.json", bytes);
+    let coco = file(
+        "list.json",
+        br#"[{"image_id": 1, "category_id": 3, "bbox": [1, 2, 30, 40], "score": 0.9}]"#,
+    );
+    let folder = given.with_file_name("yolo");
+    std::fs::create_dir_all(&folder).expect("a folder for the text");
+    let text = |bytes| std::fs::write(folder.join("a.txt"), bytes).expect("a text of boxes");
+    let photos = [PhotoName::new(Path::new("/s"), "photos/a.jpg")];
+    let read = |path: &Path, images: Option<&Path>, categories: Option<&Path>| {
+        let name = "given";
+        let request = ResultsRequest {
+            name,
+            path,
+            images,
+            categories,
+            photos: &photos,
+        };
+        let Ok(found) = OutsideResults::open(&request).and_then(|results| results.of_photo(0, "a.jpg", [64, 48]))
+        else {
+            return;
+        };
+        assert!(
+            found.len() <= 100
+                && found
+                    .iter()
+                    .all(|d| d.box_px.is_solid() && (0.001..=1.0).contains(&d.score))
+        );
+        assert!(found.is_sorted_by(|a, b| a.score >= b.score));
+    };
+    read(&given, None, None);
+    read(&given, Some(&given), None);
+    read(&coco, Some(&given), None);
+    read(&coco, None, Some(&given));
+    text(bytes);
+    read(&folder, None, None);
+    text(b"2 0.5 0.5 0.25 0.3 0.91\n");
+    read(&folder, None, Some(&given));
+}
+
+/// What a program says: a hello, an answer about a photo of 64 × 48 px, a manifest that starts it, and a command line.
+pub fn program(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    scaleproof::detect::read_as_a_programs(text);
+    let _ = ProgramSpec::parse(text, Path::new("mine.toml"));
+    let _ = ProgramSpec::named(&format!("exec:{text}"));
 }
 
 /// Shard files: the bytes as they are, and behind a head that says they are whole; what is read can be written and read again.

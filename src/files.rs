@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use place::OutputPlace;
 use staged::Staged;
 
-pub(crate) use whole_folder::{copy, make_folder};
+pub(crate) use whole_folder::{copy, link, make_folder};
 
 /// A file that could not be read or written, or that holds something else than it should; as a sentence.
 #[derive(Debug, thiserror::Error)]

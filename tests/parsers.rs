@@ -131,6 +131,16 @@ fn recordings() {
 }
 
 #[test]
+fn detections_from_outside() {
+    survives("results", entry::results);
+}
+
+#[test]
+fn what_programs_say() {
+    survives("program", entry::program);
+}
+
+#[test]
 fn palettes() {
     survives("palette", entry::palette);
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::Result;
 use super::detectors;
+use super::results::Results;
 use super::sessions::quoted;
 use crate::detect::{Manifest, Recording, WeightFolders};
 use crate::score::{EvaluatedDetector, evaluated_detectors};
@@ -14,6 +15,28 @@ use crate::session::Session;
 /// # Errors
 /// A named one that cannot take part; none at hand.
 pub(super) fn evaluated(
+    sessions: &[Session],
+    names: &[String],
+    is_recorded: bool,
+    folder: &detectors::Folder,
+    results: &Results,
+) -> Result<Vec<EvaluatedDetector>> {
+    let (names, programs) = results.programs(names)?;
+    let stand_alone = (!programs.is_empty() || results.are_given()) && names.is_empty() && !is_recorded;
+    let mut evaluated = match stand_alone {
+        true => Vec::new(),
+        false => networks(sessions, &names, is_recorded, folder)?,
+    };
+    evaluated.extend(results.start(programs, sessions)?);
+    evaluated.extend(results.open(sessions)?);
+    let names: Vec<&str> = evaluated.iter().map(|d| d.manifest.name.as_str()).collect();
+    match (1..names.len()).find(|i| names[..*i].contains(&names[*i])) {
+        None => Ok(evaluated),
+        Some(i) => Err(format!("two detectors are called {}: give one of them another name", names[i]).into()),
+    }
+}
+
+fn networks(
     sessions: &[Session],
     names: &[String],
     is_recorded: bool,

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{CommandResult, Outcome, at_hand, detectors, score as score_command, sessions};
+use super::{CommandResult, Outcome, at_hand, detectors, results, score as score_command, sessions};
 use crate::score::{self, ApDefinition, CompareError, Criteria};
 use crate::{files, report};
 
@@ -21,6 +21,8 @@ pub(super) struct Args {
     detectors: Vec<String>,
     #[command(flatten)]
     folder: detectors::Folder,
+    #[command(flatten)]
+    results: results::Results,
     /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
     #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
     ap: ApDefinition,
@@ -51,7 +53,13 @@ const MOST_LISTED: usize = 20;
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let opened = args.photos.open()?;
     opened.refuse_for_folders("--recorded", args.recorded)?;
-    let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    let detectors = at_hand::evaluated(
+        &opened.sessions,
+        &args.detectors,
+        args.recorded,
+        &args.folder,
+        &args.results,
+    )?;
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = Criteria {

@@ -39,8 +39,11 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let criteria = args.judging.criteria()?;
     let (run, observed) = shard::whole_run(&args.shards)?;
     let sessions = run.sessions()?;
-    let chosen: Vec<String> = run.detectors.iter().map(|used| used.chosen_as.clone()).collect();
-    let detectors = run.detectors(detectors::chosen(&chosen)?, &sessions)?;
+    let networks = match run.chosen() {
+        chosen if chosen.is_empty() => Vec::new(),
+        chosen => detectors::chosen(&chosen)?,
+    };
+    let detectors = run.detectors(networks, &sessions)?;
     files::check_writable(&args.output)?;
     let speeds = args.judging.speeds(&detectors)?;
     let scores = score::merge(sessions, detectors, observed, run.runtime)?.judged_by(criteria);

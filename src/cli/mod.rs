@@ -22,6 +22,7 @@ mod demo;
 mod detectors;
 mod enlarged;
 mod failing_alike;
+mod interrupt;
 mod locate;
 mod merge;
 mod mistakes;
@@ -32,6 +33,7 @@ mod pattern;
 mod plan;
 mod print;
 mod progress;
+mod results;
 mod scene;
 mod score;
 mod session;
@@ -117,6 +119,7 @@ const ADVICE: &[advice::Advise] = &[
     model::advice,
     pattern::advice,
     print::template::advice,
+    results::advice,
     score::advice,
     session::advice,
     #[cfg(feature = "full")]

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
 use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
 use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
@@ -19,11 +19,13 @@ pub(super) struct Args {
     #[command(flatten)]
     photos: sessions::Photos,
     /// Detector to score, see `scaleproof detectors list`; once for each, or a list with commas; all whose weights are here when none
-    /// is named.
+    /// is named. A program of your own is `exec:PROGRAM` or `'exec:PROGRAM ARGUMENT …'`.
     #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
     detectors: Vec<String>,
     #[command(flatten)]
     folder: detectors::Folder,
+    #[command(flatten)]
+    results: results::Results,
     #[command(flatten)]
     judging: Judging,
     #[command(flatten)]
@@ -35,7 +37,7 @@ pub(super) struct Args {
     #[arg(long)]
     recorded: bool,
     /// Store the detections in each session's folder `recorded`, for later runs with --recorded.
-    #[arg(long, conflicts_with = "recorded")]
+    #[arg(long, conflicts_with_all = ["recorded", "results"])]
     record: bool,
     /// With --record: store detections in place of those that are stored already.
     #[arg(long, requires = "record")]
@@ -140,8 +142,20 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     ] {
         opened.refuse_for_folders(option, is_given)?;
     }
-    let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
+    let detectors = at_hand::evaluated(
+        &opened.sessions,
+        &args.detectors,
+        args.recorded,
+        &args.folder,
+        &args.results,
+    )?;
     opened.check_output(&args.output)?;
+    if let (true, Some(program)) = (args.record, detectors.iter().find(|d| d.foreign().is_some())) {
+        let name = &program.manifest.name;
+        return Err(
+            format!("--record stores the detections of networks, and {name} is a program: leave it out").into(),
+        );
+    }
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
     }

@@ -1,5 +1,6 @@
 //! `scaleproof session …`: sessions made of photos that are there already, and what is in one.
 
+mod export;
 mod import;
 mod new;
 mod show;
@@ -17,7 +18,7 @@ use crate::session::import::SessionImportError;
 use crate::session::{NewSessionError, PhotoEntry};
 use crate::spelling;
 
-/// Make a session of photos that are there already, or show what is in one.
+/// Make a session of photos that are there already, show what is in one, or export it for other programs.
 #[derive(clap::Args)]
 pub(super) struct Args {
     #[command(subcommand)]
@@ -26,6 +27,7 @@ pub(super) struct Args {
 
 #[derive(Subcommand)]
 enum What {
+    Export(export::Args),
     Import(import::Args),
     New(new::Args),
     Show(show::Args),
@@ -45,6 +47,7 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 /// Runs `scaleproof session …`.
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
+        What::Export(args) => export::run(args, out),
         What::Import(args) => import::run(&args, out),
         What::New(args) => new::run(&args, out),
         What::Show(args) => show::run(&args, out),
@@ -53,9 +56,13 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 /// How many photos each texture has.
 fn by_variant(photos: &[PhotoEntry]) -> BTreeMap<&str, usize> {
+    by_variant_of(photos.iter().map(|photo| photo.variant.as_str()))
+}
+
+fn by_variant_of<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
     let mut variants = BTreeMap::new();
-    for photo in photos {
-        *variants.entry(photo.variant.as_str()).or_default() += 1;
+    for variant in photos {
+        *variants.entry(variant).or_default() += 1;
     }
     variants
 }

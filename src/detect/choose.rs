@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Manifest, ManifestError, registered, registered_names};
+use super::{Manifest, ManifestError, ProgramSpec, registered, registered_names};
 use crate::files::{self, FileError};
 
 /// The named detectors, each once, or all that ship with the program. Registered detectors take part when they are named.
@@ -41,6 +41,10 @@ fn is_network(name: &str) -> bool {
 }
 
 fn one(name: &str) -> Result<Manifest, ManifestError> {
+    if let Ok(Some(_)) = ProgramSpec::named(name) {
+        let name = name.to_owned();
+        return Err(ManifestError::Program { name });
+    }
     if name.ends_with(".toml") {
         return Manifest::open(Path::new(name));
     }

@@ -57,7 +57,7 @@ impl Manifest {
     }
 
     /// What is wrong with `[class_map]`, as a sentence.
-    pub(super) fn class_map_fault(&self) -> Option<String> {
+    pub(crate) fn class_map_fault(&self) -> Option<String> {
         self.class_map.iter().find_map(|(own, counted)| {
             let is_label = (1..=LONGEST).contains(&counted.chars().count()) && !counted.contains(char::is_control);
             match self.labels.find(own) {

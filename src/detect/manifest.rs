@@ -137,22 +137,46 @@ pub enum Channels {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Head {
-    Yolox { nms_iou: f64 },
-    Nanodet { strides: Vec<u32>, nms_iou: f64 },
-    Fastestdet { nms_iou: f64 },
+    Yolox {
+        nms_iou: f64,
+    },
+    Nanodet {
+        strides: Vec<u32>,
+        nms_iou: f64,
+    },
+    Fastestdet {
+        nms_iou: f64,
+    },
     Deim {},
-    Yolov3 { nms_iou: f64 },
-    Yolov4 { nms_iou: f64 },
-    Yolov5 { nms_iou: f64 },
-    Yolov8 { nms_iou: f64 },
+    Yolov3 {
+        nms_iou: f64,
+    },
+    Yolov4 {
+        nms_iou: f64,
+    },
+    Yolov5 {
+        nms_iou: f64,
+    },
+    Yolov8 {
+        nms_iou: f64,
+    },
     Yolov10 {},
     Rtdetr {},
     Rfdetr {},
     TfOd(FirstLabel),
     SsdResnet34(FirstLabel),
     Rcnn(FirstLabel),
-    NanodetPlus { strides: Vec<u32>, nms_iou: f64 },
-    Efficientdet { scores: Scores, nms_iou: f64 },
+    NanodetPlus {
+        strides: Vec<u32>,
+        nms_iou: f64,
+    },
+    Efficientdet {
+        scores: Scores,
+        nms_iou: f64,
+    },
+    /// No outputs are read here: another program gives boxes in pixels of the photo. No manifest names it.
+    #[serde(skip)]
+    Foreign {},
 }
 
 /// What a head without its last sigmoid, or with it, answers with.
@@ -193,6 +217,8 @@ pub enum ManifestError {
         manifest: PathBuf,
         described: String,
     },
+    #[error("{name} is a program, and here a network is needed: programs are scored and compared, and nothing else")]
+    Program { name: String },
     #[error(transparent)]
     File(#[from] FileError),
 }

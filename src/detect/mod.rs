@@ -5,12 +5,15 @@ mod coco_results;
 mod counting;
 #[cfg(feature = "full")]
 mod fetch;
+mod foreign;
 mod heads;
 mod input;
 mod labels;
 mod linear;
 mod manifest;
 mod nms;
+mod outside;
+mod program;
 mod propose;
 mod registered;
 mod runtime;
@@ -26,17 +29,22 @@ pub(crate) use coco_results::{Recorded, RecordedError, RecordedPhoto, Recording,
 pub(crate) use counting::NoSuchClass;
 #[cfg(feature = "full")]
 pub(crate) use fetch::{FetchError, fetch};
+pub(crate) use foreign::{ForeignCard, ForeignKind};
 #[cfg(feature = "attack")]
 pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors, wants_photo_size};
 #[cfg(feature = "attack")]
 pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]
 pub(crate) use input::tensor;
-pub(crate) use labels::Labels;
+pub(crate) use labels::{Labels, LabelsError};
 #[cfg(feature = "attack")]
 pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{CandidateBox, suppress};
+pub(crate) use outside::{OutsideError, OutsideResults, PhotoName, ResultsRequest, flat_name};
+#[cfg(any(test, fuzzing))]
+pub(crate) use program::read_as_a_programs;
+pub(crate) use program::{ProgramDetector, ProgramError, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs};
 #[cfg(test)]
 pub(crate) use propose::Proposal;
 #[cfg(test)]

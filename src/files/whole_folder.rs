@@ -41,3 +41,12 @@ pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), FileError> {
     std::fs::create_dir_all(folder_of(to)).map_err(failed)?;
     std::fs::copy(from, to).map(drop).map_err(failed)
 }
+
+/// Links to a file from a folder that is being made; where the system has no links, it is copied.
+pub(crate) fn link(from: &Path, to: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder_of(to)).map_err(|e| FileError::write(to, &e))?;
+    #[cfg(unix)]
+    return std::os::unix::fs::symlink(super::whole_path(from)?, to).map_err(|e| FileError::write(to, &e));
+    #[cfg(not(unix))]
+    copy(from, to)
+}

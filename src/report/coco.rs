@@ -25,7 +25,7 @@ struct Info {
 #[derive(Serialize)]
 struct Image<'a> {
     id: u64,
-    file_name: &'a str,
+    file_name: String,
     width: u32,
     height: u32,
     variant: &'a str,
@@ -117,7 +117,17 @@ fn others(detector: &EvaluatedDetector) -> impl Iterator<Item = usize> {
 
 pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
     let Categories { names, model } = Categories::of(scores);
-    let categories = names.into_iter().map(|(id, name)| Category { id, name });
+    annotations(scores, |photo| photo.file.clone(), names, model)
+}
+
+/// A COCO annotation file whose images have these names, with boxes of the category `model`.
+pub(super) fn annotations(
+    scores: &Scores,
+    file_name: impl Fn(&ScoredPhoto) -> String,
+    categories: impl IntoIterator<Item = (u32, String)>,
+    model: u32,
+) -> serde_json::Result<String> {
+    let categories = categories.into_iter().map(|(id, name)| Category { id, name });
     let page = Truth {
         info: Info {
             description: format!(
@@ -127,17 +137,17 @@ pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
             ),
             version: env!("CARGO_PKG_VERSION"),
         },
-        images: scores.photos.iter().map(|p| image(scores, p)).collect(),
+        images: scores.photos.iter().map(|p| image(scores, p, file_name(p))).collect(),
         annotations: scores.photos.iter().map(|p| annotation(p, model)).collect(),
         categories: categories.collect(),
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-fn image<'a>(scores: &Scores, p: &'a ScoredPhoto) -> Image<'a> {
+fn image<'a>(scores: &Scores, p: &'a ScoredPhoto, file_name: String) -> Image<'a> {
     Image {
         id: p.id,
-        file_name: &p.file,
+        file_name,
         width: p.width,
         height: p.height,
         variant: &p.variant,

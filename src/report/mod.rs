@@ -6,6 +6,7 @@ mod counted;
 mod csv;
 mod evaluation;
 mod evaluation_files;
+mod export;
 mod figures_csv;
 mod html;
 mod latex;
@@ -26,6 +27,7 @@ pub(crate) use comparison::{comparison_json, comparison_table, write_comparison}
 pub(crate) use counted::counted;
 pub(crate) use evaluation::{Evaluation, evaluation_tables};
 pub(crate) use evaluation_files::write_evaluation;
+pub(crate) use export::{ExportFormat, ExportRequest, check_export, export};
 pub use table::summary_table;
 pub(crate) use truth::truth_boxes;
 

@@ -27,12 +27,19 @@ pub(super) struct Provenance {
 pub(super) struct DetectorProvenance {
     pub name: String,
     pub title: String,
-    pub weights_sha256: String,
+    /// Absent when another program ran it.
+    pub weights_sha256: Option<String>,
+    /// What a program says of itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+    /// SHA-256 by name, of the files of another program.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
     /// Its labels that count as the model.
     pub counted_labels: Vec<&'static str>,
     pub origin: String,
     pub licence: String,
-    /// `live` or `recorded`.
+    /// `live`, `recorded`, `results` or `program`.
     pub source: &'static str,
     /// For recordings: the program and runtime that made them.
     pub recorded_by: Option<String>,
@@ -67,19 +74,22 @@ pub(super) fn of(scores: &Scores) -> Provenance {
 
 fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
     let recorded_by = match &c.source {
-        DetectionSource::Live(_) => None,
         DetectionSource::Recorded(recordings) => recordings
             .first()
             .map(|r| format!("scaleproof {}, {}", r.recording.scaleproof, r.recording.runtime)),
+        _ => None,
     };
+    let foreign = c.foreign();
     DetectorProvenance {
         name: c.manifest.name.clone(),
         title: c.manifest.title.clone(),
-        weights_sha256: c.manifest.weights.sha256.clone(),
+        weights_sha256: foreign.is_none().then(|| c.manifest.weights.sha256.clone()),
+        version: foreign.and_then(|card| card.version.clone()),
+        files: foreign.iter().flat_map(|card| card.files.iter().cloned()).collect(),
         counted_labels: counted::labels_of(c),
         origin: c.manifest.origin.clone(),
         licence: c.manifest.licence.clone(),
-        source: if c.is_recorded() { "recorded" } else { "live" },
+        source: c.source_name(),
         recorded_by,
     }
 }

@@ -19,6 +19,12 @@ pub(super) fn cautions(
     cautions.extend(uneven_directions(photos, BASE_VARIANT));
     cautions.extend(left_out(not_scored));
     cautions.extend(unknown_classes(sessions, detectors));
+    cautions.extend(
+        detectors
+            .iter()
+            .filter_map(EvaluatedDetector::foreign)
+            .flat_map(|card| card.notes.clone()),
+    );
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
     cautions.extend(guessed_cameras(photos, sessions));

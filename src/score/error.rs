@@ -1,6 +1,6 @@
 //! Why a run could not finish.
 
-use crate::detect::DetectError;
+use crate::detect::{DetectError, OutsideError, ProgramError};
 use crate::tags::StartError;
 
 /// Why a run could not finish. Bad photos are no reason: they are listed in `Scores::not_scored`.
@@ -24,6 +24,10 @@ pub enum ScoreError {
     },
     #[error("the shards do not hold {file} of {session}: score them again")]
     NotObserved { session: String, file: String },
+    #[error(transparent)]
+    Outside(#[from] OutsideError),
+    #[error(transparent)]
+    Program(#[from] ProgramError),
     #[error(transparent)]
     Detect(#[from] DetectError),
     #[error(transparent)]

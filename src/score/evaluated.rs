@@ -1,10 +1,11 @@
 //! A detector that a run evaluates: live, or played back from a recording.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::detect::{
-    DetectError, Detection, Labels, Manifest, NoSuchClass, Recorded, RecordedError, Runtime, WeightFolders,
-    WeightsError,
+    DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError, OutsideResults, ProgramDetector,
+    Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
 };
 use crate::files;
 use crate::scene::Classes;
@@ -28,6 +29,12 @@ pub enum DetectionSource {
     Live(PathBuf),
     /// Detections stored with the sessions.
     Recorded(Vec<Recorded>),
+    /// Files that another program wrote.
+    Outside(Arc<OutsideResults>),
+    /// A program that runs.
+    Program(Arc<ProgramDetector>),
+    /// Another program, which is not needed here: the photos were looked at elsewhere.
+    Elsewhere(Box<ForeignCard>),
 }
 
 /// Why a detector cannot take part.
@@ -41,6 +48,10 @@ pub enum EvaluatedDetectorError {
     Recorded(#[from] RecordedError),
     #[error(transparent)]
     NoSuchClass(#[from] NoSuchClass),
+    #[error(transparent)]
+    Outside(#[from] OutsideError),
+    #[error("the manifest of {detector} is not valid: {fault}")]
+    ClassMap { detector: String, fault: String },
 }
 
 /// The folder of a session that holds recordings.
@@ -74,6 +85,63 @@ impl EvaluatedDetector {
     pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
         let source = DetectionSource::Live(PathBuf::from(&manifest.weights.file));
         EvaluatedDetector::new(manifest, source, class)
+    }
+
+    /// A detector whose detections another program wrote into files.
+    pub(crate) fn outside(
+        results: OutsideResults,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let manifest = Manifest::of_foreign(results.card());
+        EvaluatedDetector::new(manifest, DetectionSource::Outside(Arc::new(results)), class)
+    }
+
+    /// A detector that is a program.
+    pub(crate) fn program(
+        program: ProgramDetector,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let manifest = Manifest::of_foreign(program.card());
+        if let Some(fault) = manifest.class_map_fault() {
+            return Err(EvaluatedDetectorError::ClassMap {
+                detector: manifest.name,
+                fault,
+            });
+        }
+        EvaluatedDetector::new(manifest, DetectionSource::Program(Arc::new(program)), class)
+    }
+
+    /// A detector of another program that looked at the photos elsewhere, for shards.
+    pub(crate) fn foreign_elsewhere(
+        card: &ForeignCard,
+        class: &Classes,
+    ) -> Result<EvaluatedDetector, EvaluatedDetectorError> {
+        let source = DetectionSource::Elsewhere(Box::new(card.clone()));
+        EvaluatedDetector::new(Manifest::of_foreign(card), source, class)
+    }
+
+    /// What is known of a detector that another program runs or has run.
+    pub(crate) fn foreign(&self) -> Option<&ForeignCard> {
+        match &self.source {
+            DetectionSource::Live(_) | DetectionSource::Recorded(_) => None,
+            DetectionSource::Outside(results) => Some(results.card()),
+            DetectionSource::Program(program) => Some(program.card()),
+            DetectionSource::Elsewhere(card) => Some(card),
+        }
+    }
+
+    /// Whether ONNX Runtime runs it.
+    pub(crate) fn is_live(&self) -> bool {
+        matches!(self.source, DetectionSource::Live(_))
+    }
+
+    /// Where its detections come from, in a word.
+    pub(crate) fn source_name(&self) -> &'static str {
+        match (self.foreign(), self.is_recorded()) {
+            (Some(card), _) => card.kind.name(),
+            (None, true) => "recorded",
+            (None, false) => "live",
+        }
     }
 
     /// Where a session's recordings lie.
@@ -115,8 +183,8 @@ impl EvaluatedDetector {
             ..self.manifest.clone()
         };
         let recordings: Vec<_> = match &self.source {
-            DetectionSource::Live(_) => Vec::new(),
             DetectionSource::Recorded(recordings) => recordings.iter().map(|r| &r.recording).collect(),
+            _ => Vec::new(),
         };
         files::sha256_hex(format!("{anywhere:?} {recordings:?}").as_bytes())
     }
@@ -141,6 +209,6 @@ pub(crate) fn evaluated_detectors(
 
 /// The ONNX Runtime, when some detector runs.
 pub(crate) fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
-    let is_needed = detectors.iter().any(|c| !c.is_recorded());
+    let is_needed = detectors.iter().any(EvaluatedDetector::is_live);
     is_needed.then(Runtime::load).transpose()
 }

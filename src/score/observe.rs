@@ -6,7 +6,7 @@ use super::cache::{Cache, Key};
 use super::decoded::DecodedPhoto;
 use super::error::ScoreError;
 use super::{DetectionSource, EvaluatedDetector, NotScored, preview};
-use crate::detect::{DetectError, Detection, Detector, Runtime};
+use crate::detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
 use crate::geometry::BoxPx;
 use crate::locate::{Located, locate_tags};
 use crate::photo::{Photo, PhotoError};
@@ -101,6 +101,11 @@ impl ScoringJob<'_> {
             variant: self.entry.variant.clone(),
             reason: reason.0,
         }
+    }
+
+    /// Among the photos of the run, from 0.
+    fn index(&self) -> usize {
+        usize::try_from(self.id.saturating_sub(1)).unwrap_or(usize::MAX)
     }
 
     fn needs_tags(&self) -> bool {
@@ -257,6 +262,16 @@ impl<'a> Observer<'a> {
                 };
                 return Ok(found.ok_or_else(not_recorded).map_err(Stop::Run)?.to_vec());
             }
+            DetectionSource::Outside(results) => {
+                let size = [decoded.file.width, decoded.file.height];
+                let found = results.of_photo(job.index(), &job.entry.file, size);
+                return found.map_err(|e| Stop::Run(e.into()));
+            }
+            DetectionSource::Program(program) => return self.by_program(program, job, decoded),
+            DetectionSource::Elsewhere(card) => {
+                let (detector, file) = (card.name.clone(), job.entry.file.clone());
+                return Err(Stop::Run(ScoreError::NotRecorded { file, detector }));
+            }
         };
         let manifest = &detector.manifest;
         let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
@@ -267,6 +282,30 @@ impl<'a> Observer<'a> {
             let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
             loaded.detect_reduced(image, width, height).map_err(|e| match e {
                 DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(e)),
+                e => Stop::Run(e.into()),
+            })
+        })
+    }
+
+    /// What a program answers is kept only when it says that it always answers alike.
+    fn by_program(
+        &mut self,
+        program: &ProgramDetector,
+        job: &ScoringJob,
+        decoded: &mut DecodedPhoto,
+    ) -> Result<Vec<Detection>, Stop> {
+        let key = self.key(&["program", &decoded.file.sha256, &program.card().sha256()]);
+        self.kept(key.filter(|_| program.is_deterministic()), |_| {
+            let size = [decoded.file.width, decoded.file.height];
+            let pixels = program.takes_pixels().then(|| decoded.at_least(size)).transpose()?;
+            let found = program.detect(&ProgramPhoto {
+                path: &job.session.photo_path(job.entry),
+                file: &job.entry.file,
+                size,
+                pixels,
+            });
+            found.map_err(|e| match e {
+                ProgramError::Declined { .. } => Stop::Photo(NotScoredReason::of(e)),
                 e => Stop::Run(e.into()),
             })
         })

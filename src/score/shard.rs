@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::evaluated::{EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors};
 use super::observe::{NotScoredReason, Observation, libraries};
-use crate::detect::Manifest;
+use crate::detect::{ForeignCard, Manifest};
 use crate::files::{self, FileError};
 use crate::session::{Session, SessionError};
 
@@ -135,9 +135,10 @@ impl Run {
                 .map(|(chosen_as, detector)| DetectorUsed {
                     chosen_as,
                     fingerprint: detector.fingerprint(),
+                    foreign: detector.foreign().cloned(),
                 })
                 .collect(),
-            is_recorded: detectors.iter().all(EvaluatedDetector::is_recorded),
+            is_recorded: detectors.iter().all(|d| d.is_recorded() || d.foreign().is_some()),
             runtime,
             libraries: libraries(),
         })
@@ -152,19 +153,35 @@ impl Run {
         self.sessions.iter().map(SessionSeen::opened).collect()
     }
 
-    /// The detectors as they were, given their manifests; they need no weights here.
+    /// The names and manifests that choose the detectors that are networks again.
+    pub(crate) fn chosen(&self) -> Vec<String> {
+        let networks = self.detectors.iter().filter(|used| used.foreign.is_none());
+        networks.map(|used| used.chosen_as.clone()).collect()
+    }
+
+    /// The detectors as they were, given the manifests of those that are networks; they need no weights here.
     pub(crate) fn detectors(
         &self,
         manifests: Vec<Manifest>,
         sessions: &[Session],
     ) -> Result<Vec<EvaluatedDetector>, ShardError> {
-        let class = sessions.first().map(|s| &s.scene.model.class);
-        let detectors: Vec<EvaluatedDetector> = match self.is_recorded {
+        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+            return Ok(Vec::new());
+        };
+        let networks: Vec<EvaluatedDetector> = match self.is_recorded {
             true => evaluated_detectors(sessions, manifests, None)?,
-            false => (manifests.into_iter().zip(class.into_iter().cycle()))
-                .map(|(manifest, class)| EvaluatedDetector::ran_elsewhere(manifest, class))
+            false => (manifests.into_iter())
+                .map(|manifest| EvaluatedDetector::ran_elsewhere(manifest, class))
                 .collect::<Result<_, _>>()?,
         };
+        let mut networks = networks.into_iter();
+        let mut detectors = Vec::new();
+        for used in &self.detectors {
+            detectors.extend(match &used.foreign {
+                Some(card) => Some(EvaluatedDetector::foreign_elsewhere(card, class)?),
+                None => networks.next(),
+            });
+        }
         let fingerprints = detectors.iter().map(EvaluatedDetector::fingerprint);
         match fingerprints.eq(self.detectors.iter().map(|used| used.fingerprint.clone())) {
             true => Ok(detectors),
@@ -205,6 +222,8 @@ pub(crate) struct DetectorUsed {
     pub chosen_as: String,
     /// SHA-256 of its manifest, which names the weights by theirs, and of what was played back.
     pub fingerprint: String,
+    /// What is known of one that another program runs or has run.
+    pub foreign: Option<ForeignCard>,
 }
 
 /// One shard's file.

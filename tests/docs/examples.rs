@@ -7,7 +7,7 @@ use std::path::Path;
 use scaleproof::board::Definition;
 use scaleproof::camera::Camera;
 use scaleproof::capture::Sidecar;
-use scaleproof::detect::{Manifest, Recording, Speeds};
+use scaleproof::detect::{Manifest, ProgramSpec, Recording, Speeds};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::card;
 use scaleproof::pattern::palette::Palette;
@@ -33,6 +33,7 @@ pub fn read(kind: &str, block: &Block) -> Read {
         "scene" => said(Scene::parse(text, &file)),
         "camera" => said(Camera::parse(text, &file)),
         "manifest" => said(Manifest::parse(text, "example")),
+        "program" => said(ProgramSpec::parse(text, &file)),
         "board" => said(Definition::open(&file)),
         "printer" => said(PrinterFile::load(&file)),
         "paints" => said(Palette::load(&file)),

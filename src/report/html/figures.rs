@@ -25,7 +25,7 @@ pub(super) fn headline(scores: &Scores) -> Markup {
                         @for (i, variant) in variants.iter().enumerate() {
                             @if let Some(s) = summary(scores, &c.manifest.name, variant) {
                                 tr.first[i == 0] {
-                                    td { @if i == 0 { (c.manifest.title) @if c.is_recorded() { " " small.recorded { "recorded" } } } }
+                                    td { @if i == 0 { (c.manifest.title) @if !c.is_live() { " " small.recorded { (c.source_name()) } } } }
                                     td.text { (variant) }
                                     td.photos { (s.overall.photos) }
                                     td { (number(s.overall.ap50, 3)) } td.of { (drop(s.drop.map(|d| d.ap50), 3)) }

@@ -15,9 +15,9 @@ mod speed;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::detect::Speeds;
+use crate::detect::{ForeignKind, Speeds};
 use crate::report::{counted, rounded};
-use crate::score::{Scores, Summary};
+use crate::score::{EvaluatedDetector, Scores, Summary};
 use crate::spelling;
 
 const STYLE: &str = include_str!("style.css");
@@ -107,17 +107,22 @@ fn lead(scores: &Scores) -> String {
 }
 
 fn recorded_banner(scores: &Scores) -> Markup {
-    let recorded: Vec<&str> = scores
-        .detectors
-        .iter()
-        .filter(|c| c.is_recorded())
-        .map(|c| c.manifest.title.as_str())
-        .collect();
+    let titles = |is: &dyn Fn(&EvaluatedDetector) -> bool| -> Vec<&str> {
+        let detectors = scores.detectors.iter().filter(|c| is(c));
+        detectors.map(|c| c.manifest.title.as_str()).collect()
+    };
+    let recorded = titles(&EvaluatedDetector::is_recorded);
+    let results = titles(&|c| c.foreign().is_some_and(|card| card.kind == ForeignKind::Results));
     html! {
         @if !recorded.is_empty() {
             p.banner {
                 "Recorded detections: no detector ran for this report. The detections of " (recorded.join(", "))
                 " were stored with the session by an earlier run; see Provenance."
+            }
+        }
+        @if !results.is_empty() {
+            p.banner {
+                "Detections from outside: another program found those of " (results.join(", ")) " and wrote them into files; see Provenance."
             }
         }
     }

@@ -67,7 +67,11 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
                 tbody {
                     @for d in &p.detectors {
                         tr {
-                            td { (d.title) } td.hash { (d.weights_sha256) } td.text { (d.origin) } td.text { (d.licence) }
+                            td { (d.title) } td.hash {
+                                @if let Some(weights) = &d.weights_sha256 { (weights) }
+                                @if let Some(version) = &d.version { (version) br; }
+                                @for (file, hash) in &d.files { (file) ": " (hash) br; }
+                            } td.text { (d.origin) } td.text { (d.licence) }
                             td.text { (d.source) @if let Some(by) = &d.recorded_by { " by " (by) } }
                         }
                     }

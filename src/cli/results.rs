@@ -1,0 +1,141 @@
+//! Detectors that are other programs: `--results NAME=FILE`, whose detections lie in files, and `--detector exec:PROGRAM`, which run.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::interrupt;
+use crate::detect::{
+    Manifest, OutsideError, OutsideResults, PhotoName, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
+    ResultsRequest,
+};
+use crate::score::{EvaluatedDetector, EvaluatedDetectorError, ScoreError};
+use crate::session::Session;
+
+/// Detections from outside.
+#[derive(clap::Args)]
+pub(super) struct Results {
+    /// Detections of another program, under a name of your choice: a COCO results list (.json), or a folder with YOLO's text files, one a
+    /// photo; see `scaleproof session export` for what to run it on. Once for each detector.
+    #[arg(long = "results", value_name = "NAME=FILE")]
+    results: Vec<String>,
+    /// With --results: the COCO file whose images the results number.
+    #[arg(long, value_name = "JSON", requires = "results")]
+    images: Option<PathBuf>,
+    /// With --results: what the numbers of its classes mean: a COCO file with `categories`, or a text file of names, one a line; COCO's own
+    /// when left out.
+    #[arg(long, value_name = "FILE", requires = "results")]
+    categories: Option<PathBuf>,
+    /// With --detector exec:PROGRAM, or the manifest of a program: the seconds it gets to start, and for each photo.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..=604_800))]
+    detector_timeout: u64,
+}
+
+/// Names of networks, and the programs among the names.
+type NetworksAndPrograms = (Vec<String>, Vec<ProgramSpec>);
+
+impl Results {
+    pub(super) fn are_given(&self) -> bool {
+        !self.results.is_empty()
+    }
+
+    /// Parts the names of detectors from programs.
+    pub(super) fn programs(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
+        let (mut networks, mut programs) = (Vec::new(), Vec::new());
+        for name in names {
+            match ProgramSpec::named(name)? {
+                Some(program) => programs.push(program),
+                None => networks.push(name.clone()),
+            }
+        }
+        Ok((networks, programs))
+    }
+
+    /// Starts the programs. From then on an interruption ends them before it ends this program.
+    pub(super) fn start(
+        &self,
+        programs: Vec<ProgramSpec>,
+        sessions: &[Session],
+    ) -> Result<Vec<EvaluatedDetector>, Box<dyn Error>> {
+        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+            return Ok(Vec::new());
+        };
+        if !programs.is_empty() {
+            interrupt::end_programs_first();
+        }
+        let limit = Duration::from_secs(self.detector_timeout);
+        let started = programs.into_iter().map(|spec| {
+            let program = ProgramDetector::open(spec, limit)?;
+            Ok(EvaluatedDetector::program(program, class)?)
+        });
+        started.collect()
+    }
+
+    /// Reads all of them, for the photos of some sessions.
+    pub(super) fn open(&self, sessions: &[Session]) -> Result<Vec<EvaluatedDetector>, Box<dyn Error>> {
+        let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
+            return Ok(Vec::new());
+        };
+        if self.results.is_empty() {
+            return Ok(Vec::new());
+        }
+        let names = |s: &Session| -> Vec<PhotoName> {
+            let folder = s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone());
+            s.photos
+                .iter()
+                .map(|photo| PhotoName::new(&folder, &photo.file))
+                .collect()
+        };
+        let photos: Vec<PhotoName> = sessions.iter().flat_map(names).collect();
+        let mut evaluated = Vec::new();
+        for given in &self.results {
+            let (name, path) = name_and_path(given)?;
+            let results = OutsideResults::open(&ResultsRequest {
+                name,
+                path,
+                images: self.images.as_deref(),
+                categories: self.categories.as_deref(),
+                photos: &photos,
+            })?;
+            evaluated.push(EvaluatedDetector::outside(results, class)?);
+        }
+        Ok(evaluated)
+    }
+}
+
+fn name_and_path(given: &str) -> Result<(&str, &Path), String> {
+    let wrong = |what: &str| format!("--results {given} {what}: write NAME=FILE, as in mine=results.json");
+    let (name, path) = given.split_once('=').ok_or_else(|| wrong("names no detector"))?;
+    match (Manifest::is_name(name), path) {
+        (_, "") => Err(wrong("names no file")),
+        (false, _) => Err(wrong("has a name that is not of letters, digits, `_`, `-` and `.`")),
+        (true, path) => Ok((name, Path::new(path))),
+    }
+}
+
+/// What to do about an error of the library.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    if let Some(EvaluatedDetectorError::Outside(e)) = error.downcast_ref() {
+        return advice(e);
+    }
+    if let Some(ScoreError::Program(e)) = error.downcast_ref() {
+        return advice(e);
+    }
+    if let Some(ProgramError::Lost(e)) = error.downcast_ref() {
+        return advice(e.as_ref());
+    }
+    if let Some(ProgramError::TooLong { .. }) = error.downcast_ref() {
+        return Some("give it more time by --detector-timeout".into());
+    }
+    match error.downcast_ref()? {
+        OutsideError::NumberedImages { .. } => Some("name the COCO file of its images by --images".into()),
+        OutsideError::UnknownCategory { .. } => Some("say what its categories are called by --categories".into()),
+        OutsideError::WhoseCategories { images, .. } => {
+            Some(format!("say by --categories, which may be {} too", images.display()))
+        }
+        OutsideError::NotListed { .. } => {
+            Some("run the other program on it too (see `scaleproof session export`)".into())
+        }
+        _ => None,
+    }
+}

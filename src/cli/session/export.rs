@@ -1,0 +1,81 @@
+//! `scaleproof session export`: the photos of a session with their truth boxes, for other programs.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::by_variant_of;
+use crate::cli::score::{Effort, score_with_progress};
+use crate::cli::sessions::{quoted, session};
+use crate::cli::{CommandResult, Outcome, failing_alike};
+use crate::report::{self, ExportFormat, ExportRequest};
+use crate::spelling;
+
+/// Write what another program should run on: the photos of a session, with their truth boxes, as COCO or YOLO
+///
+/// The folder gets links to the photos, which stay as they are, and annotations.json (COCO), or data.yaml, images.txt and labels (YOLO). The
+/// other program's detections come back by `scaleproof score --results`. Photos that cannot be located are left out and said.
+#[derive(clap::Args)]
+pub(in crate::cli) struct Args {
+    /// The session's folder
+    session: PathBuf,
+    /// Format of the annotations
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    format: Format,
+    /// A new folder
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Copy the photos instead of linking to them
+    #[arg(long)]
+    copy: bool,
+    #[command(flatten)]
+    effort: Effort,
+    /// Print what was written as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Format {
+    Coco,
+    Yolo,
+}
+
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    report::check_export(&args.output)?;
+    let options = args.effort.options(&[])?;
+    let scores = score_with_progress(vec![session(&args.session)?], Vec::new(), &options)?;
+    failing_alike::say_not_scored(&scores);
+    let format = match args.format {
+        Format::Coco => ExportFormat::Coco,
+        Format::Yolo => ExportFormat::Yolo,
+    };
+    let file = report::export(&ExportRequest {
+        scores: &scores,
+        format,
+        folder: &args.output,
+        copy: args.copy,
+    })?;
+    let variants = by_variant_of(scores.photos.iter().map(|photo| photo.variant.as_str()));
+    if args.json {
+        let written = serde_json::json!({
+            "folder": args.output, "file": file, "photos": scores.photos.len(), "variants": variants,
+            "not_exported": scores.not_scored.len(), "copied": args.copy,
+        });
+        writeln!(out, "{written}")?;
+        return Ok(Outcome::Done);
+    }
+    let place = |path: &std::path::Path| quoted(&path.display().to_string());
+    let back = match format {
+        ExportFormat::Coco => format!("--results NAME=results.json --images {}", place(&file)),
+        ExportFormat::Yolo => "--results NAME=FOLDER".to_owned(),
+    };
+    writeln!(
+        out,
+        "{}: {}; run the other program on {}, then `scaleproof score {} {back} -o REPORT`",
+        file.display(),
+        spelling::count(scores.photos.len(), "photo"),
+        args.output.join("images").display(),
+        place(&args.session)
+    )?;
+    Ok(Outcome::Done)
+}
