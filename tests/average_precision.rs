@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::{home, read_json, shared};
 use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ApDefinition, ImageBoxes, average_precision, average_precision_as};
+use scaleproof::score::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use serde_json::Value;
 
 fn box_of(v: &Value) -> BoxPx {
@@ -33,6 +33,7 @@ fn images_of(case: &Value) -> Vec<ImageBoxes> {
                 .iter()
                 .map(|d| (d["score"].as_f64().unwrap(), box_of(d)))
                 .collect(),
+            ..ImageBoxes::default()
         })
         .collect()
 }
@@ -187,4 +188,52 @@ fn the_yolov5_ramp_on_a_curve_with_a_false_positive() {
             .to_string()
             .contains("coco-101, all-point")
     );
+}
+
+/// `data/make_ap_crowds.py`: what lies in a crowd counts neither for nor against.
+#[test]
+fn crowds_count_as_in_pycocotools() {
+    let cases = read_json(&home().join("tests/data/ap_crowds.json"));
+    let cases = cases.as_array().unwrap();
+    assert_eq!(cases.len(), 24);
+    let corners = |b: &[Value]| {
+        let [x, y, width, height] = [0, 1, 2, 3].map(|i| b[i].as_f64().unwrap());
+        BoxPx::new(x, y, x + width, y + height)
+    };
+    let mut changed = 0;
+    for (i, case) in cases.iter().enumerate() {
+        let boxes = |image: &Value, key: &str| -> Vec<BoxPx> {
+            let listed = image[key].as_array().unwrap().iter();
+            listed.map(|b| corners(b.as_array().unwrap())).collect()
+        };
+        let detections = |image: &Value| -> Vec<(f64, BoxPx)> {
+            let listed = image["detections"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|d| d.as_array().unwrap());
+            listed.map(|d| (d[0].as_f64().unwrap(), corners(&d[1..]))).collect()
+        };
+        let of = |image: &Value| ImageBoxes {
+            truths: boxes(image, "truths"),
+            crowds: boxes(image, "crowds"),
+            detections: detections(image),
+        };
+        let mut images: Vec<ImageBoxes> = case["images"].as_array().unwrap().iter().map(of).collect();
+        let coco = ApDefinition::Coco101;
+        let found = [
+            average_precision_as(coco, &images, 0.5).unwrap().ap,
+            over_ious(coco, &images).unwrap().ap,
+        ];
+        for (key, found) in ["ap_50", "ap_50_95"].into_iter().zip(found) {
+            let wanted = case[key].as_f64().unwrap();
+            assert!(
+                (found - wanted).abs() < 1e-9,
+                "case {i}: {key} {found}, pycocotools says {wanted}"
+            );
+        }
+        images.iter_mut().for_each(|image| image.crowds.clear());
+        changed += usize::from(average_precision_as(coco, &images, 0.5).unwrap().ap != found[0]);
+    }
+    assert!(changed > 12, "the crowds change {changed} of 24 cases only");
 }

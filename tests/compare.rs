@@ -95,6 +95,7 @@ fn photo(rng: &mut Pcg64Mcg, quality: f64) -> ImageBoxes {
     ImageBoxes {
         truths: vec![car],
         detections,
+        ..ImageBoxes::default()
     }
 }
 

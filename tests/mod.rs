@@ -29,6 +29,7 @@ mod demo;
 mod detector_heads;
 mod detector_proposals;
 mod detectors;
+mod detectors_validate;
 mod diagnosis;
 mod docs;
 mod folders;

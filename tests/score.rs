@@ -201,6 +201,7 @@ fn several_labels_count_as_the_model_everywhere() {
                     detections: counted
                         .map(|d| (d["score"].as_f64().unwrap(), xywh(&d["bbox"])))
                         .collect(),
+                    ..ImageBoxes::default()
                 }
             });
             let wanted = average_precision(&boxes.collect::<Vec<_>>(), 0.5).unwrap().ap;

@@ -1,9 +1,11 @@
 //! Average precision on plain boxes: matching as pycocotools does it, and the number by a named definition.
 //!
-//! Source: `cocoeval.py` of pycocotools 2.0. Divergence: none known; a truth is never "crowd" or "ignored" here.
+//! Source: `cocoeval.py` of pycocotools 2.0. Divergence: none known; a truth is never "ignored" here for its size.
 
+mod averages;
 mod definition;
 
+pub(crate) use averages::over_ious;
 pub use definition::ApDefinition;
 
 use crate::geometry::BoxPx;
@@ -15,6 +17,8 @@ const MAX_DETECTIONS: usize = 100;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ImageBoxes {
     pub truths: Vec<BoxPx>,
+    /// Regions of many that are not told apart: what lies in one counts neither for nor against.
+    pub crowds: Vec<BoxPx>,
     /// (score, box), in the detector's order: equal scores keep it.
     pub detections: Vec<(f64, BoxPx)>,
 }
@@ -93,7 +97,7 @@ fn judge(image: &ImageBoxes, iou: f64) -> Vec<(f64, bool)> {
     order
         .into_iter()
         .take(MAX_DETECTIONS)
-        .map(|(score, b)| {
+        .filter_map(|(score, b)| {
             let mut best = (iou.min(1.0 - 1e-10), None);
             for (i, truth) in image.truths.iter().enumerate() {
                 let overlap = b.iou(truth);
@@ -101,12 +105,21 @@ fn judge(image: &ImageBoxes, iou: f64) -> Vec<(f64, bool)> {
                     best = (overlap, Some(i));
                 }
             }
-            if let Some(i) = best.1 {
-                taken[i] = true;
+            match best.1 {
+                Some(i) => taken[i] = true,
+                None if image.crowds.iter().any(|crowd| share_inside(b, crowd) >= best.0) => return None,
+                None => {}
             }
-            (*score, best.1.is_some())
+            Some((*score, best.1.is_some()))
         })
         .collect()
+}
+
+/// Which share of a box lies in another: the overlap with a crowd.
+fn share_inside(b: &BoxPx, other: &BoxPx) -> f64 {
+    let width = (b.x2.min(other.x2) - b.x1.max(other.x1)).max(0.0);
+    let height = (b.y2.min(other.y2) - b.y1.max(other.y1)).max(0.0);
+    width * height / ((b.x2 - b.x1) * (b.y2 - b.y1)).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -121,6 +134,7 @@ mod tests {
             let image = |i: usize| ImageBoxes {
                 truths: vec![unit],
                 detections: if i < k { vec![(0.9, unit)] } else { Vec::new() },
+                ..ImageBoxes::default()
             };
             (0..8).map(image).collect::<Vec<_>>()
         };

@@ -66,6 +66,7 @@ impl Manifest {
             licence: card.licence.clone(),
             origin: card.origin.clone(),
             labels: card.labels,
+            published_ap: None,
             weights: Weights {
                 file: String::new(),
                 url: String::new(),

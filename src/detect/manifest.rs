@@ -23,6 +23,9 @@ pub struct Manifest {
     pub origin: String,
     /// Names of its classes.
     pub labels: Labels,
+    /// The AP@\[.5:.95\], 0 to 1, that its origin states for COCO's val2017.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_ap: Option<f64>,
     /// File, hash and address of the weights.
     pub weights: Weights,
     /// How a photo becomes its input.
@@ -304,6 +307,9 @@ impl Manifest {
             ));
         }
         self.weights.check()?;
+        if let Some(ap) = self.published_ap.filter(|ap| !(0.0..=1.0).contains(ap)) {
+            return Err(format!("published_ap is {ap}: give an AP from 0 to 1, such as 0.258"));
+        }
         if let Some(fault) = self.class_map_fault() {
             return Err(fault);
         }

@@ -37,8 +37,9 @@ pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]
 pub(crate) use input::tensor;
 pub(crate) use labels::{Labels, LabelsError};
+pub(crate) use manifest::{Channels, Kernel, Resize};
 #[cfg(feature = "attack")]
-pub(crate) use manifest::{Channels, Input, Kernel, Layout, Resize, Values};
+pub(crate) use manifest::{Input, Layout, Values};
 pub use manifest::{Manifest, ManifestError};
 pub(crate) use nms::{CandidateBox, suppress};
 pub(crate) use outside::{OutsideError, OutsideResults, PhotoName, ResultsRequest, flat_name};

@@ -7,6 +7,7 @@ mod criteria;
 mod decoded;
 mod error;
 mod evaluated;
+mod labelled;
 mod observe;
 mod outcome;
 mod photo;
@@ -20,9 +21,9 @@ mod summary;
 mod transfer;
 
 pub use crate::ap::ApDefinition;
-#[cfg(test)]
-pub(crate) use crate::ap::average_precision;
 pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
+#[cfg(test)]
+pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
 #[cfg(test)]
 pub(crate) use compare::power;
@@ -32,6 +33,7 @@ pub use criteria::Criteria;
 pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
 pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
+pub(crate) use labelled::{Averages, LabelledError, LabelledPhotos, feedings};
 pub use observe::Options;
 pub(crate) use observe::{NotScoredReason, libraries};
 pub(crate) use outcome::{PhotoOutcome, Verdict};

@@ -250,6 +250,7 @@ pub(super) fn boxes(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> 
     ImageBoxes {
         truths: vec![photo.truth],
         detections: detections.map(|d| (d.score, d.box_px)).collect(),
+        ..ImageBoxes::default()
     }
 }
 

@@ -60,6 +60,7 @@ pub(crate) fn judge_images(
             boxes.push(ImageBoxes {
                 truths: vec![*outline],
                 detections: detections(&predictions, detector.nms_iou()),
+                ..ImageBoxes::default()
             });
         }
     }

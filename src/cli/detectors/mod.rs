@@ -5,6 +5,7 @@ mod check;
 mod drawn;
 mod registry;
 mod speed;
+mod validate;
 
 pub(crate) use crate::detect::choose as chosen;
 
@@ -46,6 +47,7 @@ enum Command {
     /// says: the family's usual way is written, to be compared with the program that the weights come from.
     Add(add::Args),
     Speed(speed::Args),
+    Validate(validate::Args),
     /// Put a detector of your own on the list, so that `--detector NAME` finds it from everywhere.
     Register(registry::RegisterArgs),
     /// Take a registered detector off the list; its files stay.
@@ -165,6 +167,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         Command::Check(args) => check::run(args, out),
         Command::Add(args) => add::run(args, out),
         Command::Speed(args) => speed::run(args, out),
+        Command::Validate(args) => validate::run(args, out),
         Command::Register(args) => registry::register(&args, out),
         Command::Remove(args) => registry::remove(&args, out),
     }

@@ -228,6 +228,7 @@ impl Asked {
             licence: String::new(),
             origin: String::new(),
             labels: Labels::Coco80,
+            published_ap: None,
             weights,
             input,
             head: if self.takes_photo_size {

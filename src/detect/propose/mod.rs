@@ -170,6 +170,7 @@ pub(crate) fn propose_within(
         licence: network.metadata.licence.clone().unwrap_or_else(|| "not stated".into()),
         origin: "not stated".into(),
         labels,
+        published_ap: None,
         weights: Weights {
             file: weights.to_owned(),
             url: String::new(),

@@ -1,0 +1,188 @@
+//! `scaleproof detectors validate`: does a detector reach the figure that its origin states?
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{Folder, present};
+use crate::cli::{CommandResult, Outcome, Result, progress};
+use crate::detect::Manifest;
+use crate::score::{Averages, LabelledPhotos, feedings};
+
+/// Score labelled photos and put the AP beside the published one; where they differ, say what explains it.
+///
+/// When the AP is not within 0.01 of the published one, or none is stated, the network is run again on some of the photos with one thing changed each
+/// time: channel order, normalisation, resize, kernel, labels shifted by one. Use a set that the figure is of, such as COCO's val2017.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The detector.
+    name: String,
+    /// COCO annotations of all objects in the photos.
+    #[arg(long, value_name = "JSON")]
+    coco: PathBuf,
+    /// Folder of the photos.
+    #[arg(long, value_name = "DIR")]
+    photos: PathBuf,
+    /// The published AP@[.5:.95], 0 to 1; otherwise the manifest's `published_ap`.
+    #[arg(long, value_name = "AP")]
+    published: Option<f64>,
+    /// So many photos for the trials, spread over the set.
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    trial_photos: u32,
+    #[command(flatten)]
+    folder: Folder,
+    /// One JSON object instead of the text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// As close to the published figure as other kernels, roundings and versions leave it.
+const CLOSE: f64 = 0.01;
+
+/// A change explains a difference when it gains this much, beyond the chance of the photos too.
+const LEAST_GAIN: f64 = 0.02;
+
+#[derive(Serialize)]
+struct Validated {
+    detector: String,
+    photos: usize,
+    boxes: usize,
+    labels: usize,
+    averages: Averages,
+    published_ap: Option<f64>,
+    trials: Option<Trials>,
+}
+
+#[derive(Serialize)]
+struct Trials {
+    photos: usize,
+    as_the_manifest_says: Averages,
+    changed: Vec<Trial>,
+    /// The change that reaches the most, where it gains enough.
+    explained_by: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Trial {
+    change: String,
+    averages: Averages,
+    /// In AP@0.5, beyond chance.
+    least_gain: f64,
+}
+
+pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    if let Some(published) = args.published.filter(|ap| !(0.0..=1.0).contains(ap)) {
+        return Err(format!("--published is {published}: give an AP from 0 to 1, such as 0.258").into());
+    }
+    let folders = args.folder.folders()?;
+    let manifest = present(std::slice::from_ref(&args.name), &folders)?;
+    let manifest = manifest.into_iter().next().ok_or("there is no such detector")?;
+    let weights = folders.checked(&manifest)?;
+    let set = LabelledPhotos::read(&args.coco, &args.photos, manifest.labels)?;
+    if !set.unknown.is_empty() {
+        let names = set.unknown.join(", ");
+        say!(
+            "note: {} has no label for these categories, which are left out: {names}",
+            manifest.name
+        );
+    }
+    let of = |set: &LabelledPhotos, manifest: &Manifest, what: &str| {
+        let bar = progress::photos(what, set.photos.len());
+        let found = set.look(manifest, &weights, || bar.inc(1));
+        bar.finish_and_clear();
+        found
+    };
+    let found = of(&set, &manifest, &manifest.name)?;
+    let averages = set.averages(&found, 0).ok_or("the photos have no object that counts")?;
+    let published_ap = args.published.or(manifest.published_ap);
+    let is_as_published = published_ap.is_some_and(|ap| (averages.ap_50_95 - ap).abs() <= CLOSE);
+    let [boxes, labels] = set.counts();
+    let trials = match is_as_published {
+        true => None,
+        false => Some(trials(&manifest, &set.sample(args.trial_photos as usize), &of)?),
+    };
+    let validated = Validated {
+        detector: manifest.name.clone(),
+        photos: set.photos.len(),
+        boxes,
+        labels,
+        averages,
+        published_ap,
+        trials,
+    };
+    match args.json {
+        true => writeln!(out, "{}", serde_json::to_string(&validated)?)?,
+        false => write!(out, "{}", text(&validated))?,
+    }
+    Ok(Outcome::Done)
+}
+
+type Look<'a> = dyn Fn(
+        &LabelledPhotos,
+        &Manifest,
+        &str,
+    ) -> std::result::Result<Vec<Vec<crate::detect::Detection>>, crate::score::LabelledError>
+    + 'a;
+
+fn trials(manifest: &Manifest, sample: &LabelledPhotos, look: &Look) -> Result<Trials> {
+    let nothing = "the photos of the trial have no object that counts: give more by --trial-photos";
+    let found = look(sample, manifest, "as it is")?;
+    let base = sample.averages(&found, 0).ok_or(nothing)?;
+    let mut changed = Vec::new();
+    for feeding in feedings(manifest) {
+        let fed_otherwise = match feeding.shift {
+            0 => look(sample, &feeding.manifest, &feeding.what)?,
+            _ => found.clone(),
+        };
+        let averages = sample.averages(&fed_otherwise, feeding.shift).ok_or(nothing)?;
+        let least_gain = sample.least_gain(&found, (&fed_otherwise, feeding.shift));
+        changed.push(Trial {
+            change: feeding.what,
+            averages,
+            least_gain,
+        });
+    }
+    changed.sort_by(|a, b| b.averages.ap_50_95.total_cmp(&a.averages.ap_50_95));
+    let explains =
+        |trial: &&Trial| trial.least_gain >= LEAST_GAIN && trial.averages.ap_50_95 >= base.ap_50_95 + LEAST_GAIN;
+    Ok(Trials {
+        photos: sample.photos.len(),
+        as_the_manifest_says: base,
+        explained_by: changed.first().filter(explains).map(|trial| trial.change.clone()),
+        changed,
+    })
+}
+
+fn text(validated: &Validated) -> String {
+    let Validated {
+        detector,
+        photos,
+        boxes,
+        labels,
+        averages,
+        ..
+    } = validated;
+    let mut lines = vec![
+        format!("{detector} on {photos} photos with {boxes} boxes of {labels} labels"),
+        format!("AP@[.5:.95] {:.3}, AP@0.5 {:.3}", averages.ap_50_95, averages.ap_50),
+    ];
+    if let Some(published) = validated.published_ap {
+        let difference = averages.ap_50_95 - published;
+        lines.push(match difference.abs() <= CLOSE {
+            true => format!("published {published:.3}: the same within {CLOSE}"),
+            false => format!("published {published:.3}: {difference:+.3}"),
+        });
+    }
+    if let Some(trials) = &validated.trials {
+        lines.push(format!("\non {} of the photos        AP@[.5:.95]", trials.photos));
+        let row = |what: &str, averages: &Averages| format!("  {what:<34} {:.3}", averages.ap_50_95);
+        lines.push(row("as the manifest says", &trials.as_the_manifest_says));
+        lines.extend(trials.changed.iter().map(|trial| row(&trial.change, &trial.averages)));
+        lines.push(match &trials.explained_by {
+            Some(change) => format!("explained by: {change}"),
+            None => format!("none of these changes gains {LEAST_GAIN} beyond chance: something else differs, or the photos are too few"),
+        });
+    }
+    lines.join("\n") + "\n"
+}
