@@ -79,8 +79,8 @@ fn the_page_shows_tables_charts_and_bordered_photos() {
     let bare = screenshot(&url.replace("report.html", "bare.html"), out.path(), 1280, 4600);
     let changed = picture.pixels().zip(bare.pixels()).filter(|(a, b)| a != b).count();
     assert!(changed > 250_000, "only {changed} pixels come from the embedded photos");
-    // The polar charts: the line of `random` in its colour.
-    assert!(count(&picture, [0xd1, 0x49, 0x5b]) > 300);
+    // The polar charts: the dots of `random` in its colour, and the curves.
+    assert!(count(&picture, [0x0f, 0x7f, 0x8c]) > 300);
 }
 
 /// How wide the page is laid out, and how wide it wants to be, in a frame of a phone's width; what is wider scrolls in itself.

@@ -2,8 +2,10 @@
 //!
 //! Source: `cocoeval.py` of pycocotools 2.0. Divergence: none known; a truth is never "crowd" or "ignored" here.
 
+mod averages;
 mod definition;
 
+pub(crate) use averages::over_ious;
 pub use definition::ApDefinition;
 
 use crate::geometry::BoxPx;

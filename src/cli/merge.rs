@@ -36,14 +36,16 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let criteria = args.judging.criteria()?;
+    let criteria = args.judging.reading.criteria()?;
     let (run, observed) = shard::whole_run(&args.shards)?;
     let sessions = run.sessions()?;
     let chosen: Vec<String> = run.detectors.iter().map(|used| used.chosen_as.clone()).collect();
     let detectors = run.detectors(detectors::chosen(&chosen)?, &sessions)?;
     files::check_writable(&args.output)?;
+    args.judging.tables.check(&sessions)?;
     let speeds = args.judging.speeds(&detectors)?;
-    let scores = score::merge(sessions, detectors, observed, run.runtime)?.judged_by(criteria);
+    let scores = score::merge(sessions, detectors, observed, run.runtime)?;
+    let scores = args.judging.tables.made(scores, criteria)?;
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     score_command::show(&scores, speeds.as_ref(), &page, args.json, out)
 }

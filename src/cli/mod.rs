@@ -18,6 +18,7 @@ mod colour;
 mod compare;
 mod completions;
 mod copies;
+mod criteria;
 mod demo;
 mod detectors;
 mod failing_alike;
@@ -102,6 +103,7 @@ const ADVICE: &[advice::Advise] = &[
     #[cfg(feature = "full")]
     attack::advice,
     compare::advice,
+    criteria::advice,
     detectors::advice,
     locate::advice,
     merge::advice,

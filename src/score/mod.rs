@@ -4,13 +4,18 @@ mod cache;
 mod caution;
 mod compare;
 mod criteria;
+mod curves;
 mod decoded;
+mod disagreement;
 mod error;
 mod evaluated;
+mod grouping;
 mod observe;
 mod outcome;
 mod photo;
 mod preview;
+mod protocol;
+mod protocol_table;
 mod record;
 mod reliability;
 mod run;
@@ -26,23 +31,32 @@ pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 pub use cache::Cache;
 #[cfg(test)]
 pub(crate) use compare::power;
+pub(crate) use compare::{
+    ClusteredBy, Compared, Difference, Finding, compare_with, paired, pairs_needed, smallest_drop,
+};
 pub use compare::{CompareError, Comparison, compare};
-pub(crate) use compare::{Compared, Difference, Finding, compare_with, pairs_needed};
 pub use criteria::Criteria;
+pub(crate) use curves::{Curves, HitRateFrom, curves};
+pub(crate) use disagreement::disagreements;
 pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
 pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
+pub(crate) use grouping::{GroupBy, GroupByError};
 pub use observe::Options;
 pub(crate) use observe::{NotScoredReason, libraries};
-pub(crate) use outcome::{PhotoOutcome, Verdict};
+pub(crate) use outcome::{PhotoOutcome, Thresholds, Verdict};
 pub(crate) use photo::TagMark;
 pub use photo::{NotScored, ScoredPhoto};
+pub use protocol::Protocol;
+pub(crate) use protocol_table::{ProtocolTable, protocol_table};
+#[cfg(test)]
+pub(crate) use protocol_table::{apricot_ap, rates_as_armory};
 pub(crate) use record::{RecordError, check_recordings, record};
 pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
 pub use run::score;
 pub(crate) use run::{merge, observe};
 pub use scores::Scores;
-pub(crate) use summary::{BinFigures, CellFigures, Drop, Figures, Rate, Summary};
+pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 
 /// A detection counts for the model when their boxes overlap by at least this much.
@@ -55,7 +69,7 @@ pub(crate) const HIT_CONFIDENCE: f64 = 0.5;
 pub(crate) const BASE_VARIANT: &str = "normal";
 
 /// What the words of a comparison mean, stored beside its numbers: (name, definition).
-pub(crate) const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [
+pub(crate) const COMPARISON_DEFINITIONS: [(&str, &str); 7] = [
     (
         "pairs",
         "a photo of the base and one of the variant from the same place and bin, in the order of the sessions; photos left over are listed and \
@@ -63,7 +77,16 @@ pub(crate) const COMPARISON_DEFINITIONS: [(&str, &str); 5] = [
     ),
     (
         "95 % interval",
-        "of the drop: bootstrap over clusters (place × bin), drawn with multiplicity, percentiles widened for few clusters (Hesterberg 2015)",
+        "of the drop and of the attack success rate: bootstrap over clusters, drawn with multiplicity, percentiles widened for few clusters (Hesterberg \
+         2015)",
+    ),
+    (
+        "clusters",
+        "the pairs of one place where there are six places or more, else those of one place and bin, and then what is found holds for these places",
+    ),
+    (
+        "attack success rate",
+        "1 − the variant's figure ÷ the base's; absent where the base's is 0, and its interval where that of too many resamples is",
     ),
     (
         "mcnemar_p",

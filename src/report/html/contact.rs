@@ -7,7 +7,7 @@ use maud::{Markup, PreEscaped, html};
 use super::{filters, side, variants};
 use crate::detect::Detection;
 use crate::report::other_label;
-use crate::score::{EvaluatedDetector, MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, PhotoOutcome, ScoredPhoto, Scores, Verdict};
 
 /// More photos are not shown: the page would be too large to open.
 const MOST_PHOTOS: usize = 400;
@@ -120,10 +120,25 @@ fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
                 }
                 br; (p.variant) " · " (direction(p))
                 br; (detector.manifest.title)
-                br; small.note { (p.file) }
+                br; small.note { (p.file) @for fact in facts(p) { br; (fact) } }
             }
         }
     }
+}
+
+/// How well the photo is placed, and when and how it was taken, where that is known.
+fn facts(p: &ScoredPhoto) -> Vec<String> {
+    let quality = p.rms_px.zip(p.sigma).map(|(rms_px, sigma)| {
+        format!(
+            "pose: σ {:.1}° {:.1}° {:.0} mm, rms {rms_px:.2} px",
+            sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm
+        )
+    });
+    quality
+        .into_iter()
+        .chain(p.taken.clone())
+        .chain(p.exposure.clone())
+        .collect()
 }
 
 fn direction(p: &ScoredPhoto) -> String {
@@ -138,8 +153,9 @@ fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
         p.detections[index].iter().partition(|d| d.score >= threshold);
-    let is_weak_find =
-        |d: &&&Detection| detector.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU;
+    let is_weak_find = |d: &&&Detection| {
+        detector.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= scores.criteria.match_iou()
+    };
     let alt = format!("{}, {}, {}", p.file, p.variant, detector.manifest.title);
     html! {
         svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::shade::{ink, shade};
 use super::{number, summary, variants};
-use crate::score::{BASE_VARIANT, Figures, Scores, TransferDrop, transfer};
+use crate::score::{Figures, Scores, TransferDrop, transfer};
 
 /// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {
@@ -62,7 +62,7 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
     let rows = transfer(&scores.summaries);
     html! {
         @if !rows.is_empty() {
-            h3 { "Transfer: drop from " (BASE_VARIANT) ", pattern × detector" }
+            h3 { "Transfer: drop from " (scores.base) ", pattern × detector" }
             div.scroll {
                 table.matrix {
                     thead { tr { th { "pattern" } @for c in &scores.detectors { th { (c.manifest.title) } } } }

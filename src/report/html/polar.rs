@@ -7,6 +7,9 @@ use crate::score::{BinFigures, Scores};
 
 const RADIUS: f64 = 88.0;
 
+/// So many photos make a bin's mean more than one photo's chance.
+const SEVERAL: usize = 2;
+
 /// One chart per detector, with a legend.
 pub(super) fn row(scores: &Scores) -> Markup {
     let variants = variants(scores);
@@ -15,7 +18,7 @@ pub(super) fn row(scores: &Scores) -> Markup {
             @for (i, variant) in variants.iter().enumerate() {
                 li { i style=(format!("background:{}", colour(i))) {} (variant) }
             }
-            li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit" }
+            li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit; a line where every bin has several photos" }
         }
         div.small-charts.polars {
             @for c in &scores.detectors {
@@ -61,12 +64,15 @@ fn side_names() -> Markup {
     }
 }
 
-/// The closed line of one variant. A bin without photos breaks it, so that no value is drawn where none was measured.
+/// The points of one variant, joined to a line only where each bin rests on several photos: a line between single photos would show a course that
+/// nothing tells. A bin without photos breaks it.
 fn line(colour: &str, bins: &[BinFigures]) -> Markup {
     let points: Vec<Option<[f64; 2]>> = bins
         .iter()
         .map(|b| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence)))
         .collect();
+    let counts = || bins.iter().filter_map(|b| Some(b.figures.as_ref()?.photos));
+    let is_joined = counts().all(|photos| photos >= SEVERAL);
     let whole = points.iter().all(Option::is_some);
     let list = |points: &[[f64; 2]]| {
         points
@@ -80,7 +86,7 @@ fn line(colour: &str, bins: &[BinFigures]) -> Markup {
         .split(Option::is_none)
         .map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
     html! {
-        @if whole {
+        @if !is_joined {} @else if whole {
             polygon points=(list(&known)) fill=(colour) fill-opacity="0.12" stroke=(colour) stroke-width="2" {}
         } @else {
             @for run in runs { polyline points=(list(&run)) fill="none" stroke=(colour) stroke-width="2" {} }
