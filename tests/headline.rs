@@ -54,7 +54,7 @@ fn a_drop_is_red_when_it_is_shown_and_not_before() {
     assert!(shown > 0 && shown < findings.len(), "{findings:?}");
     assert_eq!(page.matches("class=\"down\"").count(), shown);
     // nanodet_m: 5 of 8 hits against 2 of 8, a drop of 0.38 that eight photos cannot tell.
-    let cell = page.split("<span>0.38</span>").nth(1).unwrap();
+    let cell = page.split("<span class=\"\">0.38</span>").nth(1).unwrap();
     assert!(
         cell.starts_with("<br><small>[")
             && cell

@@ -231,7 +231,7 @@ fn table(summary: &Value) -> Vec<Vec<String>> {
             .map(|c| c.as_str().unwrap().to_owned())
             .collect()
     };
-    summary["protocol"]["table"]["rows"]
+    summary["protocol"]["rows"]
         .as_array()
         .unwrap()
         .iter()
