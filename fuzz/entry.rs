@@ -20,6 +20,7 @@ use scaleproof::scene::Scene;
 use scaleproof::score::shard::{self, Run, Shard, ShardId};
 use scaleproof::session::Session;
 use scaleproof::session::import;
+use scaleproof::texture::{FaceTexels, MappedImages, SurfacePoint, Texture};
 
 /// Camera files: what is read can be written, and reads back as the same camera.
 pub fn camera(bytes: &[u8]) {
@@ -121,7 +122,46 @@ pub fn ply(bytes: &[u8]) {
     mesh("mesh.ply", bytes);
 }
 
-/// What is read has corners and materials that exist.
+/// The material library of a mesh whose materials have the names that the corpus's libraries give.
+pub fn mtl(bytes: &[u8]) {
+    file("mesh.mtl", bytes);
+    file("p.png", &PIXELS);
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n";
+    mesh(
+        "with_library.obj",
+        format!("mtllib mesh.mtl\n{square}usemtl a\nf 1/1 2/2 3/3\n").as_bytes(),
+    );
+}
+
+/// Texels of the triangles of a box.
+pub fn npy(bytes: &[u8]) {
+    let mesh = Mesh::cuboid([10.0; 3]);
+    if let Ok((texels, _)) = FaceTexels::load(&file("texels.npy", bytes), &mesh) {
+        colours(&Texture::Faces(texels), &mesh);
+    }
+}
+
+/// A colour at some points of each triangle.
+fn colours(texture: &Texture, mesh: &Mesh) {
+    for triangle in 0..mesh.triangles().len().min(100) {
+        for weights in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0 / 3.0; 3], [0.7, 0.5, -0.2]] {
+            let _ = texture.colour(mesh, &SurfacePoint { triangle, weights });
+        }
+        let _ = texture.texel_mm(mesh, triangle);
+    }
+}
+
+/// A small image.
+static PIXELS: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let image = DynamicImage::from(RgbImage::from_pixel(3, 2, Rgb([1, 2, 3])));
+    image
+        .write_to(&mut png, image::ImageFormat::Png)
+        .expect("an image can be written");
+    png.into_inner()
+});
+
+/// What is read has corners and materials that exist, and its own images give colours or a sentence.
 fn mesh(name: &str, bytes: &[u8]) {
     let placement = MeshPlacement {
         length_mm: Some(100.0),
@@ -135,6 +175,9 @@ fn mesh(name: &str, bytes: &[u8]) {
                     .all(|p| p.iter().all(|c| c.is_finite()))
             );
             assert!(triangle.material < mesh.materials().len());
+        }
+        if let Ok(mapped) = MappedImages::of_mesh(&mesh, &[]) {
+            colours(&Texture::Images(mapped.images), &mesh);
         }
     }
 }

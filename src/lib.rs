@@ -29,6 +29,8 @@
 mod ap;
 #[cfg(feature = "full")]
 mod attack;
+#[cfg(feature = "full")]
+mod bake;
 mod board;
 #[cfg(feature = "full")]
 mod calibrate;
@@ -68,6 +70,8 @@ mod surrogate;
 #[cfg(feature = "full")]
 mod survey;
 mod tags;
+mod texture;
+mod unwrap;
 #[cfg(feature = "full")]
 mod whitebox;
 mod workers;

@@ -152,6 +152,11 @@ impl Photo {
         }
     }
 
+    /// A JPEG for print, whose colours depend on a printer.
+    pub(crate) fn is_cmyk(&self) -> bool {
+        self.header.is_cmyk
+    }
+
     /// Luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is
     /// measured on it. Decoding it alone takes less than half the time of decoding colours too.
     pub fn luma(&self) -> Result<GrayImage, PhotoError> {

@@ -5,14 +5,26 @@ use std::path::{Path, PathBuf};
 
 type Table = BTreeMap<String, BTreeSet<String>>;
 
+/// What stands in the third column of the room above all others.
+const ALL: &str = "every other room";
+
 /// Room → rooms it may use, from the lines "| `room` | what it holds | may use |" of ARCHITECTURE.md.
 fn table(markdown: &str) -> Table {
     let mut table = Table::new();
-    for line in markdown.lines().filter(|l| l.starts_with("| `")) {
+    let rows = || markdown.lines().filter(|l| l.starts_with("| `"));
+    let rooms: BTreeSet<String> = rows()
+        .skip(1)
+        .filter_map(|l| Some(l.split('`').nth(1)?.to_owned()))
+        .collect();
+    for line in rows() {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         let [_, room, _, may_use, _] = cells[..] else { continue };
         let used = may_use.split('`').skip(1).step_by(2).map(str::to_owned);
-        table.insert(room.trim_matches('`').to_owned(), used.collect());
+        let used: BTreeSet<String> = match may_use {
+            ALL => rooms.clone(),
+            _ => used.collect(),
+        };
+        table.insert(room.trim_matches('`').to_owned(), used);
     }
     table
 }

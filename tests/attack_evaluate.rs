@@ -308,6 +308,61 @@ fn an_evaluation_goes_on_where_it_stopped_and_takes_further_patterns() {
     assert_eq!(Session::open(&bench.at("out/session")).unwrap().photos.len(), 8);
 }
 
+/// The same box with texture coordinates, whose image has these pixels.
+fn write_textured(bench: &Bench, pixels: [[u8; 3]; 2]) {
+    let mut text = String::from("mtllib worn.mtl\nusemtl worn\n");
+    let stl = box_stl();
+    for line in stl.lines().filter(|line| line.starts_with("vertex")) {
+        text += &line.replace("vertex", "v");
+        text += "\n";
+    }
+    text += "vt 0 0\nvt 1 0\nvt 1 1\n";
+    for i in 0..12 {
+        let first = 3 * i + 1;
+        text += &format!("f {first}/1 {}/2 {}/3\n", first + 1, first + 2);
+    }
+    std::fs::write(bench.at("worn.obj"), text).unwrap();
+    std::fs::write(bench.at("worn.mtl"), "newmtl worn\nmap_Kd worn.png\n").unwrap();
+    let image = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(pixels[x as usize]));
+    image.save(bench.at("worn.png")).unwrap();
+}
+
+#[test]
+fn textures_are_judged_beside_patterns() {
+    let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
+    write_textured(&bench, [[10, 20, 30], [200, 100, 0]]);
+    let worn = format!("worn={}", bench.at("worn.obj").display());
+    let output = bench.run(&["--texture", &worn]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let session = Session::open(&bench.at("out/session")).unwrap();
+    let variants: Vec<&str> = session.photos.iter().map(|p| p.variant.as_str()).collect();
+    assert_eq!(variants[4..], ["two", "two", "worn", "worn"]);
+    assert!(stdout(&output).contains("two − worn"));
+
+    // Blender gets the image as it is, and where each triangle lies in it.
+    let plan = read_json(&bench.at("plan.json"));
+    let texture = &plan["paints"]["worn"]["texture"];
+    let uv = texture["uv"].as_array().unwrap();
+    assert_eq!(uv.len(), plan["paint_surface"]["triangles"].as_array().unwrap().len());
+    assert!(
+        uv.iter()
+            .all(|triangle| *triangle == serde_json::json!([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
+    );
+    assert_eq!(texture["extension"], "REPEAT");
+    let image = image::open(texture["file"].as_str().unwrap()).unwrap().to_rgb8();
+    assert_eq!(image.as_raw()[..], [10, 20, 30, 200, 100, 0]);
+    let levels = plan["levels"].as_array().unwrap();
+    assert_eq!(levels.len(), 256);
+    assert!((levels[188].as_f64().unwrap() - 0.5).abs() < 0.005);
+
+    write_textured(&bench, [[10, 20, 30], [200, 100, 1]]);
+    assert_refused(
+        &bench.run(&["--texture", &worn]),
+        &["another pattern, texture or tile", "worn"],
+    );
+    assert_refused(&bench.run(&["--texture", "nothing.obj"]), &["nothing.obj"]);
+}
+
 #[test]
 fn what_would_give_wrong_tables_is_refused() {
     let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
@@ -342,7 +397,10 @@ fn what_would_give_wrong_tables_is_refused() {
     std::fs::copy(bench.at("p2.png"), bench.at("p1.png")).unwrap();
     refused(
         &[],
-        &["photos/one holds photos of another pattern or tile", "another name"],
+        &[
+            "photos/one holds photos of another pattern, texture or tile",
+            "another name",
+        ],
     );
     std::fs::write(bench.at("p1.png"), Pattern::random(4, 1).unwrap().to_png().unwrap()).unwrap();
     let before = std::fs::read(bench.at("out/evaluation.csv")).unwrap();

@@ -5,10 +5,12 @@ use crate::tests::common;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
+use std::sync::Arc;
 
 use common::{assert_refused, home, program, read_json, shared, stdout};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
+use scaleproof::bake::TriangleImage;
 use scaleproof::frames::FrameSet;
 use scaleproof::frames::import::carla::{Transform, pose};
 use scaleproof::frames::light;
@@ -17,6 +19,7 @@ use scaleproof::mesh::{Mesh, MeshPlacement, doubled_area};
 use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::WorldAligned;
 use scaleproof::scene::Viewpoint;
+use scaleproof::texture::Texture;
 
 fn stored() -> PathBuf {
     home().join("captures/skyline_frames")
@@ -269,7 +272,12 @@ fn the_plan_has_every_key_that_the_script_reads() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("box.stl");
     std::fs::write(&file, "x").unwrap();
-    let plan = RenderPlan::new(request(Mesh::cuboid([180.0, 90.0, 60.0]), file)).unwrap();
+    let mut request = request(Mesh::cuboid([180.0, 90.0, 60.0]), file);
+    let texture = TriangleImage::new(&request.mesh, &[], &Texture::Flat([9; 3])).unwrap();
+    request
+        .colours
+        .push(RenderPaint::Texture("t".into(), Arc::new(texture)));
+    let plan = RenderPlan::new(request).unwrap();
     let script = plan.to_script(&plan.everything(), Path::new("raw"));
     let source = std::fs::read_to_string(home().join("src/frames/render/render_frames.py")).unwrap();
     let first = |v: &serde_json::Value| v.as_object().unwrap().values().next().unwrap().clone();
@@ -280,6 +288,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
         ("frame", script["views"][0]["frames"][0].clone()),
         ("light", first(&script["lights"])),
         ("colours", first(&script["paints"])),
+        ("texture", script["paints"]["t"]["texture"].clone()),
     ];
     for (name, object) in objects {
         let mut reads = 0;
@@ -298,7 +307,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
             .iter()
             .map(|v| v["frames"].as_array().unwrap().len())
             .sum::<usize>(),
-        8
+        12
     );
 }
 
@@ -314,7 +323,7 @@ fn a_render_that_cannot_be_is_refused() {
         attack(&arguments)
     };
     let flat = ["--flat", "808080"];
-    assert_refused(&render(&[]), &["at least one flat colour or pattern"]);
+    assert_refused(&render(&[]), &["at least one flat colour, pattern or texture"]);
     assert_refused(&render(&["--flat", "80808"]), &["'80808'", "six hexadecimal digits"]);
     assert_refused(&render(&["--flat", "808080", "808080"]), &["rendered twice"]);
     assert_refused(&render(&[flat[0], flat[1], "--light", "forest@400"]), &["forest@400"]);

@@ -12,7 +12,7 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 use scaleproof::camera::Camera;
 use scaleproof::frames::light;
-use scaleproof::frames::photos::raster::Raster;
+use scaleproof::frames::raster::Raster;
 use scaleproof::frames::views;
 use scaleproof::frames::{Frame, FrameSet, Pinhole};
 use scaleproof::geometry::Rigid;

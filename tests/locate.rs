@@ -289,3 +289,18 @@ fn the_table_names_bins_and_reasons() {
         "{text}"
     );
 }
+
+/// A name may hold line breaks: each photo has one row of the table all the same.
+#[test]
+fn a_name_with_a_line_break_stays_in_its_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = std::fs::read(skyline().join("normal_002.jpg")).unwrap();
+    let photos = [write(folder.path(), "a\nb\tc.jpg", &bytes)];
+    let files = ["scene.toml", "camera.yaml"].map(|name| skyline().join(name));
+    let text = stdout(&locate(&photos, &files[0], &files[1], &[]));
+    assert_eq!(text.lines().count(), 2, "{text}");
+    assert!(
+        text.contains("a\\u000ab\\u0009c.jpg ") && text.contains("91.24°"),
+        "{text}"
+    );
+}

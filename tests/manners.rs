@@ -145,7 +145,7 @@ fn what_was_written_is_told_as_json() {
             vec!["sheets", "paints", "delta_e_mean", "delta_e_max"],
         ),
         (
-            "print wrap --scene scene.toml --pattern P.png --tile-mm 118 -o w.pdf",
+            "print wrap --panels --scene scene.toml --pattern P.png --tile-mm 118 -o w.pdf",
             vec!["w.pdf"],
             vec!["model_size_mm", "cell_mm", "panels", "largest_stretch"],
         ),
@@ -170,7 +170,7 @@ fn what_was_written_is_told_as_json() {
         }
     }
     // The numbers are those of the sheets: A4 holds two of 150 × 100 mm, a box of 455 × 186 × 128 mm has five panels without stretch.
-    let wrap = "print wrap --scene scene.toml --pattern P.png --tile-mm 118 -o w.pdf --json";
+    let wrap = "print wrap --panels --scene scene.toml --pattern P.png --tile-mm 118 -o w.pdf --json";
     let answer: serde_json::Value = serde_json::from_str(&stdout(&run(folder.path(), wrap))).unwrap();
     assert_eq!(answer["model_size_mm"], serde_json::json!([455.0, 186.0, 128.0]));
     assert_eq!(answer["panels"].as_array().unwrap().len(), 5);
@@ -448,7 +448,7 @@ fn lengths_in_another_unit_are_doubted_and_taken() {
             "note: the car of 46 × 20 × 13 mm at 1:10 would be 0.46 m long in reality: were these cm? That is --model-size-mm 460x200x130",
         ),
         (
-            "print wrap --mesh wide.obj --length-mm 100 --pattern P.png --tile-mm 118 -o w.pdf",
+            "print wrap --panels --mesh wide.obj --length-mm 100 --pattern P.png --tile-mm 118 -o w.pdf",
             "note: the model is 100 mm long and 200 mm wide: is --mesh-front right?",
         ),
         (
@@ -462,7 +462,7 @@ fn lengths_in_another_unit_are_doubted_and_taken() {
     }
     for usual in [
         "print template --pattern P.png --tile-mm 118 --size-mm 600x300 -o t.pdf",
-        "print wrap --mesh wide.obj --mesh-front +y --pattern P.png --tile-mm 118 -o w.pdf",
+        "print wrap --panels --mesh wide.obj --mesh-front +y --pattern P.png --tile-mm 118 -o w.pdf",
         "print board --type charuco --squares 9x7 --square-mm 22 --marker-mm 16 -o b.pdf",
         "print board --type aprilgrid --squares 6x5 --square-mm 26 -o b.pdf",
     ] {

@@ -165,6 +165,16 @@ fn meshes_in_ply() {
     survives("ply", entry::ply);
 }
 
+#[test]
+fn material_libraries() {
+    survives("mtl", entry::mtl);
+}
+
+#[test]
+fn texels_of_triangles() {
+    survives("npy", entry::npy);
+}
+
 /// The corpus must reach past the first check of each parser, or the tests above say little.
 #[test]
 fn the_corpus_has_files_that_are_accepted() {
@@ -192,4 +202,40 @@ fn the_corpus_has_files_that_are_accepted() {
         set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_images(frame).is_ok()))
     });
     assert!(whole.count() >= 1);
+    let meshes = [("glb", 4), ("ply", 2), ("mtl", 2)];
+    for (format, least) in meshes {
+        let folder = tempfile::tempdir().unwrap();
+        image::RgbImage::new(2, 2).save(folder.path().join("p.png")).unwrap();
+        let textured = corpus(format)
+            .into_iter()
+            .filter(|bytes| textured(format, bytes, folder.path()));
+        assert!(textured.count() >= least, "{format}");
+    }
+    let texels = corpus("npy").into_iter().filter(|bytes| {
+        let path = folder.join("t.npy");
+        std::fs::write(&path, bytes).unwrap();
+        scaleproof::texture::FaceTexels::load(&path, &scaleproof::mesh::Mesh::cuboid([1.0; 3])).is_ok()
+    });
+    assert!(texels.count() >= 3);
+}
+
+/// Whether a mesh has images that can be laid on it.
+fn textured(format: &str, bytes: &[u8], folder: &Path) -> bool {
+    use scaleproof::mesh::{Mesh, MeshPlacement};
+    let path = match format {
+        "mtl" => {
+            std::fs::write(folder.join("m.mtl"), bytes).unwrap();
+            let path = folder.join("m.obj");
+            let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\n";
+            std::fs::write(&path, text).unwrap();
+            path
+        }
+        _ => {
+            let path = folder.join(format!("m.{format}"));
+            std::fs::write(&path, bytes).unwrap();
+            path
+        }
+    };
+    let mesh = Mesh::load(&path, &MeshPlacement::default());
+    mesh.is_ok_and(|mesh| scaleproof::texture::MappedImages::of_mesh(&mesh, &[]).is_ok())
 }

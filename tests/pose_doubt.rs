@@ -590,8 +590,7 @@ fn the_photos_are_as_far_from_the_truth_as_they_say() {
     let mean = |squares: &[f64]| squares.iter().sum::<f64>() / squares.len() as f64;
     for ((spoil, amount), squares) in jobs.iter().zip(&found) {
         println!(
-            "{:<14} {amount:>6}: {:>2} answered, mean squared Mahalanobis error {:.2}",
-            spoil.name(),
+            "{spoil:?} {amount:>6}: {:>2} answered, mean squared Mahalanobis error {:.2}",
             squares.len(),
             mean(squares)
         );

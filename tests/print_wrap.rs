@@ -16,22 +16,27 @@ use scaleproof::pattern::Pattern;
 use scaleproof::pattern::world_aligned::{Side, WorldAligned};
 use scaleproof::print::paper::Paper;
 use scaleproof::print::printer::Printer;
-use scaleproof::print::wrap::{Face, PaintedSurface, Region, Unrolled, Wrap, WrapRequest, wrap};
+use scaleproof::print::wrap::{Face, PaintedSurface, Wrap, WrapRequest, wrap};
+use scaleproof::texture::{Texture, Tile};
 
 const DPI: f64 = 400.0;
 /// What the program takes when nothing is said.
-fn request(tile_mm: f64, paper: Paper) -> WrapRequest {
+fn request(paper: Paper) -> WrapRequest {
     WrapRequest {
-        tile_mm,
         scale: 10.0,
-        pattern_name: "p.png".into(),
+        name: "p.png".into(),
+        facts: String::new(),
+        dpi: 300.0,
         date: None,
         paper: paper.into(),
         overlap_mm: 8.0,
         margin_mm: 5.0,
         printer: Printer::EXACT,
-        max_stretch: None,
     }
+}
+
+fn tiled(pattern: &Pattern, tile_mm: f64) -> Texture {
+    Texture::Tile(Tile::new(pattern.clone(), tile_mm))
 }
 
 /// A bar along x with slopes beside its roof, in the model frame: length, width, height, and how far a slope goes down and in.
@@ -106,29 +111,6 @@ impl Printed {
         }
         panic!("no sheet shows {side:?} {u} {v}")
     }
-
-    /// The colour on paper of a point of a face that was unrolled; `None` if it was not.
-    fn colour_on_strip(&self, face: &Face, point: &Point3<f64>) -> Option<[u8; 3]> {
-        let mut strips = self.wrap.strips.iter().zip(&self.wrap.strip_places);
-        let (flat, place) = strips.find_map(|(strip, place)| {
-            let same = |f: &&Unrolled| f.face.triangle.corners == face.triangle.corners;
-            Some((strip.faces.iter().find(same)?, place))
-        })?;
-        // By distances from two corners: they are the same on the surface and on paper.
-        let [a, b, c] = flat.corners;
-        let from = |corner: usize| (point - face.corners[corner]).norm();
-        let base = [b[0] - a[0], b[1] - a[1]];
-        let length = base[0].hypot(base[1]);
-        let along = (from(0).powi(2) - from(1).powi(2) + length * length) / (2.0 * length);
-        let aside = (from(0).powi(2) - along * along).max(0.0).sqrt();
-        let [right, up] = [base[0] / length, base[1] / length];
-        let turn = (base[0] * (c[1] - a[1]) - base[1] * (c[0] - a[0])).signum();
-        let x = a[0] + along * right - turn * aside * up + place.moved_by_mm[0];
-        let y = a[1] + along * up + turn * aside * right + place.moved_by_mm[1];
-        let px = |mm: f64| (mm / 25.4 * DPI) as u32;
-        let height_mm = self.wrap.pages[place.page].height_mm;
-        Some(self.pages[place.page - 1].get_pixel(px(x), px(height_mm - y)).0)
-    }
 }
 
 /// Points spread evenly over the paint that is printed, and the faces they are on.
@@ -169,19 +151,17 @@ fn on_panel(side: Side, p: &Point3<f64>) -> [f64; 2] {
     }
 }
 
-/// Which share of 10,000 points of the paint has the world-aligned colour on paper, those near cell borders excepted. What was
-/// unrolled is read on its strip, everything else on its panel.
+/// Which share of 10,000 points of the paint has the world-aligned colour on paper, those near cell borders excepted.
 fn share_right(printed: &Printed, mesh: &Mesh, materials: &[usize], pattern: &Pattern) -> f64 {
     let laid = WorldAligned {
         pattern,
-        cell_mm: printed.wrap.cell_mm,
+        cell_mm: printed.wrap.cell_mm.unwrap(),
     };
     let near_border = |mm: f64| {
         let rest = mm.rem_euclid(laid.cell_mm);
         rest.min(laid.cell_mm - rest) <= 0.1
     };
-    // Right and compared: on panels, on strips.
-    let mut counts = [[0; 2]; 2];
+    let (mut right, mut compared) = (0, 0);
     for (point, face) in points(&PaintedSurface::of_materials(mesh, materials), 10_000) {
         let [a, b, c] = face.corners;
         let normal = (b - a).cross(&(c - a));
@@ -190,16 +170,12 @@ fn share_right(printed: &Printed, mesh: &Mesh, materials: &[usize], pattern: &Pa
         if place.iter().any(|mm| near_border(*mm)) {
             continue;
         }
-        let on_strip = printed.colour_on_strip(&face, &point);
-        let count = &mut counts[usize::from(on_strip.is_some())];
-        let found = on_strip.unwrap_or_else(|| printed.colour(side, place));
-        count[0] += usize::from(found == laid.colour(&point, &normal));
-        count[1] += 1;
+        right += usize::from(printed.colour(side, place) == laid.colour(&point, &normal));
+        compared += 1;
     }
-    let [[right, compared], [on_strips, of_strips]] = counts;
-    println!("{right} of {compared} points on panels and {on_strips} of {of_strips} on strips have their colour");
-    assert!(compared + of_strips > 9_000, "{compared} + {of_strips}");
-    (right + on_strips) as f64 / (compared + of_strips) as f64
+    println!("{right} of {compared} points have their colour");
+    assert!(compared > 9_000, "{compared}");
+    right as f64 / f64::from(compared)
 }
 
 /// The acceptance line: paint of the skyline model.
@@ -214,7 +190,7 @@ fn the_skyline_panels_show_what_a_renderer_shows() {
     let (png, pdf) = (pattern_file(&pattern, folder.path()), folder.path().join("w.pdf"));
     let scene = shared("sessions/skyline/scene.toml").unwrap();
     done(&format!(
-        "print wrap --mesh {} --material Material.001 --length-mm 455 --scene {} --pattern {} --tile-mm 118 --paper a3 -o {}",
+        "print wrap --panels --mesh {} --material Material.001 --length-mm 455 --scene {} --pattern {} --tile-mm 118 --paper a3 -o {}",
         glb.display(),
         scene.display(),
         png.display(),
@@ -226,7 +202,7 @@ fn the_skyline_panels_show_what_a_renderer_shows() {
     };
     let mesh = Mesh::load(&glb, &placement).unwrap();
     let paint = mesh.materials_named(&["Material.001".into()]).unwrap();
-    let made = wrap(&mesh, &paint, &pattern, &request(118.0, Paper::A3)).unwrap();
+    let made = wrap(&mesh, &paint, &tiled(&pattern, 118.0), &request(Paper::A3)).unwrap();
     made.facts().iter().for_each(|fact| println!("{fact}"));
     println!("{:.0} mm of seams without a letter", made.unlettered_mm);
     let share = share_right(&Printed::new(made, &pdf), &mesh, &paint, &pattern);
@@ -272,14 +248,14 @@ fn the_bar_is_printed_as_calculated() {
         bar(folder.path()),
     );
     done(&format!(
-        "print wrap --mesh {} --material paint --pattern {} --tile-mm 61.7 --paper a4 -o {}",
+        "print wrap --panels --mesh {} --material paint --pattern {} --tile-mm 61.7 --paper a4 -o {}",
         obj.display(),
         png.display(),
         pdf.display()
     ));
     let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
     let paint = mesh.materials_named(&["paint".into()]).unwrap();
-    let made = wrap(&mesh, &paint, &pattern, &request(61.7, Paper::A4)).unwrap();
+    let made = wrap(&mesh, &paint, &tiled(&pattern, 61.7), &request(Paper::A4)).unwrap();
     let [length, width, height, down, inwards] = BAR;
     let slope = down.hypot(inwards);
     let cap = width * height - down * inwards;
@@ -368,7 +344,7 @@ fn nothing_is_mirrored() {
         scene.display()
     ));
     done(&format!(
-        "print wrap --scene {} --pattern {} --tile-mm 30 -o {}",
+        "print wrap --panels --scene {} --pattern {} --tile-mm 30 -o {}",
         scene.display(),
         png.display(),
         pdf.display()
@@ -377,8 +353,8 @@ fn nothing_is_mirrored() {
     let made = wrap(
         &Mesh::cuboid([160.0, 80.0, 60.0]),
         &[],
-        &pattern,
-        &request(30.0, Paper::A4),
+        &tiled(&pattern, 30.0),
+        &request(Paper::A4),
     )
     .unwrap();
     let printed = Printed::new(made, &pdf);
@@ -403,230 +379,6 @@ fn nothing_is_mirrored() {
         println!("{panel}: {letters:?}");
         assert_eq!(letters.len(), count, "{text}");
     }
-}
-
-/// The same request with what is steeper unrolled.
-fn flattened(tile_mm: f64, paper: Paper, max_stretch: f64) -> WrapRequest {
-    WrapRequest {
-        max_stretch: Some(max_stretch),
-        ..request(tile_mm, paper)
-    }
-}
-
-/// Holds what was unrolled against the mesh: true sizes, nothing twice, nothing lost, nothing steep left.
-fn strips_are_the_surface(made: &Wrap, paint: &PaintedSurface, limit: f64) {
-    assert!(!made.strips.is_empty());
-    let mut worst = 0.0_f64;
-    let mut taken = std::collections::BTreeSet::new();
-    for strip in &made.strips {
-        let mut sum = 0.0;
-        for flat in &strip.faces {
-            for k in 0..3 {
-                let next = (k + 1) % 3;
-                let (a, b) = (flat.corners[k], flat.corners[next]);
-                let paper = (a[0] - b[0]).hypot(a[1] - b[1]);
-                worst = worst.max((paper - (flat.face.corners[k] - flat.face.corners[next]).norm()).abs());
-            }
-            let [a, b, c] = flat.corners;
-            // Seen from outside: counter-clockwise on paper too.
-            let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            assert!(doubled > 0.0, "{doubled}");
-            sum += 0.5 * doubled;
-            assert!(taken.insert(flat.face.triangle.corners), "a triangle is on two strips");
-        }
-        assert!((sum - strip.surface_mm2()).abs() < 1e-6, "{sum}");
-        let covered = Region::union(strip.faces.iter().map(|f| f.corners.to_vec()).collect()).area_mm2();
-        assert!(
-            (covered - sum).abs() < 0.01 + 1e-5 * sum,
-            "{covered} of {sum} mm²: triangles overlap"
-        );
-    }
-    let panels: f64 = made.pieces.iter().map(|p| p.panel.surface_mm2).sum();
-    let below: f64 = paint
-        .faces
-        .iter()
-        .filter(|f| f.side == Side::Bottom)
-        .map(|f| f.surface_mm2)
-        .sum();
-    let steep = paint
-        .faces
-        .iter()
-        .filter(|f| f.side != Side::Bottom && f.stretch > limit + 1e-9);
-    let left = steep.filter(|f| !taken.contains(&f.triangle.corners));
-    let left: f64 = left.map(|f| f.surface_mm2).sum();
-    println!(
-        "{} strips of {} triangles, edges within {worst:e} mm; {panels:.3} mm² on panels + {:.3} on strips + {below:.3} below = {:.3}; \
-         stretch up to {:.4}",
-        made.strips.len(),
-        taken.len(),
-        made.strips_mm2(),
-        paint.surface_mm2(),
-        made.largest_stretch()
-    );
-    assert!(worst < 1e-9, "{worst}");
-    assert!((panels + made.strips_mm2() + below - paint.surface_mm2()).abs() < 1e-6);
-    // Steep is on the panels only what is too small to be cut out, and as much as is said.
-    assert!(made.strips.iter().all(|strip| strip.surface_mm2() >= 25.0));
-    assert_eq!(made.kept.too_large, 0);
-    assert!((left - made.kept.small_mm2).abs() < 1e-6, "{left} and {:?}", made.kept);
-    assert_eq!(made.largest_stretch() > limit + 1e-9, made.kept.small > 0);
-}
-
-#[test]
-fn slopes_of_the_bar_are_unrolled() {
-    let folder = tempfile::tempdir().unwrap();
-    let pattern = Pattern::random(9, 4).unwrap();
-    let (png, pdf, obj) = (
-        pattern_file(&pattern, folder.path()),
-        folder.path().join("w.pdf"),
-        bar(folder.path()),
-    );
-    let usual = format!(
-        "print wrap --mesh {} --material paint --pattern {} --tile-mm 61.7 --paper a4 -o {}",
-        obj.display(),
-        png.display(),
-        pdf.display()
-    );
-    let said = scaleproof(&format!("{usual} --flatten --max-stretch 1.1"));
-    let said = String::from_utf8(said.stdout).unwrap();
-    assert!(
-        said.contains("unrolled: 2 strips") && said.contains("largest stretch 1.00"),
-        "{said}"
-    );
-    let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
-    let materials = mesh.materials_named(&["paint".into()]).unwrap();
-    let paint = PaintedSurface::of_materials(&mesh, &materials);
-    let made = wrap(&mesh, &materials, &pattern, &flattened(61.7, Paper::A4, 1.1)).unwrap();
-    strips_are_the_surface(&made, &paint, 1.1);
-    // Each slope is a rectangle beside its side and the roof, too long to lie upright: the front is at the right.
-    let [length, _, _, down, inwards] = BAR;
-    for strip in &made.strips {
-        let (low, high) = strip.region().bounds().unwrap();
-        let size = [high[0] - low[0], high[1] - low[1]];
-        assert!((size[0] - length).abs() < 1e-4 && (size[1] - down.hypot(inwards)).abs() < 1e-4);
-        assert!(strip.side == Side::Roof && strip.turned && strip.strips.is_empty());
-        let corners = strip
-            .faces
-            .iter()
-            .flat_map(|f| f.face.corners.into_iter().zip(f.corners));
-        let (front, rear): (Vec<_>, Vec<_>) = corners.partition(|(point, _)| point.x > 0.0);
-        assert!(front.iter().all(|(_, f)| rear.iter().all(|(_, r)| f[0] > r[0] + 1.0)));
-    }
-    let said = text_of(&pdf, made.strip_places[0].page + 1);
-    for side in ["left", "right"] {
-        let place = "cm² of the roof side, its upper end at the right, beside";
-        let label = |number: usize| format!("{number}: 44.72 {place} the {side} panel, the roof panel");
-        assert!(said.contains(&label(1)) || said.contains(&label(2)), "{said}");
-    }
-    assert_eq!(share_right(&Printed::new(made, &pdf), &mesh, &materials, &pattern), 1.0);
-    // A limit that nothing exceeds changes only the summary; limits below 1 are refused.
-    let made = wrap(&mesh, &materials, &pattern, &flattened(61.7, Paper::A4, 1.2)).unwrap();
-    assert!(made.strips.is_empty());
-    let plain = wrap(&mesh, &materials, &pattern, &request(61.7, Paper::A4)).unwrap();
-    assert!(made.pages == plain.pages);
-    for (limit, words) in [
-        ("0.9", "cannot be 0.9"),
-        ("-2", "cannot be -2"),
-        ("NaN", "cannot be NaN"),
-    ] {
-        assert_refused(
-            &scaleproof(&format!("{usual} --flatten --max-stretch {limit}")),
-            &[words, "as in 1.2"],
-        );
-    }
-    assert_refused(&scaleproof(&format!("{usual} --max-stretch 1.1")), &["--flatten"]);
-    let idle = scaleproof(&format!("{usual} --flatten --max-stretch 1.5"));
-    assert!(
-        String::from_utf8(idle.stderr)
-            .unwrap()
-            .contains("stretched by more than 1.5, so nothing was unrolled")
-    );
-}
-
-/// A dome is curved both ways: no strip may lie over itself, whatever its shape.
-#[test]
-fn a_dome_is_unrolled_without_overlap() {
-    let folder = tempfile::tempdir().unwrap();
-    let obj = dome(folder.path(), 12, 36);
-    let pattern = Pattern::random(5, 2).unwrap();
-    let (png, pdf) = (pattern_file(&pattern, folder.path()), folder.path().join("w.pdf"));
-    done(&format!(
-        "print wrap --mesh {} --pattern {} --tile-mm 40 -o {} --flatten",
-        obj.display(),
-        png.display(),
-        pdf.display()
-    ));
-    let mesh = Mesh::load(&obj, &MeshPlacement::default()).unwrap();
-    let made = wrap(&mesh, &[], &pattern, &flattened(40.0, Paper::A4, 1.2)).unwrap();
-    made.facts().iter().for_each(|fact| println!("{fact}"));
-    strips_are_the_surface(&made, &PaintedSurface::of_materials(&mesh, &[]), 1.2);
-    let share = share_right(&Printed::new(made, &pdf), &mesh, &[], &pattern);
-    assert!(share >= 0.999, "{share}");
-    // What would take minutes and be of no use is refused.
-    let fine = dome(folder.path(), 100, 300);
-    let command = format!(
-        "print wrap --mesh {} --pattern {} --tile-mm 40 -o {} --flatten",
-        fine.display(),
-        png.display(),
-        folder.path().join("fine.pdf").display()
-    );
-    assert_refused(
-        &scaleproof(&command),
-        &["triangles are steeper than --max-stretch", "simplify"],
-    );
-}
-
-/// A half sphere of 60 mm radius as OBJ.
-fn dome(folder: &Path, rings: i32, around: i32) -> PathBuf {
-    let radius = 60.0_f64;
-    let mut text = format!("v 0 0 {radius}\n");
-    for ring in 1..=rings {
-        let down = f64::from(ring) / f64::from(rings) * std::f64::consts::FRAC_PI_2;
-        for step in 0..around {
-            let turn = f64::from(step) / f64::from(around) * std::f64::consts::TAU;
-            let (r, z) = (radius * down.sin(), radius * down.cos());
-            text += &format!("v {} {} {}\n", r * turn.cos(), r * turn.sin(), z);
-        }
-    }
-    let at = |ring: i32, step: i32| 2 + (ring - 1) * around + step % around;
-    for step in 0..around {
-        text += &format!("f 1 {} {}\n", at(1, step), at(1, step + 1));
-        for ring in 1..rings {
-            let (a, b) = (at(ring, step), at(ring, step + 1));
-            text += &format!("f {a} {} {} {b}\n", at(ring + 1, step), at(ring + 1, step + 1));
-        }
-    }
-    let obj = folder.join(format!("dome{rings}.obj"));
-    std::fs::write(&obj, text).unwrap();
-    obj
-}
-
-#[test]
-fn the_skyline_is_unrolled() {
-    let Some(glb) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
-        println!("SCALEPROOF_SHARED is not set: only the bar and the dome are unrolled");
-        return;
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let pattern = Pattern::random(16, 1).unwrap();
-    let (png, pdf) = (pattern_file(&pattern, folder.path()), folder.path().join("w.pdf"));
-    done(&format!(
-        "print wrap --mesh {} --material Material.001 --length-mm 455 --pattern {} --tile-mm 118 --paper a3 --flatten -o {}",
-        glb.display(),
-        png.display(),
-        pdf.display()
-    ));
-    let placement = MeshPlacement {
-        length_mm: Some(455.0),
-        ..MeshPlacement::default()
-    };
-    let mesh = Mesh::load(&glb, &placement).unwrap();
-    let materials = mesh.materials_named(&["Material.001".into()]).unwrap();
-    let made = wrap(&mesh, &materials, &pattern, &flattened(118.0, Paper::A3, 1.2)).unwrap();
-    made.facts().iter().for_each(|fact| println!("{fact}"));
-    strips_are_the_surface(&made, &PaintedSurface::of_materials(&mesh, &materials), 1.2);
-    let share = share_right(&Printed::new(made, &pdf), &mesh, &materials, &pattern);
-    assert!(share >= 0.999, "{share}");
 }
 
 /// A patch of known pixels, measured on the page of its piece, as rectangles and as an embedded image.
@@ -747,7 +499,7 @@ fn impossible_wraps_are_refused() {
         "scene new --preset ring --radius-mm 300 --tags 4 --tag-mm 50 --model-size-mm 220x90x60 -o {scene}"
     ));
     let out = path("w.pdf");
-    let usual = format!("print wrap --mesh {obj} --pattern {png} --tile-mm 40 -o {out}");
+    let usual = format!("print wrap --panels --mesh {obj} --pattern {png} --tile-mm 40 -o {out}");
     let cases: [(String, &[&str]); 20] = [
         (usual.replace("bar.obj", "empty.obj"), &["has no faces"]),
         (usual.replace("bar.obj", "absent.obj"), &["cannot read", "no such file"]),
@@ -798,7 +550,10 @@ fn impossible_wraps_are_refused() {
             &["tile width cannot be -3"],
         ),
         (format!("{usual} --paper 90x90"), &["too small"]),
-        (format!("print wrap --pattern {png} --tile-mm 40 -o {out}"), &["--mesh"]),
+        (
+            format!("print wrap --panels --pattern {png} --tile-mm 40 -o {out}"),
+            &["--mesh"],
+        ),
     ];
     for (command, words) in cases {
         assert_refused(&scaleproof(&command), words);
@@ -838,7 +593,7 @@ fn the_shipped_examples_are_what_their_commands_give() {
     for (name, command) in [
         (
             "ring4_wrap_a3.pdf",
-            format!("wrap --scene {scene} --pattern {png} --tile-mm 118"),
+            format!("wrap --panels --scene {scene} --pattern {png} --tile-mm 118"),
         ),
         (
             "ring4_patch_a3.pdf",

@@ -179,6 +179,13 @@ fn photos_turned_by_exif_or_made_smaller_are_surveyed() {
     let output = run(&photos, &mat_only(folder.path()), &out, &more);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(stderr(&output).contains("scaled by 0.800"), "{}", stderr(&output));
+    // The note names the photos that it is about.
+    let note = stderr(&output);
+    let note = note.lines().find(|line| line.contains("scaled by")).unwrap();
+    for (i, photo) in photos.iter().enumerate() {
+        let name = photo.file_name().unwrap().to_str().unwrap();
+        assert_eq!(note.contains(name), i == 7, "{name}: {note}");
+    }
     let found = Scene::open(&out).unwrap();
     let surveyed = found.tags.iter().filter(|t| t.sigma.is_some()).count();
     let (mm, deg, ratio) = worst(&found, &truth().0);

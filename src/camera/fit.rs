@@ -125,18 +125,18 @@ impl Camera {
 impl FittedCamera {
     /// What to know before believing a pose made with this camera, as sentences.
     pub fn cautions(&self) -> Vec<String> {
-        let scaled = (self.scale != 1.0).then(|| scaled_caution(self.scale));
-        scaled
-            .into_iter()
-            .chain(self.camera.guess.map(|g| g.caution()))
-            .collect()
+        let guessed = self.camera.guess.map(|g| g.caution());
+        self.scaled_caution().into_iter().chain(guessed).collect()
     }
-}
 
-/// What scaling takes for granted.
-fn scaled_caution(scale: f64) -> String {
-    format!(
-        "the camera file is for another size and was scaled by {scale:.3}: right for a photo made smaller or larger as a whole, wrong for one cut \
-         out of a larger image"
-    )
+    /// What scaling takes for granted.
+    pub(crate) fn scaled_caution(&self) -> Option<String> {
+        let scale = self.scale;
+        (scale != 1.0).then(|| {
+            format!(
+                "the camera file is for another size and was scaled by {scale:.3}: right for a photo made smaller or larger as a whole, wrong for one cut \
+                 out of a larger image"
+            )
+        })
+    }
 }

@@ -6,42 +6,61 @@ use super::guidance::NextMove;
 use crate::locate::Abstention;
 
 /// Why a frame is not taken, as something to do.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub(crate) enum Advice {
     /// The source's own sentence.
+    #[error("{0}")]
     Unreadable(String),
-    /// The very file is in the session.
-    Repeated {
-        photo: String,
-    },
-    /// The very file was taken back by hand.
+    #[error("this very photo is in the session already, as {photo}")]
+    Repeated { photo: String },
+    #[error("this very photo was taken back: take another")]
     TakenBack,
+    #[error("too dark: more light, or a longer exposure")]
     TooDark,
+    #[error("too bright: less light, or a shorter exposure")]
     TooBright,
     /// Standard deviation of the blur, px; `None` when nothing could be found for it.
-    Blurred {
-        blur_px: Option<f64>,
-    },
-    /// The tags are too small in the image to tell whether it is sharp.
+    #[error("hold still and let it focus: blurred{}", by(*blur_px))]
+    Blurred { blur_px: Option<f64> },
+    #[error("the tags are too small to tell whether it is sharp: closer, or a larger image")]
     TooSmall,
+    #[error("hold still")]
     Moving,
     /// All gates hold: it is taken when they still do in a moment.
+    #[error("good: stay like this")]
     Hold,
     /// All gates hold, and photos are taken by hand only.
+    #[error("good: take the photo")]
     Ready,
+    #[error("I see no tag: step back, or uncover the tags")]
     NoTags,
-    OneTag {
-        id: u32,
-        /// The tag beside it that should be seen too, if the scene has one.
-        beside: Option<u32>,
-    },
+    /// With the tag beside it that should be seen too, if the scene has one.
+    #[error("I see only tag {id}: {}", second(*beside))]
+    OneTag { id: u32, beside: Option<u32> },
     /// No pose for another reason.
+    #[error("{0}")]
     NotLocated(Abstention),
+    #[error("{0}")]
     Walk(NextMove),
     /// This view is there; the step to the next.
-    Filled {
-        then: Option<NextMove>,
-    },
+    #[error("this view is there already{}", next(*then))]
+    Filled { then: Option<NextMove> },
+}
+
+fn by(blur_px: Option<f64>) -> String {
+    let known = blur_px.filter(|px| px.is_finite());
+    known.map_or(String::new(), |px| format!(" by {px:.1} px"))
+}
+
+fn second(beside: Option<u32>) -> String {
+    match beside {
+        Some(tag) => format!("uncover tag {tag} beside it, or turn its card to the camera"),
+        None => "let a second tag be seen".into(),
+    }
+}
+
+fn next(then: Option<NextMove>) -> String {
+    then.map_or(String::new(), |step| format!("; next: {step}"))
 }
 
 impl Advice {
@@ -65,43 +84,6 @@ impl Advice {
             Advice::Walk(NextMove::Distance(_)) => "distance",
             Advice::Walk(NextMove::Height(_)) => "height",
             Advice::Filled { .. } => "filled",
-        }
-    }
-}
-
-impl fmt::Display for Advice {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Advice::Unreadable(sentence) => f.write_str(sentence),
-            Advice::Repeated { photo } => write!(f, "this very photo is in the session already, as {photo}"),
-            Advice::TakenBack => f.write_str("this very photo was taken back: take another"),
-            Advice::TooDark => f.write_str("too dark: more light, or a longer exposure"),
-            Advice::TooBright => f.write_str("too bright: less light, or a shorter exposure"),
-            Advice::Blurred { blur_px: Some(px) } if px.is_finite() => {
-                write!(f, "hold still and let it focus: blurred by {px:.1} px")
-            }
-            Advice::Blurred { .. } => f.write_str("hold still and let it focus: blurred"),
-            Advice::TooSmall => {
-                f.write_str("the tags are too small to tell whether it is sharp: closer, or a larger image")
-            }
-            Advice::Moving => f.write_str("hold still"),
-            Advice::Hold => f.write_str("good: stay like this"),
-            Advice::Ready => f.write_str("good: take the photo"),
-            Advice::NoTags => f.write_str("I see no tag: step back, or uncover the tags"),
-            Advice::OneTag {
-                id,
-                beside: Some(beside),
-            } => {
-                write!(
-                    f,
-                    "I see only tag {id}: uncover tag {beside} beside it, or turn its card to the camera"
-                )
-            }
-            Advice::OneTag { id, beside: None } => write!(f, "I see only tag {id}: let a second tag be seen"),
-            Advice::NotLocated(abstention) => abstention.fmt(f),
-            Advice::Walk(step) => step.fmt(f),
-            Advice::Filled { then: None } => f.write_str("this view is there already"),
-            Advice::Filled { then: Some(step) } => write!(f, "this view is there already; next: {step}"),
         }
     }
 }

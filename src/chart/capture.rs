@@ -7,7 +7,7 @@ use super::locate::detectors;
 use crate::camera::Camera;
 use crate::capture::{Guidance, Judge, Tolerance, viewpoints_of};
 use crate::photo::{Budget, Photo};
-use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use crate::scene::{Bins, Scene};
 use crate::tags::{CornersBy, TagDetectorChoice};
 use crate::workers::fastest;
@@ -112,12 +112,7 @@ fn unreachable(bins: &Bins) -> Guidance {
 
 /// The chart: the median against the slowest twentieth; lower left is better.
 pub(crate) fn draw(rows: &[CaptureRow]) -> String {
-    let names: Vec<String> = rows.iter().fold(Vec::new(), |mut names, row| {
-        if !names.iter().any(|known| known == row.tag_detector) {
-            names.push(row.tag_detector.to_owned());
-        }
-        names
-    });
+    let names: Vec<String> = distinct(rows.iter().map(|row| row.tag_detector.to_owned()));
     let dot = |row: &CaptureRow| Dot {
         x: row.median_ms,
         y: row.p95_ms,

@@ -7,7 +7,7 @@ use super::MeasureError;
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::geometry::angle;
 use crate::locate::{self, Solver};
-use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use crate::scene::{Scene, Viewpoint};
 use crate::statistics::upper_median;
 use crate::tags::{ArucoRefiner, CornersBy, SeenTag, TagDetectorChoice};
@@ -230,15 +230,7 @@ fn mark_fronts(rows: &mut [LocateRow]) {
 
 /// The chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
 pub(crate) fn draw(rows: &[LocateRow]) -> String {
-    let names = |name: fn(&LocateRow) -> &'static str| {
-        let mut names: Vec<String> = Vec::new();
-        for row in rows {
-            if !names.iter().any(|known| known == name(row)) {
-                names.push(name(row).to_owned());
-            }
-        }
-        names
-    };
+    let names = |name: fn(&LocateRow) -> &'static str| distinct(rows.iter().map(|row| name(row).to_owned()));
     let (colours, shapes) = (names(|row| row.tag_detector), names(|row| row.solver));
     let index = |names: &[String], name: &str| names.iter().position(|known| known == name).unwrap_or(0);
     let dot = |row: &LocateRow| {

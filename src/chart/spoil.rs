@@ -31,53 +31,18 @@ pub(crate) enum Spoil {
 }
 
 impl Spoil {
-    pub(crate) const ALL: [Self; 7] = [
-        Self::Blur,
-        Self::Motion,
-        Self::Noise,
-        Self::Exposure,
-        Self::Cover,
-        Self::Crop,
-        Self::Jpeg,
-    ];
-
-    /// A stable name.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Blur => "blur",
-            Self::Motion => "motion_blur",
-            Self::Noise => "noise",
-            Self::Exposure => "exposure",
-            Self::Cover => "occlusion",
-            Self::Crop => "cropping",
-            Self::Jpeg => "jpeg_quality",
-        }
-    }
-
-    /// What the amounts are.
-    pub(crate) fn unit(self) -> &'static str {
-        match self {
-            Self::Blur => "Gaussian blur, σ in px",
-            Self::Motion => "motion blur, px",
-            Self::Noise => "noise, σ in grey levels",
-            Self::Exposure => "exposure, stops",
-            Self::Cover => "share of each tag covered",
-            Self::Crop => "share of the sides that is left",
-            Self::Jpeg => "JPEG quality",
-        }
-    }
-
-    /// From harmless to hopeless.
-    pub(crate) fn amounts(self) -> &'static [f64] {
-        match self {
-            Self::Blur => &[0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0],
-            Self::Motion => &[0.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0],
-            Self::Noise => &[0.0, 5.0, 10.0, 20.0, 40.0, 60.0, 90.0],
-            Self::Exposure => &[0.0, -2.0, -4.0, -6.0, 1.0, 2.0, 3.0],
-            Self::Cover => &[0.0, 0.03, 0.06, 0.1, 0.2, 0.3, 0.5],
-            Self::Crop => &[1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5],
-            Self::Jpeg => &[100.0, 80.0, 50.0, 30.0, 20.0, 10.0, 4.0],
-        }
+    /// What a sweep of this name does to a photo.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "blur" => Self::Blur,
+            "motion_blur" => Self::Motion,
+            "noise" => Self::Noise,
+            "exposure" => Self::Exposure,
+            "occlusion" => Self::Cover,
+            "cropping" => Self::Crop,
+            "jpeg_quality" => Self::Jpeg,
+            _ => return None,
+        })
     }
 
     /// The photo as it would look. `tags` are where the tags of the scene are in it.
@@ -143,28 +108,9 @@ fn covered(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rn
         // The strip reaches over the tag's white ring as well: a hand, not a sticker.
         let corner = |i: usize| tag[(side + i) % 4];
         let towards = |from: [f64; 2], to: [f64; 2], t: f64| [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
-        let strip = [
-            towards(
-                towards(corner(0), corner(3), -0.3),
-                towards(corner(1), corner(2), -0.3),
-                -0.3,
-            ),
-            towards(
-                towards(corner(1), corner(2), -0.3),
-                towards(corner(0), corner(3), -0.3),
-                -0.3,
-            ),
-            towards(
-                towards(corner(1), corner(2), share),
-                towards(corner(0), corner(3), share),
-                -0.3,
-            ),
-            towards(
-                towards(corner(0), corner(3), share),
-                towards(corner(1), corner(2), share),
-                -0.3,
-            ),
-        ];
+        let edge = |t: f64| [towards(corner(0), corner(3), t), towards(corner(1), corner(2), t)];
+        let ([a, b], [c, d]) = (edge(-0.3), edge(share));
+        let strip = [(a, b), (b, a), (d, c), (c, d)].map(|(from, to)| towards(from, to, -0.3));
         fill(&mut out, &strip, grey);
     }
     out

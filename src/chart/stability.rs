@@ -9,7 +9,7 @@ use super::spoil::{Spoil, TagCorners};
 use crate::camera::Camera;
 use crate::geometry::angle;
 use crate::locate::{self, Located, Solver, locate_luma};
-use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
+use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, distinct, panels};
 use crate::scene::{Scene, Tag, Viewpoint};
 use crate::simulate::{Noise, SimulatedFault, SimulatedView, Simulator};
 use crate::statistics::upper_median;
@@ -22,15 +22,20 @@ const NOISE: Noise = Noise {
     tail_share: 0.02,
 };
 
-/// One condition that is swept over simulated views.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sweep {
-    /// A stable name.
-    pub name: &'static str,
-    /// What the amounts are.
-    pub unit: &'static str,
-    amounts: &'static [f64],
-    kind: SweepKind,
+/// Each line a condition: a stable name, what the amounts are, and the amounts, from harmless to hopeless.
+const OF_VIEWS: &str = include_str!("sweeps_of_views.txt");
+const OF_PHOTOS: &str = include_str!("sweeps_of_photos.txt");
+
+/// A condition and one of its amounts: name, unit, amount.
+type SweepAmount = (&'static str, &'static str, f64);
+
+fn amounts(sweeps: &'static str) -> impl Iterator<Item = SweepAmount> {
+    sweeps.lines().flat_map(|line| {
+        let mut parts = line.split(" | ");
+        let [name, unit, amounts] = [(); 3].map(|()| parts.next().unwrap_or_default());
+        let amounts = amounts.split(' ').filter_map(|amount| amount.parse().ok());
+        amounts.map(move |amount| (name, unit, amount))
+    })
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -46,93 +51,28 @@ enum SweepKind {
     Fault(fn(f64) -> Option<SimulatedFault>),
 }
 
-/// All sweeps over simulated views.
-pub(crate) const SWEEPS: [Sweep; 14] = [
-    Sweep {
-        name: "corner_noise",
-        unit: "corner noise, σ in px",
-        amounts: &[0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0],
-        kind: SweepKind::CornerNoise,
-    },
-    Sweep {
-        name: "tag_size",
-        unit: "side of a tag, px",
-        amounts: &[90.0, 60.0, 40.0, 25.0, 15.0, 10.0, 6.0],
-        kind: SweepKind::TagSize,
-    },
-    Sweep {
-        name: "tilt_of_a_single_tag",
-        unit: "one tag alone: tilt, °",
-        amounts: &[70.0, 50.0, 35.0, 20.0, 10.0, 5.0, 0.0],
-        kind: SweepKind::Tilt,
-    },
-    Sweep {
-        name: "hidden_tags",
-        unit: "share of the tags hidden",
-        amounts: &[0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95],
-        kind: SweepKind::Fault(|share| Some(SimulatedFault::Hidden { share })),
-    },
-    Sweep {
-        name: "cropped_view",
-        unit: "share of the image left",
-        amounts: &[1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2],
-        kind: SweepKind::Fault(|share| Some(SimulatedFault::Cropped { share })),
-    },
-    Sweep {
-        name: "wrong_focal",
-        unit: "focal length, stated over true",
-        amounts: &[1.0, 1.01, 1.03, 1.06, 1.12, 1.25, 1.5],
-        kind: SweepKind::Fault(|factor| Some(SimulatedFault::WrongFocal { factor })),
-    },
-    Sweep {
-        name: "wrong_principal_point",
-        unit: "principal point off, px",
-        amounts: &[0.0, 5.0, 15.0, 30.0, 60.0, 120.0, 240.0],
-        kind: SweepKind::Fault(|px| Some(SimulatedFault::WrongPrincipalPoint { px })),
-    },
-    Sweep {
-        name: "wrong_tag_size",
-        unit: "tag size, stated over true",
-        amounts: &[1.0, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5],
-        kind: SweepKind::Fault(|factor| Some(SimulatedFault::WrongTagSize { factor })),
-    },
-    Sweep {
-        name: "moved_tag",
-        unit: "one card moved, mm",
-        amounts: &[0.0, 1.0, 3.0, 6.0, 12.0, 30.0, 100.0],
-        kind: SweepKind::Fault(|mm| Some(SimulatedFault::MovedTag { mm })),
-    },
-    Sweep {
-        name: "twisted_tag",
-        unit: "one card turned, °",
-        amounts: &[0.0, 1.0, 3.0, 6.0, 15.0, 45.0, 90.0],
-        kind: SweepKind::Fault(|deg| Some(SimulatedFault::TwistedTag { deg })),
-    },
-    Sweep {
-        name: "wrong_corner",
-        unit: "one corner off, px",
-        amounts: &[0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 40.0],
-        kind: SweepKind::Fault(|px| Some(SimulatedFault::WrongCorner { px })),
-    },
-    Sweep {
-        name: "duplicated_id",
-        unit: "0: as it is, 1: an id seen twice",
-        amounts: &[0.0, 1.0],
-        kind: SweepKind::Fault(|there| (there > 0.0).then_some(SimulatedFault::DuplicatedId)),
-    },
-    Sweep {
-        name: "wrong_id",
-        unit: "0: as it is, 1: a tag read as another",
-        amounts: &[0.0, 1.0],
-        kind: SweepKind::Fault(|there| (there > 0.0).then_some(SimulatedFault::WrongId)),
-    },
-    Sweep {
-        name: "ignored_distortion",
-        unit: "ignored distortion, × this lens's",
-        amounts: &[0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0],
-        kind: SweepKind::IgnoredDistortion,
-    },
-];
+impl SweepKind {
+    fn named(name: &str) -> Option<Self> {
+        use SimulatedFault as F;
+        Some(match name {
+            "corner_noise" => Self::CornerNoise,
+            "tag_size" => Self::TagSize,
+            "tilt_of_a_single_tag" => Self::Tilt,
+            "hidden_tags" => Self::Fault(|share| Some(F::Hidden { share })),
+            "cropped_view" => Self::Fault(|share| Some(F::Cropped { share })),
+            "wrong_focal" => Self::Fault(|factor| Some(F::WrongFocal { factor })),
+            "wrong_principal_point" => Self::Fault(|px| Some(F::WrongPrincipalPoint { px })),
+            "wrong_tag_size" => Self::Fault(|factor| Some(F::WrongTagSize { factor })),
+            "moved_tag" => Self::Fault(|mm| Some(F::MovedTag { mm })),
+            "twisted_tag" => Self::Fault(|deg| Some(F::TwistedTag { deg })),
+            "wrong_corner" => Self::Fault(|px| Some(F::WrongCorner { px })),
+            "duplicated_id" => Self::Fault(|there| (there > 0.0).then_some(F::DuplicatedId)),
+            "wrong_id" => Self::Fault(|there| (there > 0.0).then_some(F::WrongId)),
+            "ignored_distortion" => Self::IgnoredDistortion,
+            _ => return None,
+        })
+    }
+}
 
 /// What one method did at one amount of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -174,7 +114,7 @@ impl Tally {
         self.wrong += usize::from(is_silently_wrong(view, truth, scene));
     }
 
-    fn step(self, (sweep, unit, amount): (&'static str, &'static str, f64), method: &'static str) -> SweepStep {
+    fn step(self, (sweep, unit, amount): SweepAmount, method: &'static str) -> SweepStep {
         let share = |n: usize| n as f64 / self.views.max(1) as f64;
         SweepStep {
             sweep,
@@ -199,16 +139,11 @@ pub(crate) fn on_views(
     seed: u64,
     on_done: impl Fn() + Sync,
 ) -> Vec<SweepStep> {
-    let jobs: Vec<(usize, Sweep, f64)> = SWEEPS
-        .iter()
-        .flat_map(|sweep| sweep.amounts.iter().map(|amount| (*sweep, *amount)))
-        .enumerate()
-        .map(|(i, (sweep, amount))| (i, sweep, amount))
-        .collect();
+    let jobs: Vec<(u64, SweepAmount)> = (seed..).zip(amounts(OF_VIEWS)).collect();
     let steps = workers::map(
         &jobs,
         || Ok::<_, std::convert::Infallible>(()),
-        |(), (i, sweep, amount)| Ok(sweep_step(sweep, *amount, scene, camera, views, seed + *i as u64)),
+        |(), (seed, at)| Ok(sweep_step(*at, scene, camera, views, *seed)),
         on_done,
     );
     match steps {
@@ -219,12 +154,15 @@ pub(crate) fn on_views(
 
 /// How many amounts [`on_views`] goes through.
 pub(crate) fn view_steps() -> usize {
-    SWEEPS.iter().map(|sweep| sweep.amounts.len()).sum()
+    amounts(OF_VIEWS).count()
 }
 
-fn sweep_step(sweep: &Sweep, amount: f64, scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<SweepStep> {
+fn sweep_step(at: SweepAmount, scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<SweepStep> {
+    let Some(kind) = SweepKind::named(at.0) else {
+        return Vec::new();
+    };
     let mut tallies: Vec<Tally> = Solver::all().iter().map(|_| Tally::default()).collect();
-    let mut maker = Maker::new(sweep.kind, amount, scene, camera, seed);
+    let mut maker = Maker::new(kind, at.2, scene, camera, seed);
     for _ in 0..views {
         let Some(view) = maker.view() else { continue };
         for (solver, tally) in Solver::all().into_iter().zip(&mut tallies) {
@@ -232,7 +170,6 @@ fn sweep_step(sweep: &Sweep, amount: f64, scene: &Scene, camera: &Camera, views:
             tally.count(answer.ok(), &view.viewpoint, scene);
         }
     }
-    let at = (sweep.name, sweep.unit, amount);
     Solver::all()
         .iter()
         .zip(tallies)
@@ -370,10 +307,8 @@ pub(crate) fn on_photos(
 ) -> Result<Vec<SweepStep>, StartError> {
     let families = scene.families();
     let places = tags_of(samples, scene)?;
-    let jobs: Vec<(Spoil, f64)> = Spoil::ALL
-        .iter()
-        .flat_map(|spoil| spoil.amounts().iter().map(|amount| (*spoil, *amount)))
-        .collect();
+    let spoiled = |at: SweepAmount| Some((Spoil::named(at.0)?, at));
+    let jobs: Vec<(Spoil, SweepAmount)> = amounts(OF_PHOTOS).filter_map(spoiled).collect();
     let open = || {
         detectors
             .iter()
@@ -383,22 +318,21 @@ pub(crate) fn on_photos(
     let steps = workers::map(
         &jobs,
         open,
-        |open, (spoil, amount)| {
+        |open, (spoil, at)| {
             let mut tallies: Vec<Tally> = detectors.iter().map(|_| Tally::default()).collect();
             for (i, (sample, tags)) in samples.iter().zip(&places).enumerate() {
                 let mut rng = Pcg64Mcg::seed_from_u64(seed + i as u64);
                 // A cut photo comes as one of another size, and the camera file cannot know.
-                let photo = spoil.apply(&sample.luma, *amount, tags, &mut rng);
+                let photo = spoil.apply(&sample.luma, at.2, tags, &mut rng);
                 for (detector, tally) in open.iter_mut().zip(&mut tallies) {
                     let answer = locate_luma(&photo, sample.turned_deg, scene, camera, detector.as_mut());
                     tally.count(answer.result.ok(), &sample.truth, scene);
                 }
                 on_done();
             }
-            let at = (spoil.name(), spoil.unit(), *amount);
             let steps = detectors.iter().zip(tallies);
             Ok(steps
-                .map(|(choice, tally)| tally.step(at, choice.name()))
+                .map(|(choice, tally)| tally.step(*at, choice.name()))
                 .collect::<Vec<_>>())
         },
         || {},
@@ -408,7 +342,7 @@ pub(crate) fn on_photos(
 
 /// How many spoiled photos [`on_photos`] looks at.
 pub(crate) fn photo_steps(photos: usize) -> usize {
-    photos * Spoil::ALL.iter().map(|spoil| spoil.amounts().len()).sum::<usize>()
+    photos * amounts(OF_PHOTOS).count()
 }
 
 /// Where the tags are in the photos as they were taken.
@@ -427,31 +361,11 @@ fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>
     )
 }
 
-/// Over some steps: views, share answered, and the share of the answered that was silently wrong.
-#[cfg(test)]
-pub(crate) fn total<'a>(steps: impl IntoIterator<Item = &'a SweepStep>) -> (usize, f64, f64) {
-    let (mut views, mut answered, mut wrong) = (0, 0.0, 0.0);
-    for step in steps {
-        views += step.views;
-        answered += step.answered * step.views as f64;
-        wrong += step.silently_wrong * step.views as f64;
-    }
-    (views, answered / views.max(1) as f64, wrong / answered.max(1.0))
-}
-
 /// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
 /// error of the answered.
 pub(crate) fn draw(title: &str, steps: &[SweepStep]) -> String {
-    let mut methods: Vec<&str> = Vec::new();
-    let mut sweeps: Vec<&str> = Vec::new();
-    for step in steps {
-        if !methods.contains(&step.method) {
-            methods.push(step.method);
-        }
-        if !sweeps.contains(&step.sweep) {
-            sweeps.push(step.sweep);
-        }
-    }
+    let methods = distinct(steps.iter().map(|step| step.method));
+    let sweeps = distinct(steps.iter().map(|step| step.sweep));
     let most = steps.iter().map(|step| step.views).max().unwrap_or(0);
     let total: usize = steps.iter().map(|step| step.views).sum::<usize>() / methods.len().max(1);
     let notes = [
@@ -485,7 +399,7 @@ fn shares(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
     let wrong = numbers.map(|i| line(i, true, |step| step.silently_wrong));
     PlotPanel {
         title: steps.first().map_or("", |step| step.unit).to_owned(),
-        steps: amounts(steps, methods),
+        steps: step_labels(steps, methods),
         y: PlotAxis {
             title: "share of views".to_owned(),
             scale: Scale::Linear,
@@ -508,7 +422,7 @@ fn errors(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
     let values = lines.iter().flat_map(|line| line.values.iter().flatten().copied());
     PlotPanel {
         title: String::new(),
-        steps: amounts(steps, methods),
+        steps: step_labels(steps, methods),
         y: PlotAxis::around("median azimuth error, °", Scale::Log, values.collect::<Vec<_>>()),
         lines,
     }
@@ -518,7 +432,7 @@ fn of_method<'a>(steps: &'a [&SweepStep], method: &'a str) -> impl Iterator<Item
     steps.iter().copied().filter(move |step| step.method == method)
 }
 
-fn amounts(steps: &[&SweepStep], methods: &[&str]) -> Vec<String> {
+fn step_labels(steps: &[&SweepStep], methods: &[&str]) -> Vec<String> {
     let first = methods.first().copied().unwrap_or_default();
     of_method(steps, first).map(|step| format!("{}", step.amount)).collect()
 }
@@ -541,16 +455,9 @@ pub(crate) fn summary(steps: &[SweepStep]) -> String {
         "{:<22} {:<16} {:>7} {:>22} {:>26}\n",
         "condition", "method", "views", "90 % answered up to", "silently wrong, at worst"
     );
-    let mut seen: Vec<(&str, &str)> = Vec::new();
-    for step in steps {
-        if seen.contains(&(step.sweep, step.method)) {
-            continue;
-        }
-        seen.push((step.sweep, step.method));
-        let of: Vec<&SweepStep> = steps
-            .iter()
-            .filter(|s| (s.sweep, s.method) == (step.sweep, step.method))
-            .collect();
+    for (sweep, method) in distinct(steps.iter().map(|step| (step.sweep, step.method))) {
+        let of = steps.iter().filter(|s| (s.sweep, s.method) == (sweep, method));
+        let of: Vec<&SweepStep> = of.collect();
         let views: usize = of.iter().map(|s| s.views).sum();
         let good = of.iter().take_while(|s| s.answered >= 0.9).last();
         let good = good.map_or("–".to_owned(), |s| s.amount.to_string());
@@ -559,10 +466,7 @@ pub(crate) fn summary(steps: &[SweepStep]) -> String {
             0.0 => "never".to_owned(),
             share => format!("{:.2} % at {}", 100.0 * share, s.amount),
         });
-        text += &format!(
-            "{:<22} {:<16} {views:>7} {good:>22} {worst:>26}\n",
-            step.sweep, step.method
-        );
+        text += &format!("{sweep:<22} {method:<16} {views:>7} {good:>22} {worst:>26}\n");
     }
     text
 }

@@ -1,15 +1,13 @@
 //! Which detectors a run evaluates: those that are named, else those at hand. Others are named in a note.
 
-use std::error::Error;
 use std::path::Path;
 
+use super::Result;
 use super::detectors;
 use super::sessions::quoted;
 use crate::detect::{Manifest, Recording, WeightFolders};
 use crate::score::{EvaluatedDetector, evaluated_detectors};
 use crate::session::Session;
-
-type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Detectors that run, with the weights in some folders, or are played back from what the sessions store.
 ///

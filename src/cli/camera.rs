@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::{Subcommand, ValueEnum};
+use clap::Subcommand;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, Result};
 use crate::camera::{Camera, CameraFormat};
 use crate::files;
 use crate::photo::Photo;
@@ -35,8 +36,8 @@ struct ConvertArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Its format; not needed for a name that ends in .cameramodel
-    #[arg(long, value_enum)]
-    format: Option<FormatName>,
+    #[arg(long, value_parser = formats())]
+    format: Option<CameraFormat>,
 }
 
 #[derive(clap::Args)]
@@ -57,23 +58,12 @@ struct GuessArgs {
     output: Option<PathBuf>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum FormatName {
-    Opencv,
-    Ros,
-    Kalibr,
-    Mrcal,
-}
-
-impl FormatName {
-    fn format(self) -> CameraFormat {
-        match self {
-            FormatName::Opencv => CameraFormat::OpenCv,
-            FormatName::Ros => CameraFormat::Ros,
-            FormatName::Kalibr => CameraFormat::Kalibr,
-            FormatName::Mrcal => CameraFormat::Mrcal,
-        }
-    }
+fn formats() -> impl TypedValueParser<Value = CameraFormat> {
+    let known = PossibleValuesParser::new(CameraFormat::ALL.map(|(_, name)| name));
+    known.try_map(|name| {
+        let found = CameraFormat::ALL.into_iter().find(|(_, known)| *known == name);
+        found.map(|(format, _)| format).ok_or("there is no such format")
+    })
 }
 
 /// Runs `scaleproof camera …`.
@@ -87,10 +77,10 @@ pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<()> {
     let ends_in_cameramodel = args.output.extension().is_some_and(|e| e == "cameramodel");
     let format = match args.format {
-        Some(name) => name.format(),
+        Some(format) => format,
         None if ends_in_cameramodel => CameraFormat::Mrcal,
         None => {
             let name = args.output.display();
@@ -105,7 +95,7 @@ fn convert(args: &ConvertArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::e
 }
 
 /// Writes a file that is not the one it was made from.
-fn save(path: &Path, text: &str, made_from: &Path) -> Result<(), Box<dyn std::error::Error>> {
+fn save(path: &Path, text: &str, made_from: &Path) -> Result<()> {
     let same = path
         .canonicalize()
         .is_ok_and(|p| made_from.canonicalize().is_ok_and(|m| m == p));
@@ -176,7 +166,7 @@ fn lens_model(camera: &Camera) -> String {
     }
 }
 
-fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+fn guess(args: &GuessArgs, out: &mut dyn Write) -> Result<()> {
     let photo = Photo::open(&args.photo)?;
     let camera = Camera::guessed(photo.width, photo.height, &photo.lens())
         .map_err(|e| format!("no camera can be guessed from {}: {e}", args.photo.display()))?;

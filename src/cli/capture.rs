@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, Result};
 use crate::camera::Camera;
 use crate::capture::{
     Capture, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store, Target, Tolerance,
@@ -240,11 +240,7 @@ fn check_names(args: &GuidedArgs) -> Result<(), String> {
 }
 
 /// `None` for photos that only browsers send.
-fn open_source(
-    name: &SourceName,
-    args: &GuidedArgs,
-    camera: &Camera,
-) -> Result<Option<Box<dyn FrameSource + Send>>, Box<dyn std::error::Error>> {
+fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<Option<Box<dyn FrameSource + Send>>> {
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
@@ -263,12 +259,7 @@ fn open_source(
     }
 }
 
-fn take_back(
-    args: &GuidedArgs,
-    scene: &Scene,
-    capture: &mut Capture,
-    out: &mut dyn Write,
-) -> Result<(), Box<dyn std::error::Error>> {
+fn take_back(args: &GuidedArgs, scene: &Scene, capture: &mut Capture, out: &mut dyn Write) -> Result<()> {
     let photos = match (&args.redo, args.undo) {
         (Some(meant), _) => capture.redo(scene, |bin| meant.names(bin))?,
         (None, true) => capture.undo()?.into_iter().collect(),
@@ -329,7 +320,7 @@ fn follow(
     args: &GuidedArgs,
     capture: &mut Capture,
     mut terminal: TerminalLog,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<()> {
     let mut source = Interruptible::new(source);
     let mut settings = None;
     while !capture.guidance().is_finished() {
@@ -378,7 +369,7 @@ fn name(target: &Target) -> String {
 }
 
 impl ViewArgs {
-    fn guidance(&self, bins: &Bins) -> Result<Guidance, Box<dyn std::error::Error>> {
+    fn guidance(&self, bins: &Bins) -> Result<Guidance> {
         let (viewpoints, tolerance) = match &self.pair_with {
             Some(session) => {
                 let (viewpoints, faults) = pair::viewpoints(session, TagDetectorChoice::default())?;

@@ -1,13 +1,12 @@
 //! `scaleproof chart`: methods against each other, on the same photos.
 
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, print, progress};
+use super::{CommandResult, Outcome, Result, print, progress};
 use crate::chart::locate::PhotoSample;
 use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
 use crate::envelope::{self, EnvelopeShape};
@@ -162,10 +161,7 @@ fn chart_envelope(args: &EnvelopeArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The photos of a session that the tags place, and a sentence about each of the others.
-fn placed(
-    session: &Session,
-    on: &ChartInput,
-) -> Result<(Vec<envelope_chart::LocatedSample>, Vec<String>), Box<dyn Error>> {
+fn placed(session: &Session, on: &ChartInput) -> Result<(Vec<envelope_chart::LocatedSample>, Vec<String>)> {
     let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
     let truths = true_boxes(&on.truth, &names)?;
     let camera = session.known_camera()?;
@@ -238,7 +234,7 @@ fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The session and its photos, decoded, with the truth about each.
-fn load(on: &ChartInput) -> Result<(Session, Vec<PhotoSample>), Box<dyn Error>> {
+fn load(on: &ChartInput) -> Result<(Session, Vec<PhotoSample>)> {
     let session = Session::open(&on.session)?;
     let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
     let truths = true_views(&on.truth, &names)?;
@@ -252,7 +248,7 @@ fn load(on: &ChartInput) -> Result<(Session, Vec<PhotoSample>), Box<dyn Error>> 
             truth,
         })
     });
-    let samples = samples.collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    let samples = samples.collect::<Result<Vec<_>>>()?;
     bar.finish_and_clear();
     Ok((session, samples))
 }
@@ -277,7 +273,7 @@ fn enlarged(samples: Vec<PhotoSample>, factor: f64) -> Vec<PhotoSample> {
 }
 
 /// `read` are the files read besides the session's.
-fn numbers<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) -> Result<String, Box<dyn Error>> {
+fn numbers<R: Serialize>(session: &Session, read: &[Option<&Path>], rows: &[R]) -> Result<String> {
     let mut inputs = session.hashes.clone();
     for path in read.iter().flatten() {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

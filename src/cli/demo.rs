@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{CommandResult, Outcome, advice, detectors, locate, print, score};
+use super::{CommandResult, Outcome, Result, advice, detectors, locate, print, score};
 use crate::detect::{Manifest, Runtime, WeightFolders};
 use crate::pattern::Pattern;
 use crate::print::paper::{Orientation, Paper};
@@ -60,7 +60,7 @@ struct DemoFiles {
 }
 
 /// The three steps, reported to `out`.
-fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles, Box<dyn std::error::Error>> {
+fn make(args: &Args, out: &mut dyn Write) -> Result<DemoFiles> {
     let session = Session::open(&home().join("captures/skyline"))?;
     writeln!(out, "1. A pattern becomes a printable sheet")?;
     let pattern = Pattern::random(16, 1)?;
@@ -92,7 +92,7 @@ pub(super) fn print_template(
     tile_mm: f64,
     pdf: &Path,
     out: &mut dyn Write,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<()> {
     let layout = LayoutRequest {
         size_mm: (600.0, 300.0),
         paper: Paper::A4.into(),
@@ -125,11 +125,7 @@ pub(super) fn home() -> PathBuf {
 }
 
 /// Every detector: live where its weights are here or can be fetched, else from the session's recordings.
-fn detectors(
-    session: &Session,
-    folders: &WeightFolders,
-    out: &mut dyn Write,
-) -> Result<Vec<EvaluatedDetector>, Box<dyn std::error::Error>> {
+fn detectors(session: &Session, folders: &WeightFolders, out: &mut dyn Write) -> Result<Vec<EvaluatedDetector>> {
     let class = &session.scene.model.class;
     let mut why_not = Runtime::load().err().map(|e| advice::sentence(&e));
     let mut detectors = Vec::new();

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::failing_alike::{LocateFiles, MOST_LISTED};
-use super::{CommandResult, Outcome, progress};
+use super::{CommandResult, Outcome, Result, progress};
 use crate::camera::{Camera, FittedCamera};
 use crate::envelope::EnvelopeShape;
 use crate::geometry::rigid;
@@ -135,7 +135,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// Locates every photo of a session and writes the table.
-pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<(), Box<dyn std::error::Error>> {
+pub(super) fn table(session: &Session, out: &mut dyn Write) -> Result<()> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
     let answers = locate_all(
         &photos,
@@ -279,12 +279,7 @@ fn unreadable(answers: &[PhotoAnswer]) {
 }
 
 /// Writes the image of every photo that could be read.
-fn draw(
-    photos: &[PathBuf],
-    answers: &[PhotoAnswer],
-    places: &[PathBuf],
-    files: &LocateFiles,
-) -> Result<(), Box<dyn std::error::Error>> {
+fn draw(photos: &[PathBuf], answers: &[PhotoAnswer], places: &[PathBuf], files: &LocateFiles) -> Result<()> {
     let folder = files.scene_file.parent().unwrap_or(Path::new(""));
     let outline = EnvelopeShape::open(&files.scene.model, folder)?;
     let read = photos.iter().zip(answers).zip(places);
@@ -361,6 +356,8 @@ fn heading() -> String {
 
 fn row(path: &Path, answer: &PhotoAnswer) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
+    // A row is a line, whatever the name is.
+    let name = name.replace('\n', "\\u000a").replace('\t', "\\u0009");
     match located(answer) {
         Some(l) => {
             let (v, b) = (&l.viewpoint, &l.bin);

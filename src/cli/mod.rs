@@ -21,10 +21,12 @@ mod copies;
 mod criteria;
 mod demo;
 mod detectors;
+mod enlarged;
 mod failing_alike;
 mod locate;
 mod merge;
 mod mistakes;
+mod model;
 mod output;
 mod overview;
 mod pattern;
@@ -37,6 +39,9 @@ mod session;
 mod sessions;
 #[cfg(feature = "full")]
 mod survey;
+mod texture;
+#[cfg(feature = "full")]
+mod textures;
 mod units;
 
 use std::error::Error;
@@ -69,6 +74,8 @@ enum Command {
     Print(print::Args),
     Scene(scene::Args),
     Pattern(pattern::Args),
+    #[cfg(feature = "full")]
+    Texture(textures::Args),
     Camera(camera::Args),
     Colour(colour::Args),
     #[cfg(feature = "full")]
@@ -96,7 +103,9 @@ enum Outcome {
     SomeInputBad,
 }
 
-type CommandResult = Result<Outcome, Box<dyn Error>>;
+type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
+
+type CommandResult = Result<Outcome>;
 
 /// The advice of each command that has some.
 const ADVICE: &[advice::Advise] = &[
@@ -107,9 +116,14 @@ const ADVICE: &[advice::Advise] = &[
     detectors::advice,
     locate::advice,
     merge::advice,
-    print::wrap::advice,
+    model::advice,
+    pattern::advice,
+    print::template::advice,
     score::advice,
     session::advice,
+    #[cfg(feature = "full")]
+    survey::advice,
+    texture::advice,
 ];
 
 /// Runs the program. Exit code 0 when all went well, 2 for bad input, with one sentence on standard error.
@@ -143,6 +157,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Print(args) => print::run(args, out),
         Command::Scene(args) => scene::run(args, out),
         Command::Pattern(args) => pattern::run(args, out),
+        #[cfg(feature = "full")]
+        Command::Texture(args) => textures::run(&args, out),
         Command::Camera(args) => camera::run(args, out),
         Command::Colour(args) => colour::run(args, out),
         #[cfg(feature = "full")]

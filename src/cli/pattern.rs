@@ -1,5 +1,7 @@
 //! `scaleproof pattern`: make patterns, and check what a printer makes of them.
 
+use std::error::Error;
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -7,12 +9,16 @@ use clap::Subcommand;
 use serde::Serialize;
 use serde_json::json;
 
+use super::enlarged::note_enlarged;
 use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::fate::{PatternFate, fate};
 use crate::pattern::gamut::PRINTABLE_DELTA_E;
-use crate::pattern::{Pattern, contrast};
+use crate::pattern::import::{enlarged_pattern, in_cells, rows_for};
+use crate::pattern::picture::Picture;
+use crate::pattern::{Pattern, PatternError, contrast};
+use crate::print::lettering::number;
 use crate::print::printer::PrinterFile;
 
 /// So many of the worst colours are listed; `--json` has all.
@@ -29,6 +35,8 @@ pub(crate) struct Args {
 enum What {
     /// A square of uniformly random colours: the baseline every optimised pattern must beat
     Random(RandomArgs),
+    /// A pattern from any image: the mean colour of each of its cells, or the cells of an enlarged grid
+    Import(ImportArgs),
     /// What a printer makes of a pattern: non-printability score, colours out of its gamut, a preview
     Check(CheckArgs),
 }
@@ -41,6 +49,22 @@ struct RandomArgs {
     /// The same seed gives the same pattern everywhere
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// The PNG to write, one pixel per cell
+    #[arg(short, long, value_name = "PNG")]
+    output: PathBuf,
+    /// One JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+struct ImportArgs {
+    /// The image: PNG or JPEG
+    image: PathBuf,
+    /// Cells across, as in 24 (the rows follow from the image's shape), or across and down, as in 24x16; without it, the image must be an
+    /// enlarged grid
+    #[arg(long, value_name = "N[xM]", allow_hyphen_values = true)]
+    cells: Option<String>,
     /// The PNG to write, one pixel per cell
     #[arg(short, long, value_name = "PNG")]
     output: PathBuf,
@@ -82,6 +106,7 @@ struct Answer {
 pub(crate) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match args.what {
         What::Random(args) => run_random(&args, out),
+        What::Import(args) => run_import(&args, out),
         What::Check(args) => run_check(&args, out),
     }
 }
@@ -98,6 +123,87 @@ fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
     let (path, cells) = (args.output.display(), args.cells);
     writeln!(out, "{path}: {cells} × {cells} random cells, seed {}", args.seed)?;
     Ok(Outcome::Done)
+}
+
+fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
+    let picture = Picture::load(&args.image)?;
+    let enlarged = enlarged_pattern(&picture)?;
+    let grid = enlarged.as_ref().map(|pattern| [pattern.columns(), pattern.rows()]);
+    let image = args.image.display();
+    let pattern = match (&args.cells, enlarged) {
+        (None, Some(pattern)) => pattern,
+        (None, None) => {
+            return Err(format!(
+                "{image} is no enlarged grid of cells, so it needs their number: give --cells, as in --cells 24"
+            )
+            .into());
+        }
+        (Some(text), _) => in_cells(&picture, cells(text, &picture)?)?,
+    };
+    let new = [(args.output.clone(), pattern.to_png()?)];
+    write_files(&new, &[Some(&args.image)])?;
+    let [columns, rows] = [pattern.columns(), pattern.rows()];
+    let (width, height) = picture.pixels().dimensions();
+    let pixels = [
+        f64::from(width) / f64::from(columns),
+        f64::from(height) / f64::from(rows),
+    ];
+    if let Some([across, down]) = grid.filter(|grid| args.cells.is_some() && *grid != [columns, rows]) {
+        say!(
+            "note: {image} is an enlarged grid of {across}×{down} cells, which --cells mixes; leave it out to have them"
+        );
+    }
+    if args.json {
+        let facts = json!({
+            "columns": columns,
+            "rows": rows,
+            "pixels_per_cell": pixels,
+            "enlarged_grid": grid,
+            "pattern_sha256": pattern.sha256(),
+        });
+        write_json(&new, facts, out)?;
+        return Ok(Outcome::Done);
+    }
+    let [wide, high] = pixels.map(number);
+    let output = args.output.display();
+    match &args.cells {
+        None => writeln!(
+            out,
+            "{output}: {image} is an enlarged grid of {columns}×{rows} cells, {wide} × {high} pixels each"
+        )?,
+        Some(_) => writeln!(
+            out,
+            "{output}: {columns}×{rows} cells, each the mean light of {wide} × {high} pixels of {image}"
+        )?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// Columns and rows.
+fn cells(text: &str, picture: &Picture) -> Result<[u32; 2], String> {
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    let cells = match text.split_once('x') {
+        Some((columns, rows)) => number(columns).zip(number(rows)).map(|(columns, rows)| [columns, rows]),
+        None => number(text).map(|columns| [columns, rows_for(picture, columns)]),
+    };
+    cells.ok_or_else(|| format!("'{text}' is no number of cells; write 24, or 24x16 for columns and rows"))
+}
+
+/// What to do about an error of the library.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    let path = match error.downcast_ref()? {
+        PatternError::TooManyCells { path, .. } => path,
+        PatternError::NotPng { path } if path.extension().is_some_and(is_jpeg) => path,
+        _ => return None,
+    };
+    Some(format!(
+        ", or make one of the image: scaleproof pattern import {} --cells 24 -o pattern.png",
+        path.display()
+    ))
+}
+
+fn is_jpeg(ending: &OsStr) -> bool {
+    ["jpg", "jpeg"].iter().any(|known| ending.eq_ignore_ascii_case(known))
 }
 
 fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
@@ -135,6 +241,7 @@ fn run_check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     } else {
         describe(args, &answer, out)?;
     }
+    note_enlarged(&args.pattern, &pattern);
     Ok(Outcome::Done)
 }
 

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::criteria::{Reading, Tables};
-use super::{CommandResult, Outcome, at_hand, detectors, failing_alike, progress, sessions};
+use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, sessions};
 use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
 use crate::score::{self, Cache, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
@@ -86,7 +86,7 @@ impl Effort {
         self.threads.map(u32::from)
     }
 
-    pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options, Box<dyn std::error::Error>> {
+    pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
         let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());
         let folder = self
@@ -204,7 +204,7 @@ fn write_shard(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
     options: &Options,
-) -> Result<PathBuf, Box<dyn std::error::Error>> {
+) -> Result<PathBuf> {
     let photos = (1..=sessions.iter().map(|s| s.photos.len() as u64).sum()).filter(|photo| id.holds(*photo));
     let bar = progress::photos(&format!("scoring {id}"), photos.count());
     let observed = score::observe(sessions, detectors, options, id, || bar.inc(1));

@@ -1,8 +1,8 @@
 //! Which photos a command is about: those of stored sessions, or of folders with one texture each.
 
-use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use super::Result;
 use crate::session::folders::{self, Gathered, Listing, PhotoFolder};
 use crate::session::{Session, SessionError};
 use crate::spelling;
@@ -41,8 +41,6 @@ pub(super) struct OpenedPhotos {
     /// Whole paths of the folders, when the photos came from folders.
     folders: Vec<PathBuf>,
 }
-
-type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 impl Photos {
     /// Opens all of them, and notes what is passed over.
@@ -113,7 +111,7 @@ impl FolderFiles {
         &self.place
     }
 
-    fn refuse_for_sessions(&self) -> std::result::Result<(), String> {
+    fn refuse_for_sessions(&self) -> Result<(), String> {
         let given = [
             ("--scene", self.scene.is_some()),
             ("--camera", self.camera.is_some()),
@@ -130,7 +128,7 @@ impl FolderFiles {
 
 impl OpenedPhotos {
     /// Refuses what only stored sessions can do: `option` needs files in them.
-    pub(super) fn refuse_for_folders(&self, option: &str, is_given: bool) -> std::result::Result<(), String> {
+    pub(super) fn refuse_for_folders(&self, option: &str, is_given: bool) -> Result<(), String> {
         match is_given && !self.folders.is_empty() {
             false => Ok(()),
             true => Err(format!(
@@ -145,7 +143,7 @@ impl OpenedPhotos {
     }
 
     /// Nothing is written among the user's photos.
-    pub(super) fn check_output(&self, output: &Path) -> std::result::Result<(), String> {
+    pub(super) fn check_output(&self, output: &Path) -> Result<(), String> {
         let real = output.canonicalize();
         match real.is_ok_and(|real| self.folders.contains(&real)) {
             false => Ok(()),

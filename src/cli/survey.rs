@@ -1,15 +1,18 @@
 //! `scaleproof survey`: where do the tags stand that were placed by hand?
 
+use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, print, progress, scene};
+use super::{CommandResult, Outcome, advice, print, progress, scene};
 use crate::camera::Camera;
 use crate::print::tags::arrange;
 use crate::scene::{Scene, TagFamily};
-use crate::survey::{LeftOutReason, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey};
+use crate::survey::{
+    LeftOutReason, PhotoReport, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey,
+};
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
 ///
@@ -58,7 +61,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         family: args.family,
     };
     let busy = progress::busy("adjusting");
-    let found = survey(&photos, &given, &camera).map_err(advised)?;
+    let found = survey(&photos, &given, &camera)?;
     busy.finish_and_clear();
     let text = found.scene.to_toml();
     // The reader's checks are the checks.
@@ -86,21 +89,15 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
     Ok(scene)
 }
 
-/// The error with the option that helps.
-fn advised(e: SurveyError) -> String {
-    match e {
-        SurveyError::NothingToSurvey => format!("{e}: give their sizes with --sizes, and uncover them"),
-        SurveyError::TwoSizes { .. } => format!("{e} in --sizes: correct one of them"),
-        _ => e.to_string(),
-    }
-}
-
-/// Why a tag is left out, with the option that helps.
-fn reason(reason: &LeftOutReason) -> String {
-    match reason {
-        LeftOutReason::NoSize => format!("{reason}: name it in --sizes"),
-        _ => reason.to_string(),
-    }
+/// What to do about an error of the library, or about a tag that is left out.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    let advice = match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(SurveyError::NothingToSurvey), _) => "give their sizes with --sizes, and uncover them",
+        (Some(SurveyError::TwoSizes { .. }), _) => " in --sizes: correct one of them",
+        (_, Some(LeftOutReason::NoSize)) => "name it in --sizes",
+        _ => return None,
+    };
+    Some(advice.into())
 }
 
 /// The fixed tags by family and id.
@@ -122,12 +119,12 @@ fn fixed(args: &Args, scene: &Scene) -> Result<Vec<(TagFamily, u32)>, String> {
 }
 
 #[derive(Serialize)]
-struct SurveyJson {
+struct SurveyJson<'a> {
     noise_px: f64,
     edge_shift_px: f64,
     tags: Vec<TagJson>,
     left_out: Vec<LeftOutJson>,
-    photos: Vec<PhotoJson>,
+    photos: &'a [PhotoReport],
 }
 
 #[derive(Serialize)]
@@ -159,15 +156,7 @@ struct LeftOutJson {
     reason: String,
 }
 
-#[derive(Serialize)]
-struct PhotoJson {
-    file: String,
-    tags: Vec<u32>,
-    ignored_tags: Vec<u32>,
-    rms_px: Option<f64>,
-}
-
-fn json(found: &Survey) -> SurveyJson {
+fn json(found: &Survey) -> SurveyJson<'_> {
     let tag = |(report, tag): (&TagReport, &crate::scene::Tag)| TagJson {
         id: tag.id,
         family: tag.family,
@@ -194,19 +183,10 @@ fn json(found: &Survey) -> SurveyJson {
                 id: l.id,
                 family: l.family,
                 code: l.reason.code(),
-                reason: reason(&l.reason),
+                reason: advice::sentence(&l.reason),
             })
             .collect(),
-        photos: found
-            .photos
-            .iter()
-            .map(|p| PhotoJson {
-                file: p.name.clone(),
-                tags: p.tags.clone(),
-                ignored_tags: p.ignored_tags.clone(),
-                rms_px: p.rms_px,
-            })
-            .collect(),
+        photos: &found.photos,
     }
 }
 
@@ -245,7 +225,7 @@ fn write_tables(found: &Survey, out: &mut dyn Write) -> std::io::Result<()> {
         )?;
     }
     for left in &found.left_out {
-        writeln!(out, "left out: tag {} {}", left.id, reason(&left.reason))?;
+        writeln!(out, "left out: tag {} {}", left.id, advice::sentence(&left.reason))?;
     }
     for photo in found.photos.iter().filter(|p| p.tags.is_empty()) {
         writeln!(out, "not used: {}, which shows no tag that helps", photo.name)?;

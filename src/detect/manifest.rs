@@ -188,7 +188,7 @@ pub enum ManifestError {
 }
 
 impl ManifestError {
-    fn syntax(file: &str, message: &str) -> ManifestError {
+    pub(super) fn syntax(file: &str, message: &str) -> ManifestError {
         let (file, message) = (file.to_owned(), message.replace('\n', " "));
         ManifestError::Syntax { file, message }
     }

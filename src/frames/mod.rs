@@ -23,23 +23,26 @@
 //! | `positions` | optional, 16-bit RGB: x, y, z of the paint, model frame, at the centre of each of `factor`² parts of a pixel |
 //! | `sides` | with `positions`, 8-bit grey: 0 no paint, else 1 + the index of the [`Side`] that the paint belongs to |
 //! | `T_camera_model` | 4×4, row by row, mm, OpenCV's camera frame |
-//! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}` or `"original"` |
+//! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}`, `{"texture": {"file": …}}` or `"original"` |
 //! | `light`, `place` | what lights the scene, and where it is; frames of one place are not independent |
 //! | `box_xyxy_px` | optional: the box of the whole outline, corner to corner, clipped to the image |
 //!
 //! **A flat colour** is the paint's diffuse reflectance as 8-bit sRGB: `flat_rgb` [188, 188, 188] reflects half of the light (0.5 in linear
-//! light). It is not the colour the paint has in the image. The same holds for a pattern's cells, which lie on the model as
+//! light). It is not the colour the paint has in the image. The same holds for a texture's texels and a pattern's cells, which lie on the model as
 //! [`world_aligned`](crate::pattern::world_aligned) says.
 //!
 //! Frames with the same `T_camera_model` may share masks, positions and sides. Those made of photos ([`photos`]) have the camera's
 //! tone curve instead of sRGB's, and only paint in the mask that every photo sees.
 
+pub(crate) mod drawn;
 mod images;
 pub(crate) mod import;
-pub(crate) mod light;
+pub(crate) use crate::pattern::light;
 pub(crate) mod photos;
+pub(crate) mod raster;
 mod read;
 pub(crate) mod render;
+pub(crate) mod shaded;
 mod write;
 
 pub(crate) use images::{Coverage, encode_grey, encode_linear, encode_positions, encode_rgb};
@@ -47,13 +50,14 @@ pub(crate) use read::{outline, syntax};
 
 use std::path::PathBuf;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::files::FileError;
 use crate::geometry::BoxPx;
 use crate::geometry::rigid::Rigid;
+use crate::mesh::Mesh;
 use crate::pattern::PatternError;
 use crate::pattern::world_aligned::Side;
 use crate::scene::Viewpoint;
@@ -159,6 +163,8 @@ pub enum FramePaint {
     FlatRgb([u8; 3]),
     /// A world-aligned pattern.
     Pattern(PatternPaint),
+    /// An image on texture coordinates.
+    Texture(TexturePaint),
     /// Whatever the maker of the frames had on it.
     Original,
 }
@@ -171,6 +177,14 @@ pub struct PatternPaint {
     pub file: String,
     /// Width of one repeat on the model.
     pub tile_mm: f64,
+}
+
+/// A texture on the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TexturePaint {
+    /// PNG below the folder of the frames.
+    pub file: String,
 }
 
 /// The paint at one point of an image.
@@ -199,7 +213,43 @@ impl FrameList {
     }
 }
 
+impl Positions {
+    /// Room for every point of a mesh.
+    pub(crate) fn of(mesh: &Mesh, factor: u32) -> Self {
+        let (low, high) = mesh.bounds_mm();
+        // Rounding must not leave it.
+        let wider = Vector3::repeat(1.0);
+        Self {
+            low_mm: (low - wider).coords.into(),
+            high_mm: (high + wider).coords.into(),
+            factor,
+        }
+    }
+
+    pub(crate) fn bounds_mm(&self) -> ([f64; 3], [f64; 3]) {
+        (self.low_mm, self.high_mm)
+    }
+}
+
 impl Pinhole {
+    /// With its centre in the middle of images of this size.
+    pub(crate) fn with_field_of_view([width, height]: [u32; 2], horizontal_deg: f64) -> Self {
+        let half = 0.5 * horizontal_deg.to_radians();
+        Self {
+            focal_length_px: 0.5 * f64::from(width) / half.tan(),
+            centre_px: [width, height].map(|side| 0.5 * (f64::from(side) - 1.0)),
+        }
+    }
+
+    /// The camera of an image in which a pixel is `factor` pixels wide and high.
+    pub(crate) fn finer(&self, factor: u32) -> Self {
+        let factor = f64::from(factor);
+        Self {
+            focal_length_px: factor * self.focal_length_px,
+            centre_px: self.centre_px.map(|c| factor * (c + 0.5) - 0.5),
+        }
+    }
+
     /// The same for images of a size: width, height.
     pub fn camera(&self, [width, height]: [u32; 2]) -> Camera {
         let (f, [cx, cy]) = (self.focal_length_px, self.centre_px);
@@ -234,8 +284,10 @@ impl Frame {
                 .into_iter()
                 .filter_map(|(key, file)| Some((key, file.as_deref()?))),
         );
-        if let FramePaint::Pattern(pattern) = &self.paint {
-            all.push(("pattern", &pattern.file));
+        match &self.paint {
+            FramePaint::Pattern(pattern) => all.push(("pattern", &pattern.file)),
+            FramePaint::Texture(texture) => all.push(("texture", &texture.file)),
+            FramePaint::FlatRgb(_) | FramePaint::Original => {}
         }
         all
     }

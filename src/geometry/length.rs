@@ -33,6 +33,11 @@ pub(crate) fn strip_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, 0.0..=LONGEST_MM)
 }
 
+/// A glue tab: wide enough to hold, narrow enough to fold.
+pub(crate) fn tab_mm(value: f64) -> Result<f64, BadLength> {
+    within("a glue tab", value, 4.0..=15.0)
+}
+
 /// A coordinate, which may be negative.
 pub(crate) fn place_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, -LONGEST_MM..=LONGEST_MM)

@@ -1,10 +1,12 @@
-//! Binary glTF 2.0, with the transforms of its nodes applied; positions only. In metres, y up.
+//! Binary glTF 2.0, with the transforms of its nodes applied: positions, texture coordinates and base colours. In metres, y up.
 
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Glb, Node, Primitive, Semantic};
 use nalgebra::{Matrix4, Point3};
 
+use super::gltf_look::{Placing, looks, placing};
+use super::image::Look;
 use super::{Soup, Trouble, corner};
 
 /// The header of the file: the magic word, the version, the length of the whole.
@@ -21,11 +23,22 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
         .ok_or_else(|| Trouble::damaged("its data are in other files; save everything in one .glb"))?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let roots = scene.ok_or_else(|| Trouble::damaged("it has no scene"))?;
+    let file = File {
+        blob,
+        looks: looks(&document, blob, &soup.folder),
+    };
     let mut budget = 100_000;
     for root in roots.nodes() {
-        visit(&root, &Matrix4::identity(), 0, &mut budget, blob, soup)?;
+        visit(&root, &Matrix4::identity(), 0, &mut budget, &file, soup)?;
     }
     Ok(())
+}
+
+/// What the tree refers to.
+struct File<'a> {
+    blob: &'a [u8],
+    /// Of each material.
+    looks: Vec<Look>,
 }
 
 /// The checked tree and the data beside it. What the gltf crate trusts although damaged files have it wrong is looked at first.
@@ -53,7 +66,7 @@ fn visit(
     parent: &Matrix4<f64>,
     depth: usize,
     budget: &mut usize,
-    blob: &[u8],
+    file: &File,
     soup: &mut Soup,
 ) -> Result<(), Trouble> {
     if depth > MAX_DEPTH || *budget == 0 {
@@ -63,13 +76,13 @@ fn visit(
     let own = Matrix4::from(node.transform().matrix()).cast::<f64>();
     let to_scene = parent * own;
     for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-        read_primitive(&primitive, &to_scene, blob, soup)?;
+        read_primitive(&primitive, &to_scene, file, soup)?;
     }
     node.children()
-        .try_for_each(|child| visit(&child, &to_scene, depth + 1, budget, blob, soup))
+        .try_for_each(|child| visit(&child, &to_scene, depth + 1, budget, file, soup))
 }
 
-fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, blob: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
+fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, file: &File, soup: &mut Soup) -> Result<(), Trouble> {
     match primitive.mode() {
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
         Mode::Triangles => {}
@@ -82,12 +95,13 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, blob: &[u8], s
     let positions = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Trouble::damaged("a surface has no positions"))?;
-    let points: Vec<Point3<f64>> = coordinates(&positions, blob)?
+    let points: Vec<Point3<f64>> = positions_of(&positions, file.blob)?
         .iter()
         .map(|p| to_scene.transform_point(p))
         .collect();
+    let coordinates = texture_coordinates(primitive, file.blob);
     let indices = match primitive.indices() {
-        Some(accessor) => whole_numbers(&accessor, blob)?,
+        Some(accessor) => whole_numbers(&accessor, file.blob)?,
         None => (0..points.len()).collect(),
     };
     let number = primitive.material().index();
@@ -96,22 +110,51 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, blob: &[u8], s
         (None, Some(number)) => format!("material {number}"),
         (None, None) => NO_MATERIAL.to_owned(),
     };
-    let material = soup.material(&name);
+    let look = number.and_then(|number| file.looks.get(number));
+    let material = soup.material(&name, look.cloned());
     // A mirroring node turns every triangle inside out (glTF 2.0, section 3.7.4).
     let mirrored = to_scene.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
     for [a, b, c] in indices.as_chunks::<3>().0 {
-        let [a, b, c] = [corner(&points, *a)?, corner(&points, *b)?, corner(&points, *c)?];
+        let whole = |i: usize| Ok((corner(&points, i)?, coordinates.get(i).copied()));
+        let [a, b, c] = [whole(*a)?, whole(*b)?, whole(*c)?];
         soup.triangle(if mirrored { [a, c, b] } else { [a, b, c] }, material)?;
     }
     Ok(())
 }
 
-fn coordinates(accessor: &Accessor, blob: &[u8]) -> Result<Vec<Point3<f64>>, Trouble> {
+/// Those that the material's image is laid on with, v up; none where the file has none that can be read, since most commands need none.
+fn texture_coordinates(primitive: &Primitive, blob: &[u8]) -> Vec<[f64; 2]> {
+    let Placing { set, transform } = placing(&primitive.material());
+    let accessor = primitive.get(&Semantic::TexCoords(set));
+    let stored = accessor
+        .and_then(|accessor| pairs(&accessor, blob).ok())
+        .unwrap_or_default();
+    stored.into_iter().map(|pair| transform.place(pair)).collect()
+}
+
+/// Floats, or whole numbers that stand for 0 to 1.
+fn pairs(accessor: &Accessor, blob: &[u8]) -> Result<Vec<[f64; 2]>, Trouble> {
+    let number: fn(&[u8], usize) -> f64 = match (accessor.dimensions(), accessor.data_type(), accessor.normalized()) {
+        (Dimensions::Vec2, DataType::F32, _) => float,
+        (Dimensions::Vec2, DataType::U8, true) => |b, i| f64::from(b[i]) / f64::from(u8::MAX),
+        (Dimensions::Vec2, DataType::U16, true) => {
+            |b, i| f64::from(u16::from_le_bytes([b[2 * i], b[2 * i + 1]])) / f64::from(u16::MAX)
+        }
+        _ => return Err(Trouble::damaged("texture coordinates are of another kind")),
+    };
+    Ok(items(accessor, blob)?.map(|b| [number(b, 0), number(b, 1)]).collect())
+}
+
+/// The float with this number.
+fn float(b: &[u8], i: usize) -> f64 {
+    f64::from(f32::from_le_bytes([b[4 * i], b[4 * i + 1], b[4 * i + 2], b[4 * i + 3]]))
+}
+
+fn positions_of(accessor: &Accessor, blob: &[u8]) -> Result<Vec<Point3<f64>>, Trouble> {
     if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
         return Err(Trouble::damaged("positions are not triples of 32-bit floats"));
     }
-    let float = |b: &[u8], i: usize| f64::from(f32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]));
-    let point = |b: &[u8]| Point3::new(float(b, 0), float(b, 4), float(b, 8));
+    let point = |b: &[u8]| Point3::new(float(b, 0), float(b, 1), float(b, 2));
     Ok(items(accessor, blob)?.map(point).collect())
 }
 

@@ -1,14 +1,21 @@
-//! The model's surface: triangles with a material each, read from `.glb`, `.obj`, `.stl` or `.ply` and put into the model frame.
+//! The model's surface: triangles with a material and texture coordinates each, read from `.glb`, `.obj`, `.stl` or `.ply` and put into the
+//! model frame.
 //!
 //! One file per format; [`place`](MeshPlacement) brings what they give into the model frame: origin on the ground under the
 //! model's centre, x to its front, y to its left, z up; mm.
 
+mod faces;
 mod glb;
+mod gltf_look;
+mod image;
+mod mtl;
 mod obj;
 mod placement;
 mod ply;
 mod stl;
 
+pub(crate) use faces::FaceList;
+pub(crate) use image::{ImageSource, Look, Wrap};
 pub(crate) use placement::MeshPlacement;
 #[cfg(test)]
 pub(crate) use placement::SignedAxis;
@@ -48,6 +55,8 @@ pub enum MeshError {
     TooLarge { path: PathBuf, what: String },
     #[error("the mesh has no material '{name}'; it has {known}")]
     NoSuchMaterial { name: String, known: String },
+    #[error("the list of faces {path} cannot be used ({reason}); it holds the numbers of triangles, counted from 0 in the mesh file's order", path = path.display())]
+    FaceList { path: PathBuf, reason: String },
     #[error("'{text}' is no direction; write one of +x, -x, +y, -y, +z, -z")]
     UnknownAxis { text: String },
     #[error("front and up of the mesh lie along the same axis; give two different ones")]
@@ -83,7 +92,15 @@ pub struct Mesh {
     points: Vec<Point3<f64>>,
     triangles: Vec<Triangle>,
     materials: Vec<String>,
+    /// Of each material; empty when none has any.
+    looks: Vec<Option<Look>>,
+    /// Of each triangle; empty when the file has none.
+    coordinates: Vec<Option<TextureCoordinates>>,
+    frame: placement::FileFrame,
 }
+
+/// The places of a triangle's corners in its image: u to the right, v up, the image fills the unit square.
+pub(crate) type TextureCoordinates = [[f64; 2]; 3];
 
 /// Three corners, counter-clockwise seen from outside, and a material, as indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,7 +139,10 @@ impl Mesh {
         if bytes.len() > MAX_BYTES {
             return Err(too_large(format!("{} MB", bytes.len() / 1_000_000)));
         }
-        let mut soup = Soup::default();
+        let mut soup = Soup {
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+            ..Soup::default()
+        };
         match read(&bytes, &mut soup) {
             Ok(()) if soup.triangles.is_empty() => Err(MeshError::NoFaces { path: path.to_owned() }),
             Ok(()) => placement.apply(soup.into_mesh(), placement::is_gltf(path)),
@@ -155,6 +175,9 @@ impl Mesh {
             points: (0..8).map(corner).collect(),
             triangles: halves.map(|corners| Triangle { corners, material: 0 }).collect(),
             materials: vec!["box".to_owned()],
+            looks: Vec::new(),
+            coordinates: Vec::new(),
+            frame: placement::FileFrame::default(),
         }
     }
 
@@ -167,9 +190,24 @@ impl Mesh {
         &self.triangles
     }
 
+    /// Where the corners of a triangle lie in its image; `None` where the file does not say.
+    pub fn coordinates(&self, triangle: usize) -> Option<TextureCoordinates> {
+        self.coordinates.get(triangle).copied().flatten()
+    }
+
+    /// What a material looks like; `None` where the file does not say.
+    pub(crate) fn look(&self, material: usize) -> Option<&Look> {
+        self.looks.get(material).and_then(Option::as_ref)
+    }
+
     /// Model frame, mm.
     pub fn corners_mm(&self, triangle: &Triangle) -> [Point3<f64>; 3] {
         triangle.corners.map(|i| self.points[i])
+    }
+
+    /// A point of the model frame, mm, in the frame and unit of the mesh's file.
+    pub(crate) fn in_file(&self, point_mm: &Point3<f64>) -> Point3<f64> {
+        self.frame.of_model(point_mm)
     }
 
     /// The names of the materials, in the file's order.
@@ -182,16 +220,41 @@ impl Mesh {
     /// # Errors
     /// A name the mesh does not have.
     pub fn materials_named(&self, names: &[String]) -> Result<Vec<usize>, MeshError> {
-        let index = |name: &String| {
-            self.materials.iter().position(|known| known == name).ok_or_else(|| {
-                let known: Vec<_> = self.materials.iter().map(|m| format!("'{m}'")).collect();
-                MeshError::NoSuchMaterial {
-                    name: name.clone(),
-                    known: known.join(", "),
-                }
-            })
-        };
-        names.iter().map(index).collect()
+        let unknown = |name: &&String| !self.materials.contains(name);
+        if let Some(name) = names.iter().find(unknown) {
+            let mut known: Vec<_> = self.materials.iter().map(|m| format!("'{m}'")).collect();
+            known.dedup();
+            return Err(MeshError::NoSuchMaterial {
+                name: name.clone(),
+                known: known.join(", "),
+            });
+        }
+        // Materials with different images may have one name.
+        let is_named = |material: &usize| names.contains(&self.materials[*material]);
+        Ok((0..self.materials.len()).filter(is_named).collect())
+    }
+
+    /// Gives some triangles materials of their own, and says which those are: one for each material that they were of.
+    #[must_use]
+    pub(crate) fn with_paint(mut self, faces: &FaceList) -> (Self, Vec<usize>) {
+        let count = self.materials.len();
+        let mut of_old = vec![None; count];
+        self.looks.resize(count, None);
+        for face in faces.indices() {
+            let Some(triangle) = self.triangles.get_mut(*face) else {
+                continue;
+            };
+            let old = triangle.material;
+            // Two entries of one face.
+            let Some(of_old) = of_old.get_mut(old) else { continue };
+            triangle.material = *of_old.get_or_insert_with(|| {
+                self.materials.push(format!("{} (paint)", self.materials[old]));
+                self.looks.push(self.looks[old].clone());
+                self.materials.len() - 1
+            });
+        }
+        let paint = (count..self.materials.len()).collect();
+        (self, paint)
     }
 
     /// The lowest and the highest corner of the box around the whole mesh, model frame, mm.
@@ -266,40 +329,58 @@ impl Trouble {
 /// Triangles on their way out of a file, in the file's frame and unit.
 #[derive(Default)]
 struct Soup {
+    /// Where the file lies.
+    folder: PathBuf,
     points: Vec<Point3<f64>>,
     triangles: Vec<Triangle>,
     materials: Vec<String>,
+    /// Of each material.
+    looks: Vec<Option<Look>>,
+    /// The materials of each name.
+    named: HashMap<String, Vec<usize>>,
+    /// Of each triangle.
+    coordinates: Vec<Option<TextureCoordinates>>,
     /// The index of each place met so far, by the bits of its coordinates.
     index: HashMap<[u64; 3], usize>,
 }
 
+/// A corner of a face: its place and its texture coordinates.
+type Corner = (Point3<f64>, Option<[f64; 2]>);
+
 impl Soup {
-    fn material(&mut self, name: &str) -> usize {
-        let known = self.materials.iter().position(|m| m == name);
-        known.unwrap_or_else(|| {
+    fn material(&mut self, name: &str, look: Option<Look>) -> usize {
+        let named = self.named.entry(name.to_owned()).or_default();
+        let known = named.iter().find(|material| self.looks[**material] == look);
+        known.copied().unwrap_or_else(|| {
+            named.push(self.materials.len());
             self.materials.push(name.to_owned());
+            self.looks.push(look);
             self.materials.len() - 1
         })
     }
 
-    fn triangle(&mut self, corners: [Point3<f64>; 3], material: usize) -> Result<(), Trouble> {
+    fn triangle(&mut self, corners: [Corner; 3], material: usize) -> Result<(), Trouble> {
         if self.triangles.len() >= MAX_TRIANGLES {
             return Err(Trouble::TooManyTriangles);
         }
         if let Some(bad) = corners
             .iter()
-            .flat_map(|p| p.iter())
+            .flat_map(|(p, _)| p.iter())
             .find(|c| c.is_nan() || c.abs() > MAX_COORDINATE)
         {
             return Err(Trouble::Damaged(format!("a coordinate is {bad}")));
         }
-        let corners = corners.map(|p| self.point(p));
+        self.coordinates.push(match corners.map(|(_, uv)| uv) {
+            [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+            _ => None,
+        });
+        let corners = corners.map(|(p, _)| self.point(p));
         self.triangles.push(Triangle { corners, material });
         Ok(())
     }
 
     /// A polygon as a fan from its first corner, as all these formats define it for convex faces.
-    fn fan(&mut self, corners: &[Point3<f64>], material: usize) -> Result<(), Trouble> {
+    fn fan(&mut self, corners: &[Corner], material: usize) -> Result<(), Trouble> {
         let Some((first, rest)) = corners.split_first() else {
             return Ok(());
         };
@@ -322,6 +403,12 @@ impl Soup {
             points: self.points,
             triangles: self.triangles,
             materials: self.materials,
+            looks: self.looks,
+            coordinates: match self.coordinates.iter().any(Option::is_some) {
+                true => self.coordinates,
+                false => Vec::new(),
+            },
+            frame: placement::FileFrame::default(),
         }
     }
 }

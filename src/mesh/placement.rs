@@ -39,6 +39,30 @@ impl FromStr for SignedAxis {
     }
 }
 
+/// Where a mesh lies in its file: from the file to the model frame by a turn, then a shift and a scale.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FileFrame {
+    turn: Matrix3<f64>,
+    ground: Point3<f64>,
+    scale: f64,
+}
+
+impl Default for FileFrame {
+    fn default() -> Self {
+        Self {
+            turn: Matrix3::identity(),
+            ground: Point3::origin(),
+            scale: 1.0,
+        }
+    }
+}
+
+impl FileFrame {
+    pub(super) fn of_model(&self, p: &Point3<f64>) -> Point3<f64> {
+        self.turn.transpose() * (p / self.scale + self.ground.coords)
+    }
+}
+
 /// How a mesh comes into the model frame. What is left out is what the format says: a glTF is in metres with its front to
 /// +z and its top to +y (glTF 2.0, section 3.4); the other formats are in mm with their front to +x and their top to +z.
 ///
@@ -79,6 +103,7 @@ impl MeshPlacement {
         mesh.points
             .iter_mut()
             .for_each(|p| *p = Point3::from(scale * (*p - ground)));
+        mesh.frame = FileFrame { turn, ground, scale };
         Ok(mesh)
     }
 

@@ -1,4 +1,4 @@
-//! PLY, text or binary of either byte order. It has no materials: all is `ply`.
+//! PLY, text or binary of either byte order. It has no materials: all is `ply`. Images stand in comments.
 
 use std::io::Cursor;
 
@@ -6,6 +6,7 @@ use nalgebra::Point3;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, Property};
 
+use super::image::{ImageSource, Look};
 use super::{MAX_TRIANGLES, Soup, Trouble, corner};
 
 /// Vertices, faces and whatever else the header announces: a closed surface has half as many vertices as triangles, separate
@@ -14,7 +15,6 @@ const MAX_ELEMENTS: usize = 4 * MAX_TRIANGLES;
 const MATERIAL: &str = "ply";
 
 pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
-    let material = soup.material(MATERIAL);
     let parser = Parser::<DefaultElement>::new();
     let mut file = Reader::new(Cursor::new(bytes));
     let header = parser.read_header(&mut file).map_err(Trouble::damaged)?;
@@ -27,25 +27,76 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     let elements = |name: &str| payload.get(name).map_or(&[][..], Vec::as_slice);
     let points: Result<Vec<_>, _> = elements("vertex").iter().map(point).collect();
     let points = points?;
+    let of_vertices: Vec<_> = elements("vertex").iter().map(coordinates_of_vertex).collect();
+    let names = header
+        .comments
+        .iter()
+        .filter_map(|line| line.trim().strip_prefix("TextureFile"));
+    let images: Vec<_> = names
+        .map(|name| ImageSource::beside(&soup.folder, name.trim()))
+        .collect();
     for face in elements("face") {
         let list = face
             .get("vertex_indices")
             .or_else(|| face.get("vertex_index"))
             .and_then(whole_numbers)
             .ok_or_else(|| Trouble::damaged("a face has no list vertex_indices of whole numbers"))?;
-        let corners: Result<Vec<_>, _> = list.into_iter().map(|i| corner(&points, i)).collect();
+        let of_face = face.get("texcoord").and_then(floats).unwrap_or_default();
+        let of_corner = |i: usize, vertex: usize| match of_face.as_chunks::<2>().0.get(i) {
+            Some(pair) => Some(*pair),
+            None => of_vertices.get(vertex).copied().flatten(),
+        };
+        let corners = list.into_iter().enumerate();
+        let corners: Result<Vec<_>, _> = corners
+            .map(|(i, vertex)| Ok((corner(&points, vertex)?, of_corner(i, vertex))))
+            .collect();
+        let image = images.get(face.get("texnumber").and_then(whole_number).unwrap_or(0));
+        let material = soup.material(MATERIAL, image.cloned().map(Look::of));
         soup.fan(&corners?, material)?;
     }
     Ok(())
 }
 
+/// By any of the names that programs give them, v up.
+fn coordinates_of_vertex(vertex: &DefaultElement) -> Option<[f64; 2]> {
+    let names = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+    names
+        .iter()
+        .find_map(|[u, v]| Some([float(vertex.get(*u)?)?, float(vertex.get(*v)?)?]))
+}
+
+fn float(property: &Property) -> Option<f64> {
+    match property {
+        Property::Float(value) => Some(f64::from(*value)),
+        Property::Double(value) => Some(*value),
+        _ => None,
+    }
+}
+
+fn floats(list: &Property) -> Option<Vec<f64>> {
+    match list {
+        Property::ListFloat(numbers) => Some(numbers.iter().copied().map(f64::from).collect()),
+        Property::ListDouble(numbers) => Some(numbers.clone()),
+        _ => None,
+    }
+}
+
+fn whole_number(property: &Property) -> Option<usize> {
+    match property {
+        Property::Char(number) => (*number).try_into().ok(),
+        Property::UChar(number) => Some((*number).into()),
+        Property::Short(number) => (*number).try_into().ok(),
+        Property::UShort(number) => Some((*number).into()),
+        Property::Int(number) => (*number).try_into().ok(),
+        Property::UInt(number) => (*number).try_into().ok(),
+        _ => None,
+    }
+}
+
 fn point(vertex: &DefaultElement) -> Result<Point3<f64>, Trouble> {
-    let coordinate = |name: &str| match vertex.get(name) {
-        Some(Property::Float(value)) => Ok(f64::from(*value)),
-        Some(Property::Double(value)) => Ok(*value),
-        _ => Err(Trouble::Damaged(format!(
-            "a vertex has no {name} of type float or double"
-        ))),
+    let coordinate = |name: &str| {
+        let value = vertex.get(name).and_then(float);
+        value.ok_or_else(|| Trouble::Damaged(format!("a vertex has no {name} of type float or double")))
     };
     Ok(Point3::new(coordinate("x")?, coordinate("y")?, coordinate("z")?))
 }

@@ -12,7 +12,7 @@ const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
 pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
-    let material = soup.material(MATERIAL);
+    let material = soup.material(MATERIAL, None);
     // A text file begins with "solid", but so do binary ones of some programs: those are known by their length.
     let without_the_word;
     let mut file = if is_binary(bytes) && bytes.starts_with(b"solid") {
@@ -25,7 +25,7 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     for triangle in stl_io::create_stl_reader(&mut file).map_err(Trouble::damaged)? {
         let corners = triangle.map_err(Trouble::damaged)?.vertices.map(|vertex| {
             let [x, y, z] = vertex.0;
-            Point3::new(f64::from(x), f64::from(y), f64::from(z))
+            (Point3::new(f64::from(x), f64::from(y), f64::from(z)), None)
         });
         soup.triangle(corners, material)?;
     }

@@ -1,11 +1,16 @@
 //! The repeated pattern: a small grid of coloured cells, stored as a PNG with one pixel per cell.
 
+pub(crate) mod area;
 pub(crate) mod card;
 pub(crate) mod colour;
 pub(crate) mod contrast;
+pub(crate) mod enlarged;
 pub(crate) mod fate;
 pub(crate) mod gamut;
+pub(crate) mod import;
+pub(crate) mod light;
 pub(crate) mod palette;
+pub(crate) mod picture;
 pub(crate) mod printed;
 pub(crate) mod world_aligned;
 
@@ -80,8 +85,14 @@ impl Pattern {
         }
         let mut grid = RgbImage::new(cells, cells);
         Pcg32::seed_from_u64(seed).fill_bytes(&mut grid);
-        let sha256 = files::sha256_hex(&png_of(&grid)?);
-        Ok(Self { cells: grid, sha256 })
+        Self::of_cells(grid)
+    }
+
+    /// # Errors
+    /// Only if the encoder fails.
+    fn of_cells(cells: RgbImage) -> Result<Self, PatternError> {
+        let sha256 = files::sha256_hex(&png_of(&cells)?);
+        Ok(Self { cells, sha256 })
     }
 
     /// The cells; pixel (0, 0) is the top-left cell.
@@ -115,8 +126,7 @@ impl Pattern {
     pub fn recoloured(&self, colour: impl Fn([u8; 3]) -> [u8; 3]) -> Result<Self, PatternError> {
         let mut cells = self.cells.clone();
         cells.pixels_mut().for_each(|cell| cell.0 = colour(cell.0));
-        let sha256 = files::sha256_hex(&png_of(&cells)?);
-        Ok(Self { cells, sha256 })
+        Self::of_cells(cells)
     }
 
     /// The pattern as a PNG file with one pixel per cell.

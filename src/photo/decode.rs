@@ -85,23 +85,24 @@ pub(super) struct Header {
     pub jpeg: Option<JpegStructure>,
     /// A JPEG that stores luma by itself, as almost all do: the others are CMYK or plain RGB.
     pub has_luma: bool,
+    /// A JPEG for print.
+    pub is_cmyk: bool,
 }
 
 impl Header {
     /// Also gives the EXIF block.
     pub(super) fn of(bytes: &[u8], budget: &Budget) -> Result<(Header, Option<Vec<u8>>), DecodeProblem> {
-        let (size, cost, exif, jpeg, has_luma) = match FileKind::of(bytes)? {
+        let (size, cost, exif, jpeg, colours) = match FileKind::of(bytes)? {
             FileKind::Jpeg(structure) => {
                 let (decoder, size, cost) = jpeg_header(bytes, &structure, ColorSpace::RGB, budget)?;
                 let colours = decoder.input_colorspace();
-                let has_luma = matches!(colours, Some(ColorSpace::YCbCr | ColorSpace::Luma));
-                (size, cost, decoder.exif().cloned(), Some(structure), has_luma)
+                (size, cost, decoder.exif().cloned(), Some(structure), colours)
             }
             FileKind::Png => {
                 let (mut decoder, cost) = png_header(bytes, budget)?;
                 let (width, height) = decoder.dimensions();
                 let exif = decoder.exif_metadata().ok().flatten();
-                ([width, height], cost, exif, None, false)
+                ([width, height], cost, exif, None, None)
             }
         };
         let orientation = orientation_of(exif.as_deref());
@@ -110,7 +111,8 @@ impl Header {
             cost,
             orientation,
             jpeg,
-            has_luma,
+            has_luma: matches!(colours, Some(ColorSpace::YCbCr | ColorSpace::Luma)),
+            is_cmyk: matches!(colours, Some(ColorSpace::CMYK | ColorSpace::YCCK)),
         };
         Ok((header, exif))
     }

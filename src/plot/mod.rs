@@ -23,6 +23,16 @@ pub(crate) fn colour(series: usize) -> &'static str {
     COLOURS[series % COLOURS.len()]
 }
 
+/// Each of some names once, in the order in which they come.
+pub(crate) fn distinct<T: PartialEq>(names: impl IntoIterator<Item = T>) -> Vec<T> {
+    names.into_iter().fold(Vec::new(), |mut known, name| {
+        if !known.contains(&name) {
+            known.push(name);
+        }
+        known
+    })
+}
+
 /// A tenth of a pixel is all a screen shows; fewer digits, smaller files.
 fn round(v: f64) -> f64 {
     (v * 10.0).round() / 10.0

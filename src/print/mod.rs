@@ -5,6 +5,7 @@
 
 #[cfg(feature = "full")]
 pub(crate) mod board;
+mod buckets;
 pub(crate) mod chart;
 pub(crate) mod check;
 pub(crate) mod date;
@@ -17,7 +18,9 @@ pub(crate) mod paint;
 pub(crate) mod paper;
 pub(crate) mod patch;
 pub(crate) mod pdf;
+pub(crate) mod pieces;
 pub(crate) mod printer;
+pub(crate) mod raster;
 pub(crate) mod ruler;
 pub(crate) mod shapes;
 pub(crate) mod sheet;

@@ -1,4 +1,4 @@
-//! Rectangles on pages: in rows from the top left, in their order.
+//! Rectangles on pages: in rows from the top left.
 
 use crate::print::sheet::{PointMm, RectMm};
 
@@ -14,35 +14,8 @@ pub(crate) struct Spot {
     pub at: PointMm,
 }
 
-/// Puts things of some (width, height) into an area, page after page.
-///
-/// # Errors
-/// The index of the first thing that is larger than the area.
-pub(crate) fn pack(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
-    let (mut page, mut x, mut top, mut row_mm) = (0, area.left_mm, area.top_mm, 0.0_f64);
-    let mut spots = Vec::with_capacity(sizes.len());
-    for (i, (width, height)) in sizes.iter().enumerate() {
-        if *width > area.width_mm() || *height > area.height_mm() {
-            return Err(i);
-        }
-        if x + width > area.right_mm {
-            (x, top, row_mm) = (area.left_mm, top - row_mm - GAP_MM, 0.0);
-        }
-        if top - height < area.bottom_mm {
-            (page, x, top, row_mm) = (page + 1, area.left_mm, area.top_mm, 0.0);
-        }
-        spots.push(Spot {
-            page,
-            at: PointMm::new(x, top - height),
-        });
-        x += width + GAP_MM;
-        row_mm = row_mm.max(*height);
-    }
-    Ok(spots)
-}
-
-/// The same on fewer pages: the highest first, each into the first row of any page that has room for it. The spots come in the order
-/// of the things.
+/// Puts things of some (width, height) into an area: the highest first, each into the first row of any page that has room for it. The
+/// spots come in the order of the things.
 ///
 /// # Errors
 /// The index of the first thing that is larger than the area.
@@ -116,7 +89,7 @@ mod tests {
         #[test]
         fn things_lie_inside_and_apart(sizes in prop::collection::vec((1.0..80.0_f64, 1.0..90.0_f64), 1..40)) {
             let area = RectMm::new(10.0, 20.0, 90.0, 110.0);
-            for spots in [pack(&sizes, area).unwrap(), tight(&sizes, area).unwrap()] {
+            let spots = tight(&sizes, area).unwrap();
             for (i, (spot, size)) in spots.iter().zip(&sizes).enumerate() {
                 prop_assert!(spot.at.x_mm >= 10.0 && spot.at.x_mm + size.0 <= 90.0 + 1e-9);
                 prop_assert!(spot.at.y_mm >= 20.0 - 1e-9 && spot.at.y_mm + size.1 <= 110.0 + 1e-9);
@@ -125,7 +98,6 @@ mod tests {
                     prop_assert!(apart(spot.at.x_mm, size.0, other.at.x_mm, other_size.0)
                         || apart(spot.at.y_mm, size.1, other.at.y_mm, other_size.1));
                 }
-            }
             }
         }
     }
@@ -136,17 +108,12 @@ mod tests {
         let sizes: Vec<_> = [(86.5, 211.5); 8].into_iter().chain([(170.0, 36.0); 4]).collect();
         let pages = |spots: Vec<Spot>| spots.iter().map(|spot| spot.page + 1).max();
         assert_eq!(pages(tight(&sizes, area).unwrap()), Some(4));
-        assert_eq!(pages(pack(&sizes, area).unwrap()), Some(5));
     }
 
     #[test]
     fn a_thing_too_large_is_named() {
         assert_eq!(
             tight(&[(5.0, 5.0), (11.0, 5.0)], RectMm::new(0.0, 0.0, 10.0, 10.0)),
-            Err(1)
-        );
-        assert_eq!(
-            pack(&[(5.0, 5.0), (11.0, 5.0)], RectMm::new(0.0, 0.0, 10.0, 10.0)),
             Err(1)
         );
     }

@@ -1,21 +1,18 @@
 //! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
+use image::RgbImage;
 
 use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::template::{TemplateError, check_scale, furniture, layout};
 use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use super::{SheetError, printer};
-use crate::files;
 use crate::geometry::length::{self, BadLength, shown};
+use crate::pattern::picture::{Picture, PictureError};
 use crate::pattern::world_aligned::Side;
-use crate::photo::{Budget, Photo, open_png};
 
-/// Most pixels a patch may have along one side: at 600 dpi that is 35 cm.
-pub(crate) const MAX_PIXELS: u32 = 8192;
 /// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger images are embedded whole.
 const MAX_RECTANGLES: u32 = 128;
 /// Around a piece on its sheets, for the line it is cut along.
@@ -33,8 +30,8 @@ pub(crate) enum PatchError {
     Scale(#[from] TemplateError),
     #[error(transparent)]
     Length(#[from] BadLength),
-    #[error("the patch {path} cannot be used ({reason})", path = path.display())]
-    BadImage { path: PathBuf, reason: String },
+    #[error("the patch {path} cannot be used ({reason})", path = .0.path.display(), reason = .0.reason)]
+    BadImage(#[from] PictureError),
     #[error("patch {what} cannot be {}; give a width and height of 1 to 10000 mm", shown(*value))]
     Size { what: &'static str, value: f64 },
     #[error("the paint has no {side} panel; choose another panel or other materials")]
@@ -51,63 +48,29 @@ pub(crate) enum PatchError {
 
 /// An image to be printed as it is.
 #[derive(Debug, Clone)]
-pub(crate) struct PatchImage {
-    pixels: Arc<RgbImage>,
-    sha256: String,
-}
+pub(crate) struct PatchImage(Picture);
 
 impl PatchImage {
     /// Reads an opaque PNG or JPEG.
     ///
     /// # Errors
-    /// An unreadable or damaged file, see-through pixels, more than [`MAX_PIXELS`] along a side.
+    /// Whatever [`Picture::load`] refuses.
     pub(crate) fn load(path: &Path) -> Result<Self, PatchError> {
-        let bad = |reason: String| PatchError::BadImage {
-            path: path.to_owned(),
-            reason,
-        };
-        let bytes = files::read(path).map_err(|e| bad(e.to_string()))?;
-        let format = image::guess_format(&bytes).ok();
-        let format = format
-            .filter(|f| matches!(f, ImageFormat::Png | ImageFormat::Jpeg))
-            .ok_or_else(|| bad("it is neither PNG nor JPEG".into()))?;
-        let damaged = |reason: String| bad(format!("it is damaged: {reason}"));
-        let check_size = |(width, height): (u32, u32)| match width > MAX_PIXELS || height > MAX_PIXELS {
-            true => Err(bad(format!(
-                "it has {width}×{height} pixels, more than {MAX_PIXELS} along a side"
-            ))),
-            false => Ok(()),
-        };
-        let image = match format {
-            ImageFormat::Png => {
-                let decoder = open_png(&bytes, &Budget::FILE).map_err(|e| damaged(e.to_string()))?;
-                check_size(decoder.dimensions())?;
-                DynamicImage::from_decoder(decoder).map_err(|e| damaged(e.to_string()))?
-            }
-            _ => {
-                let file = Photo::from_bytes(path, bytes.clone(), Budget::FILE).map_err(|e| bad(e.to_string()))?;
-                check_size((file.width, file.height))?;
-                file.rgb(1).map_err(|e| bad(e.to_string()))?.into()
-            }
-        };
-        if image.color().has_alpha() && image.to_rgba16().pixels().any(|p| p.0[3] != u16::MAX) {
-            return Err(bad(
-                "it is see-through in places: flatten it onto an opaque colour".into()
-            ));
-        }
-        Ok(Self {
-            pixels: Arc::new(image.to_rgb8()),
-            sha256: files::sha256_hex(&bytes),
-        })
+        Ok(Self(Picture::load(path)?))
     }
 
     pub(crate) fn pixels(&self) -> &RgbImage {
-        &self.pixels
+        self.0.pixels()
+    }
+
+    /// The pixels without a copy.
+    pub(crate) fn shared(&self) -> Arc<RgbImage> {
+        Arc::clone(self.0.pixels())
     }
 
     /// Height for a width that keeps the image's proportions.
     pub(crate) fn height_for(&self, width: f64) -> f64 {
-        width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
+        self.0.height_for(width)
     }
 
     /// The image over an area of a page.
@@ -119,7 +82,7 @@ impl PatchImage {
                 clip: area,
             },
             None => Mark::Image {
-                image: Arc::clone(&self.pixels),
+                image: Arc::clone(self.0.pixels()),
                 area,
             },
         }
@@ -127,7 +90,7 @@ impl PatchImage {
 
     /// Every pixel as a rectangle, if they are few. Frame: origin at the top-left corner, y up.
     fn stamp(&self, (width_mm, height_mm): (f64, f64)) -> Option<Arc<Stamp>> {
-        let (columns, rows) = self.pixels.dimensions();
+        let (columns, rows) = self.pixels().dimensions();
         if columns > MAX_RECTANGLES || rows > MAX_RECTANGLES {
             return None;
         }
@@ -142,7 +105,7 @@ impl PatchImage {
         };
         Some(Arc::new(Stamp {
             bounds: RectMm::new(0.0, -height_mm - 0.25 * high, width_mm + 0.25 * wide, 0.0),
-            fills: self.pixels.enumerate_pixels().map(fill).collect(),
+            fills: self.pixels().enumerate_pixels().map(fill).collect(),
         }))
     }
 }
@@ -252,7 +215,7 @@ impl Patches {
         let size = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * ROOM_MM);
         let side = on_it[0].side;
         let named = WrapRequest {
-            pattern_name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
+            name: on_it.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", "),
             ..request.clone()
         };
         let template = named.template(side, (size[0], size[1]));
@@ -310,7 +273,7 @@ impl PanelPatch {
             self.side.name(),
             number(self.at_mm[0]),
             number(self.at_mm[1]),
-            self.image.sha256.get(..12).unwrap_or_default()
+            self.image.0.sha256().get(..12).unwrap_or_default()
         )
     }
 }

@@ -40,6 +40,7 @@ const CUT_LINE: &str = "fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"";
 struct SvgPage {
     height_mm: f64,
     stamps: Vec<Arc<Stamp>>,
+    images: Vec<Arc<RgbImage>>,
     clips: usize,
     definitions: String,
     content: String,
@@ -54,6 +55,7 @@ impl SvgPage {
         let mut page = Self {
             height_mm: sheet.height_mm,
             stamps: Vec::new(),
+            images: Vec::new(),
             clips: 0,
             definitions: String::new(),
             content: String::new(),
@@ -111,17 +113,32 @@ impl SvgPage {
         outlines.iter().map(|outline| self.closed(outline)).collect()
     }
 
-    /// A PNG inside the file, whose pixels stay squares where they are enlarged.
-    fn image(&mut self, image: &RgbImage, area: RectMm) {
+    /// A PNG inside the file, whose pixels stay squares where they are enlarged; it stands there once, however often it is placed.
+    fn image(&mut self, image: &Arc<RgbImage>, area: RectMm) {
+        let known = self.images.iter().position(|known| Arc::ptr_eq(known, image));
+        let number = known.unwrap_or_else(|| self.define_image(image));
+        let [x, y] = [area.left_mm, self.height_mm - area.top_mm].map(length);
+        let [width, height] = [area.width_mm(), area.height_mm()].map(length);
+        let _ = writeln!(
+            self.content,
+            "<use xlink:href=\"#image{number}\" transform=\"translate({x} {y}) scale({width} {height})\"/>"
+        );
+    }
+
+    /// As a square of 1 mm.
+    fn define_image(&mut self, image: &Arc<RgbImage>) -> usize {
+        let number = self.images.len();
+        self.images.push(Arc::clone(image));
         let mut png = Cursor::new(Vec::new());
         // Encoding into memory cannot fail: the image is not empty and 8-bit RGB.
         let _ = image.write_to(&mut png, ImageFormat::Png);
-        let (place, data) = (self.corner_and_size(area), BASE64_STANDARD.encode(png.into_inner()));
+        let data = BASE64_STANDARD.encode(png.into_inner());
         let _ = writeln!(
-            self.content,
-            "<image {place} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+            self.definitions,
+            "<image id=\"image{number}\" width=\"1\" height=\"1\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
              xlink:href=\"data:image/png;base64,{data}\"/>"
         );
+        number
     }
 
     /// Opens a group that shows only what lies inside a shape.

@@ -4,8 +4,11 @@ pub(super) mod cover;
 pub(super) mod furniture;
 pub(super) mod layout;
 mod seams;
+mod texture;
 
 use std::sync::Arc;
+
+use image::RgbImage;
 
 pub(crate) use furniture::{Captions, around, guides, rulers};
 pub use layout::LayoutRequest;
@@ -17,9 +20,12 @@ use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
 use super::{SheetError, printer};
 use crate::geometry::length::{SCALES, shown};
 use crate::pattern::Pattern;
+use crate::pattern::picture::Picture;
 
 /// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
 pub(crate) const MIN_CELL_MM: f64 = 0.2;
+/// Smaller repeats of a texture are a colour.
+const LEAST_REPEAT_MM: f64 = 1.0;
 /// The widest repeat: a full-size car twice over. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
 pub(crate) const MAX_TILE_MM: f64 = 10_000.0;
 
@@ -50,6 +56,10 @@ pub enum TemplateError {
         "the pattern would be placed {count:.0} times, more than {most:.0}; use a larger tile, a smaller size, or less overlap and bleed"
     )]
     TooManyPlacements { count: f64, most: f64 },
+    #[error("one repeat of the texture would be {width} × {height} mm; make it wider, so that both are 1 mm or more")]
+    TextureTooSmall { width: String, height: String },
+    #[error("a texture cannot be printed at {} dots per inch; give 36 to 2400", shown(*dpi))]
+    Resolution { dpi: f64 },
 }
 
 /// What to print. All lengths in mm.
@@ -70,6 +80,11 @@ pub struct TemplateRequest {
 }
 
 impl TemplateRequest {
+    /// The same of a pattern whose repeats are this wide.
+    pub(super) fn tiled(self, tile_mm: f64) -> Self {
+        Self { tile_mm, ..self }
+    }
+
     /// What the document is called.
     pub fn title(&self) -> String {
         format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
@@ -109,7 +124,7 @@ impl Front {
 pub struct Template {
     /// Which part of the template is on which sheet.
     pub layout: SheetLayout,
-    /// Width and height of a cell.
+    /// Width and height of a cell, or of a texture's pixel.
     pub cell_mm: f64,
     /// How to assemble, with the scale check; then one page per `SheetLayout::sheets`, in the same order. Drawn as the printer
     /// needs it.
@@ -131,20 +146,59 @@ impl Template {
 /// `layout` refuses.
 pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template, TemplateError> {
     let cell_mm = cell_mm(pattern, request)?;
-    let layout = layout(&request.layout)?;
     let stamp = PatternStamp::new(pattern, cell_mm, request.layout.size_mm);
+    drawn(&stamp, &Captions::new(pattern, request, cell_mm), cell_mm, request)
+}
+
+/// Draws the sheets of a texture without cells: an image, repeated, of no more than `dpi` pixels per inch.
+///
+/// # Errors
+/// As of [`template`], and a repeat that is less than a millimetre wide or high.
+pub(crate) fn texture_template(
+    texture: &Picture,
+    dpi: f64,
+    request: &TemplateRequest,
+) -> Result<Template, TemplateError> {
+    let tile_mm = check_tile(request)?;
+    if !(36.0..=2400.0).contains(&dpi) {
+        return Err(TemplateError::Resolution { dpi });
+    }
+    let repeat_mm = (tile_mm, texture.height_for(tile_mm));
+    if repeat_mm.0 < LEAST_REPEAT_MM || repeat_mm.1 < LEAST_REPEAT_MM {
+        return Err(TemplateError::TextureTooSmall {
+            width: number(repeat_mm.0),
+            height: number(repeat_mm.1),
+        });
+    }
+    let repeat = texture::resampled(texture, repeat_mm, dpi);
+    let pixel_mm = tile_mm / f64::from(repeat.width());
+    let stamp = PatternStamp::of_image(&repeat, repeat_mm, request.layout.size_mm);
+    drawn(
+        &stamp,
+        &Captions::of_texture(texture, request, pixel_mm),
+        pixel_mm,
+        request,
+    )
+}
+
+fn drawn(
+    stamp: &PatternStamp,
+    captions: &Captions,
+    cell_mm: f64,
+    request: &TemplateRequest,
+) -> Result<Template, TemplateError> {
+    let layout = layout(&request.layout)?;
     stamp.check_placements(&layout.sheets)?;
-    let captions = Captions::new(pattern, request, cell_mm);
     let sheet = |plan: &SheetPlan| {
         let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
-        marks.extend(furniture::all(&layout, plan, &captions));
+        marks.extend(furniture::all(&layout, plan, captions));
         layout.frame.sheet(plan.trim, plan.printed, marks)
     };
     let sheets = layout.sheets.iter().map(sheet).collect();
     let mut pages = printer::corrected(
         vec![cover::cover(
             &layout,
-            &captions,
+            captions,
             "How to assemble",
             &cover::assembly(&layout),
         )],
@@ -159,12 +213,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
 /// # Errors
 /// Numbers that are not positive, cells below [`MIN_CELL_MM`].
 pub(crate) fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
-    let tile_mm = request.tile_mm;
-    if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
-        return Err(TemplateError::TileWidth { tile_mm });
-    }
-    check_scale(request.scale)?;
-    let cell_mm = tile_mm / f64::from(pattern.columns());
+    let cell_mm = check_tile(request)? / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
         return Err(TemplateError::CellTooSmall {
             cell_mm,
@@ -172,6 +221,15 @@ pub(crate) fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f6
         });
     }
     Ok(cell_mm)
+}
+
+fn check_tile(request: &TemplateRequest) -> Result<f64, TemplateError> {
+    let tile_mm = request.tile_mm;
+    if !(tile_mm > 0.0 && tile_mm <= MAX_TILE_MM) {
+        return Err(TemplateError::TileWidth { tile_mm });
+    }
+    check_scale(request.scale)?;
+    Ok(tile_mm)
 }
 
 /// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
@@ -185,12 +243,40 @@ pub(crate) fn check_scale(scale: f64) -> Result<(), TemplateError> {
 
 /// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
 pub(super) struct PatternStamp {
-    stamp: Arc<Stamp>,
+    block: Block,
     width_mm: f64,
     height_mm: f64,
 }
 
+/// What a block looks like.
+enum Block {
+    Cells(Arc<Stamp>),
+    /// Its width and height in mm are a little more than the block's: it runs on into the next repeat.
+    Image(Arc<RgbImage>, (f64, f64)),
+}
+
 impl PatternStamp {
+    /// Whole repeats of an image of this size.
+    fn of_image(repeat: &RgbImage, (wide_mm, high_mm): (f64, f64), size_mm: (f64, f64)) -> Self {
+        let (columns, rows) = repeat.dimensions();
+        let pixel_mm = (wide_mm / f64::from(columns), high_mm / f64::from(rows));
+        let (across, down) = (
+            repeats(wide_mm, size_mm.0) * columns,
+            repeats(high_mm, size_mm.1) * rows,
+        );
+        let more = (run_on_pixels(pixel_mm.0), run_on_pixels(pixel_mm.1));
+        let block = RgbImage::from_fn(across + more.0, down + more.1, |x, y| {
+            *repeat.get_pixel(x % columns, y % rows)
+        });
+        let length = |pixels: u32, pixel_mm: f64| f64::from(pixels) * pixel_mm;
+        let drawn = (length(block.width(), pixel_mm.0), length(block.height(), pixel_mm.1));
+        Self {
+            width_mm: length(across, pixel_mm.0),
+            height_mm: length(down, pixel_mm.1),
+            block: Block::Image(Arc::new(block), drawn),
+        }
+    }
+
     pub(super) fn new(pattern: &Pattern, cell_mm: f64, size_mm: (f64, f64)) -> Self {
         let across = repeats(cell_mm * f64::from(pattern.columns()), size_mm.0) * pattern.columns();
         let down = repeats(cell_mm * f64::from(pattern.rows()), size_mm.1) * pattern.rows();
@@ -208,10 +294,10 @@ impl PatternStamp {
         let more = run_on_mm(cell_mm);
         let bounds = RectMm::new(0.0, -height_mm - more, width_mm + more, 0.0);
         Self {
-            stamp: Arc::new(Stamp {
+            block: Block::Cells(Arc::new(Stamp {
                 bounds,
                 fills: fills.collect(),
-            }),
+            })),
             width_mm,
             height_mm,
         }
@@ -246,14 +332,29 @@ impl PatternStamp {
             .map(|(row, column)| PointMm {
                 x_mm: printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm),
                 y_mm: printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm),
-            })
-            .collect();
-        Mark::Stamped {
-            stamp: Arc::clone(&self.stamp),
-            at,
-            clip: printed,
+            });
+        match &self.block {
+            Block::Cells(stamp) => Mark::Stamped {
+                stamp: Arc::clone(stamp),
+                at: at.collect(),
+                clip: printed,
+            },
+            Block::Image(image, (width_mm, height_mm)) => Mark::Clipped {
+                to: vec![printed.outline()],
+                marks: at
+                    .map(|PointMm { x_mm, y_mm }| Mark::Image {
+                        image: Arc::clone(image),
+                        area: RectMm::new(x_mm, y_mm - height_mm, x_mm + width_mm, y_mm),
+                    })
+                    .collect(),
+            },
         }
     }
+}
+
+/// As [`run_on_mm`], in whole pixels.
+fn run_on_pixels(pixel_mm: f64) -> u32 {
+    (0.5 / pixel_mm).ceil() as u32
 }
 
 /// How many repeats of length `repeat_mm` a stamp has, but no more than the template needs.

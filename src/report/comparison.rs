@@ -9,7 +9,7 @@ use super::html::comparison as page;
 use super::provenance::{self, Provenance};
 use super::{ReportError, counted, latex, p_value, paired};
 use crate::files;
-use crate::score::{COMPARISON_DEFINITIONS, Comparison, Difference, NotScored, Scores};
+use crate::score::{Comparison, Difference, NotScored, Scores, comparison_definitions};
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -51,7 +51,7 @@ pub(crate) fn comparison_json(scores: &Scores, comparison: &Comparison) -> Resul
         classes: counted::classes(scores).labels(),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
-        definitions: COMPARISON_DEFINITIONS.into_iter().collect(),
+        definitions: comparison_definitions().collect(),
         provenance: provenance::of(scores),
     };
     Ok(serde_json::to_string_pretty(&page)? + "\n")

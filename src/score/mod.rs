@@ -69,35 +69,7 @@ pub(crate) const HIT_CONFIDENCE: f64 = 0.5;
 pub(crate) const BASE_VARIANT: &str = "normal";
 
 /// What the words of a comparison mean, stored beside its numbers: (name, definition).
-pub(crate) const COMPARISON_DEFINITIONS: [(&str, &str); 7] = [
-    (
-        "pairs",
-        "a photo of the base and one of the variant from the same place and bin, in the order of the sessions; photos left over are listed and \
-         in no figure",
-    ),
-    (
-        "95 % interval",
-        "of the drop and of the attack success rate: bootstrap over clusters, drawn with multiplicity, percentiles widened for few clusters (Hesterberg \
-         2015)",
-    ),
-    (
-        "clusters",
-        "the pairs of one place where there are six places or more, else those of one place and bin, and then what is found holds for these places",
-    ),
-    (
-        "attack success rate",
-        "1 − the variant's figure ÷ the base's; absent where the base's is 0, and its interval where that of too many resamples is",
-    ),
-    (
-        "mcnemar_p",
-        "exact and two-sided, on the hits; the pairs of one cluster change sides together",
-    ),
-    (
-        "holm_p",
-        "McNemar's p, corrected over the azimuth bins that have six clusters or more",
-    ),
-    (
-        "too few photos to tell",
-        "fewer than six clusters, or no difference shown at 5 % while one of 0.2 either way is not excluded by the interval",
-    ),
-];
+pub(crate) fn comparison_definitions() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let lines = include_str!("compare/definitions.txt").lines();
+    lines.filter_map(|line| line.split_once(" | "))
+}

@@ -1,14 +1,13 @@
 //! The tags in the photos of a survey, all in the frame of one camera file.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::PhotoTags;
-use crate::camera::{Camera, SizeError};
-use crate::locate::locate_photo;
+use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::{Scene, TagFamily};
-use crate::tags::{AprilTagC, SeenTag, StartError};
+use crate::tags::{AprilTagC, SeenTag, StartError, TagDetector};
 use crate::workers;
 
 /// Why photos cannot be surveyed.
@@ -31,7 +30,7 @@ pub(crate) struct SurveyPhotos {
     /// In the order of the photos.
     pub photos: Vec<PhotoTags>,
     /// What to know before believing a survey from these photos, as sentences.
-    pub cautions: BTreeSet<String>,
+    pub cautions: Vec<String>,
 }
 
 /// Finds the tags of the scene's families and of `family` in every photo.
@@ -55,7 +54,7 @@ pub(crate) fn look(
     let found = workers::map(
         photos,
         || Ok(AprilTagC::new(&families)?),
-        |detector, path| look_at(path, scene, camera, detector),
+        |detector, path| look_at(path, camera, detector),
         on_done,
     )?;
     for (i, (hash, ..)) in found.iter().enumerate() {
@@ -64,21 +63,31 @@ pub(crate) fn look(
             return Err(SurveyPhotoError::Twice { photo, first });
         }
     }
-    let cautions = found.iter().flat_map(|(.., cautions)| cautions.clone()).collect();
-    let photos = found.into_iter().map(|(_, tags, _)| tags).collect();
-    Ok(SurveyPhotos { photos, cautions })
+    let mut scaled: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for (_, tags, fitted) in &found {
+        if let Some(caution) = fitted.scaled_caution() {
+            scaled.entry(caution).or_default().push(&tags.name);
+        }
+    }
+    let scaled = scaled
+        .into_iter()
+        .map(|(caution, names)| format!("{}: {caution}", names.join(", ")));
+    Ok(SurveyPhotos {
+        cautions: scaled.chain(camera.guess.map(|guess| guess.caution())).collect(),
+        photos: found.into_iter().map(|(_, tags, _)| tags).collect(),
+    })
 }
 
-/// A photo's hash, tags and cautions.
+/// A photo's hash and tags, and the camera that fits it.
 fn look_at(
     path: &Path,
-    scene: &Scene,
     camera: &Camera,
     detector: &mut AprilTagC,
-) -> Result<(String, PhotoTags, Vec<String>), SurveyPhotoError> {
+) -> Result<(String, PhotoTags, FittedCamera), SurveyPhotoError> {
     let photo = Photo::open(path)?;
-    let found = locate_photo(&photo, scene, camera, detector)?;
-    let fitted = found.fitted.map_err(|reason| SurveyPhotoError::Size {
+    let luma = photo.luma()?;
+    let fitted = camera.for_photo(luma.width(), luma.height(), photo.turned_deg);
+    let fitted = fitted.map_err(|reason| SurveyPhotoError::Size {
         path: path.to_owned(),
         reason,
     })?;
@@ -88,7 +97,7 @@ fn look_at(
     };
     let tags = PhotoTags {
         name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        seen: found.seen.into_iter().map(in_file).collect(),
+        seen: detector.find(&luma).into_iter().map(in_file).collect(),
     };
-    Ok((photo.sha256, tags, fitted.cautions()))
+    Ok((photo.sha256, tags, fitted))
 }

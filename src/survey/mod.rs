@@ -96,10 +96,12 @@ pub(crate) struct LeftOutTag {
 }
 
 /// What one photo gave.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub(crate) struct PhotoReport {
+    #[serde(rename = "file")]
     pub name: String,
     /// `T_camera_model`, mm; `None` when the photo could not be used.
+    #[serde(skip)]
     pub pose: Option<Rigid>,
     /// Ids of the tags used, ascending.
     pub tags: Vec<u32>,

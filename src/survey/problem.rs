@@ -43,26 +43,31 @@ pub(crate) enum SurveyError {
 }
 
 /// Why a seen tag is not in the surveyed scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub(crate) enum LeftOutReason {
     /// Neither the sizes nor the scene has it.
+    #[error("no size is given for it")]
     NoSize,
-    /// It was never seen whole and once in a photo.
+    #[error("no photo shows it whole and only once: uncover it, remove copies")]
     NeverWhole,
-    /// Seen in one photo only, which does not exclude its other planar pose.
-    SeenOnce {
-        photo: String,
-    },
+    /// One photo does not exclude its other planar pose.
+    #[error(
+        "only {photo} shows it, where two poses explain it or it is seen straight on: take another photo of it, from aside"
+    )]
+    SeenOnce { photo: String },
+    #[error(
+        "was moved, or badly seen: it is about {mm:.0} mm elsewhere in {} than in {}",
+        there.join(", "),
+        here.join(", ")
+    )]
     Moved {
         mm: f64,
         here: Vec<String>,
         there: Vec<String>,
     },
-    WrongSize {
-        stated_mm: f64,
-        fits_mm: f64,
-    },
-    /// Two poses explain its corners almost equally well.
+    #[error("has another size than stated: its corners fit {fits_mm:.1} mm, not {stated_mm} mm")]
+    WrongSize { stated_mm: f64, fits_mm: f64 },
+    #[error("two poses explain its corners almost equally well: take another photo of it, from a different side")]
     Ambiguous,
 }
 
@@ -76,35 +81,6 @@ impl LeftOutReason {
             LeftOutReason::Moved { .. } => "moved",
             LeftOutReason::WrongSize { .. } => "wrong_size",
             LeftOutReason::Ambiguous => "ambiguous",
-        }
-    }
-}
-
-impl std::fmt::Display for LeftOutReason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            LeftOutReason::NoSize => write!(f, "no size is given for it"),
-            LeftOutReason::NeverWhole => write!(f, "no photo shows it whole and only once: uncover it, remove copies"),
-            LeftOutReason::SeenOnce { photo } => {
-                write!(
-                    f,
-                    "only {photo} shows it, where two poses explain it or it is seen straight on: take another photo of it, from aside"
-                )
-            }
-            LeftOutReason::Moved { mm, here, there } => write!(
-                f,
-                "was moved, or badly seen: it is about {mm:.0} mm elsewhere in {} than in {}",
-                there.join(", "),
-                here.join(", ")
-            ),
-            LeftOutReason::WrongSize { stated_mm, fits_mm } => write!(
-                f,
-                "has another size than stated: its corners fit {fits_mm:.1} mm, not {stated_mm} mm"
-            ),
-            LeftOutReason::Ambiguous => write!(
-                f,
-                "two poses explain its corners almost equally well: take another photo of it, from a different side"
-            ),
         }
     }
 }

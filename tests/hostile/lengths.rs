@@ -38,10 +38,14 @@ const GOOD: &[(&str, &str)] = &[
     ),
     (
         "wrap",
-        "print wrap --scene scene.toml --pattern pattern.png --tile-mm 40 -o out.pdf",
+        "print wrap --panels --scene scene.toml --pattern pattern.png --tile-mm 40 -o out.pdf",
     ),
     (
         "mesh",
+        "print wrap --panels --mesh corner.obj --pattern pattern.png --tile-mm 40 -o out.pdf",
+    ),
+    (
+        "pieces",
         "print wrap --mesh corner.obj --pattern pattern.png --tile-mm 40 -o out.pdf",
     ),
     (
@@ -115,20 +119,14 @@ const REQUESTS: &[(&str, &str, &[&str])] = &[
         &["cells, more than 250000"],
     ),
     ("wrap", "--tile-mm nan", &["tile width cannot be NaN"]),
-    (
-        "wrap",
-        "--flatten --max-stretch 1e200",
-        &["largest stretch cannot be 1e200"],
-    ),
-    ("wrap", "--flatten --margin-mm nan", &["margin cannot be NaN"]),
+    ("wrap", "--margin-mm nan", &["margin cannot be NaN"]),
     ("mesh", "--length-mm 1e9", &["cannot be set to 1e9"]),
     ("mesh", "--length-mm nan", &["cannot be set to NaN"]),
     ("mesh", "--scale nan", &["scale cannot be NaN"]),
-    (
-        "mesh",
-        "--flatten --pattern dot.png --tile-mm 0.2 --paper 1000x1000",
-        &["cells, more than 2000000"],
-    ),
+    ("pieces", "--dpi 1e6", &["dpi"]),
+    ("pieces", "--max-stretch nan", &["stretch"]),
+    ("pieces", "--pieces 0", &["pieces"]),
+    ("pieces", "--tabs=1e200", &["glue tab cannot be 1e200 mm"]),
     ("board", "--square-mm 1e200", &["square cannot be 1e200 mm"]),
     ("board", "--square-mm 1e-300", &["square cannot be 1e-300 mm"]),
     ("board", "--squares 100000x100000", &["give 3 to 100"]),

@@ -113,7 +113,7 @@ const REFUSED: [(&str, &[&str]); 19] = [
         &["y.png", ".pdf or .svg"],
     ),
     (
-        "print wrap --scene SHEETS/ring4.toml --pattern SHEETS/random16.png --tile-mm 118 --paper a3 -o y",
+        "print wrap --panels --scene SHEETS/ring4.toml --pattern SHEETS/random16.png --tile-mm 118 --paper a3 -o y",
         &["y does not say", ".pdf or .svg"],
     ),
     (

@@ -57,7 +57,7 @@ fn cases() -> Vec<Case> {
 }
 
 /// Every command that reads an image of a user's; `PICTURE` stands for it, `OUT` for a folder. `score` and `capture` follow below.
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 10] = [
     "locate PICTURE --scene SCENE --camera CAMERA",
     "calibrate --board BOARD PICTURE -o OUT/camera.yaml",
     "calibrate --board CHESSBOARD PICTURE -o OUT/camera.yaml",
@@ -65,6 +65,8 @@ const COMMANDS: [&str; 8] = [
     "camera guess PICTURE -o OUT/camera.yaml",
     "survey PICTURE --camera CAMERA --scene SCENE --fixed mat -o OUT/scene.toml",
     "pattern check PICTURE",
+    "pattern import PICTURE -o OUT/pattern.png",
+    "print template --texture PICTURE --tile-mm 60 --size-mm 100x100 -o OUT/template.pdf",
     "print patch --scene SCENE --patch PICTURE --panel left --at-mm 0,50 --size-mm 60x40 -o OUT/patch.pdf",
 ];
 

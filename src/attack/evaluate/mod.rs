@@ -36,7 +36,7 @@ pub(crate) enum EvaluateError {
     )]
     BadName { name: String },
     #[error(
-        "{folder} holds photos of another pattern or tile than `{variant}` has now; give the pattern another name, or remove that folder",
+        "{folder} holds photos of another pattern, texture or tile than `{variant}` has now; give it another name, or remove that folder",
         folder = folder.display()
     )]
     OtherPaint { folder: PathBuf, variant: String },

@@ -8,7 +8,7 @@ use image::DynamicImage;
 use super::{EvaluateError, RenderedSet};
 use crate::files::{self, FileError};
 use crate::frames::encode_rgb;
-use crate::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
+use crate::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples, work_folder};
 use crate::photo::{Budget, open_png};
 
 /// Renders the missing photos into `folder`.
@@ -27,7 +27,7 @@ pub(super) fn render(
     }
     let python = python()?;
     let plan = &evaluation.plan;
-    let work = folder.join(".render");
+    let work = work_folder(folder);
     std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
         path: work.clone(),
         reason: files::plain(&e),
@@ -39,7 +39,7 @@ pub(super) fn render(
         .map(|(frame, photo)| (plan.frame_name(frame), folder.join(&photo.file)))
         .collect();
     let job = work.join("plan.json");
-    files::replace_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
+    files::replace_atomically(&job, plan.to_script(&missing, folder).to_string().as_bytes())?;
     let log = work.join("blender.log");
     let finished = blender::run(&python, &job, &log, |event| {
         if let blender::BlenderEvent::Frame(name) = event

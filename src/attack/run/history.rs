@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::RunError;
 use super::judge::HeldOutFigures;
 use crate::files;
-use crate::plot::{Cloud, Dot, PlotAxis, Scale, scatter};
+use crate::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 
 /// The name of the file in the folder of a run.
 pub(crate) const FILE: &str = "history.json";
@@ -79,12 +79,7 @@ impl History {
 /// The chart: AP@0.5 on the held-out views against wall time, a colour for each method; the filled share of a
 /// mark is the hit rate.
 pub(crate) fn draw(histories: &[History]) -> String {
-    let mut methods: Vec<String> = Vec::new();
-    for history in histories {
-        if !methods.contains(&history.method) {
-            methods.push(history.method.clone());
-        }
-    }
+    let methods = distinct(histories.iter().map(|history| history.method.clone()));
     let dots: Vec<Dot> = histories.iter().flat_map(|history| of_one(history, &methods)).collect();
     let views = histories
         .first()

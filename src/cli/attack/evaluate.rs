@@ -5,11 +5,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::detectors::{self, Folder};
-use super::print::wrap::ModelArgs;
-use super::render::{azimuths, cache, hex, size, viewpoints};
+use super::render::{azimuths, cache, hex, named, size, textured, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
+use crate::cli::model::{Model, ModelArgs};
 use crate::detect::Manifest;
 use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;
@@ -29,11 +29,15 @@ pub(super) struct EvaluateArgs {
     #[arg(long, value_name = "HEX|original")]
     normal: String,
     /// Patterns and their names: PNG files with one pixel per cell, mapped onto the model as `print wrap` prints them
-    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required = true)]
+    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required_unless_present = "textures", requires = "tile_mm")]
     patterns: Vec<String>,
     /// Width of one repeat of the patterns on the model, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    tile_mm: f64,
+    tile_mm: Option<f64>,
+    /// Textures and their names, as in car.obj or NAME=car.obj: images for the mesh's texture coordinates, .obj, .glb or .ply files with images of
+    /// their own, or .npy files with the texels of each triangle
+    #[arg(long = "texture", value_name = "[NAME=]FILE", num_args = 1..)]
+    textures: Vec<String>,
     /// The detectors that the patterns were made against: table 1 has them, table 2 the others; all are in table 1 without it
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     target: Vec<String>,
@@ -78,10 +82,11 @@ pub(super) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
-    let patterns = args.named_patterns()?;
-    let mut variants = vec![BASE_VARIANT.to_owned()];
-    variants.extend(patterns.iter().map(|(name, _)| name.clone()));
-    let evaluation = RenderedSet::new(args.request(patterns)?, variants.clone())?;
+    let model = args.model.load()?;
+    let paints = args.paints(&model)?;
+    let variants: Vec<String> = paints.iter().map(|(name, _)| name.clone()).collect();
+    let paints = paints.into_iter().map(|(_, paint)| paint).collect();
+    let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
     let manifests = args.manifests()?;
     files::check_writable(&args.output)?;
@@ -127,27 +132,30 @@ fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>, 
 }
 
 impl EvaluateArgs {
-    /// Names and patterns, in the order of the command.
-    fn named_patterns(&self) -> Result<Vec<(String, Pattern)>, Box<dyn Error>> {
-        let named = self.patterns.iter().map(|text| {
-            let (name, file) = text.split_once('=').ok_or_else(|| {
-                format!("the pattern '{text}' has no name; write NAME=FILE, as in random=random16.png")
-            })?;
-            Ok((name.to_owned(), Pattern::load(Path::new(file))?))
-        });
-        named.collect()
-    }
-
-    fn request(&self, patterns: Vec<(String, Pattern)>) -> Result<RenderRequest, Box<dyn Error>> {
-        let mesh_file = self.mesh_file()?;
-        let model = self.model.load()?;
+    /// What the model wears, with its names: the plain model's, then patterns and textures in the order of the command.
+    fn paints(&self, model: &Model) -> Result<Vec<(String, RenderPaint)>, Box<dyn Error>> {
         let normal = match self.normal.as_str() {
             "original" => RenderPaint::Original,
             text => RenderPaint::Flat(hex(text)?),
         };
-        let mapped = patterns
-            .into_iter()
-            .map(|(name, pattern)| RenderPaint::Pattern(name, pattern, self.tile_mm));
+        let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
+        for text in &self.patterns {
+            let (name, file) = text.split_once('=').ok_or_else(|| {
+                format!("the pattern '{text}' has no name; write NAME=FILE, as in random=random16.png")
+            })?;
+            let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
+            let pattern = Pattern::load(Path::new(file))?;
+            paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
+        }
+        for text in &self.textures {
+            let (name, path) = named(text);
+            paints.push((name.clone(), textured(name, path, model)?));
+        }
+        Ok(paints)
+    }
+
+    fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {
+        let mesh_file = self.mesh_file()?;
         let lights = self.light.iter().map(|text| text.parse());
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
@@ -155,7 +163,7 @@ impl EvaluateArgs {
             materials: model.materials,
             lights: lights.collect::<Result<Vec<Panorama>, _>>()?,
             viewpoints: viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm),
-            colours: std::iter::once(normal).chain(mapped).collect(),
+            colours,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
             samples: self.samples,

@@ -1,19 +1,42 @@
 //! `scaleproof attack import`: frames from another engine.
 
+use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::CommandResult;
+use clap::ValueEnum;
+
+use super::render::hex;
+use super::{CommandResult, progress};
+use crate::cli::model::ModelArgs;
+use crate::cli::print::NewFile;
 use crate::files;
-use crate::frames::LIST;
+use crate::frames::import::fca::{self, FcaRequest};
 use crate::frames::import::import;
+use crate::frames::{FramePaint, LIST};
 
-/// Make frames of a folder that another engine exported (CARLA's layout; see the guide, `frames.md`)
+/// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]
+// Only one of the layouts needs a mesh.
+#[command(mut_arg("mesh", |mesh| mesh.required_unless_present_any(["scene", "folder"])))]
 pub(super) struct ImportArgs {
-    /// The folder with import.json, poses.csv, rgb/ and mask/
+    /// The folder with import.json, poses.csv, rgb/ and mask/, or with .npz files
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// What is in the folder
+    #[arg(long, value_enum, default_value = "carla")]
+    layout: Layout,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// How far below veh_trans the vehicle stands, in metres: scripts write down where it was put, before it dropped to the road
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
+    drop_m: f64,
+    /// Horizontal field of view (fca)
+    #[arg(long, value_name = "DEG", default_value_t = 90.0, allow_negative_numbers = true)]
+    field_of_view_deg: f64,
+    /// The reflectance of the paint as hex sRGB, if it is flat and known (fca)
+    #[arg(long, value_name = "HEX")]
+    flat: Option<String>,
     /// Folder for the frames
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -21,6 +44,17 @@ pub(super) struct ImportArgs {
     #[arg(long)]
     json: bool,
 }
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Layout {
+    /// import.json, poses.csv, images and masks
+    Carla,
+    /// .npz files with img, veh_trans and cam_trans; the masks are drawn from the mesh
+    Fca,
+}
+
+/// A vehicle that was recorded where it stands, not where it was put, is about on the road's level.
+const NOTED_HEIGHT_M: f64 = 0.1;
 
 pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     let list = args.output.join(LIST);
@@ -31,8 +65,68 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     if same(&args.folder, &args.output) {
         return Err("the frames would be written over the images they come from; give another folder".into());
     }
-    let new = import(&args.folder, &args.output, "attack import")?;
+    // Images a frame, beside the list.
+    let (new, images) = match args.layout {
+        Layout::Carla if args.model.mesh.is_some() => {
+            return Err(
+                "this layout brings its masks, so it takes no mesh; leave --mesh out, or give --layout fca".into(),
+            );
+        }
+        Layout::Carla => (import(&args.folder, &args.output, "attack import")?, 3),
+        Layout::Fca => (import_fca(args)?, 5),
+    };
     files::replace_all_atomically(&new)?;
-    // Three images a frame, and the list.
-    super::say_frames(&list, new.len() / 3, args.json, out)
+    super::say_frames(&list, new.len() / images, args.json, out)
+}
+
+fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
+    if args.model.mesh.is_none() {
+        return Err("this layout brings no masks: give the vehicle's mesh by --mesh, as long as your model, as in --length-mm 487 --scale 10".into());
+    }
+    let request = args.fca_request()?;
+    let busy = progress::busy("drawing the mesh");
+    let made = fca::import(&args.folder, &args.output, &request)?;
+    busy.finish_and_clear();
+    let lowest_m = made.lowest_vehicle_m;
+    if args.drop_m == 0.0 && lowest_m > NOTED_HEIGHT_M {
+        say!(
+            "note: veh_trans puts the vehicle at {lowest_m:.2} m or higher; if the masks lie above it in the images, it dropped from there to \
+             the road: give --drop-m {lowest_m:.2}"
+        );
+    }
+    Ok(made.files)
+}
+
+impl ImportArgs {
+    fn fca_request(&self) -> Result<FcaRequest, Box<dyn Error>> {
+        let model = self.model.load()?;
+        Ok(FcaRequest {
+            mesh: model.mesh,
+            materials: model.materials,
+            scale: model.scale,
+            drop_m: self.drop_m,
+            field_of_view_deg: self.field_of_view_deg,
+            paint: match &self.flat {
+                Some(text) => FramePaint::FlatRgb(hex(text)?),
+                None => FramePaint::Original,
+            },
+            made_by: self.made_by(model.scale),
+        })
+    }
+
+    /// The arguments that decide about the frames, with files by their names only.
+    fn made_by(&self, scale: f64) -> String {
+        let name = self.model.mesh.as_deref().and_then(Path::file_name);
+        let mut text = format!(
+            "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}",
+            name.map(|n| n.to_string_lossy()).unwrap_or_default(),
+            self.model.described(),
+            self.drop_m,
+            self.field_of_view_deg,
+        );
+        if let Some(flat) = &self.flat {
+            text += &format!(" --flat {flat}");
+        }
+        text
+    }
 }

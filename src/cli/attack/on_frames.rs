@@ -175,6 +175,7 @@ fn check_tile(tile_mm: f64) -> Result<(), String> {
 /// The cells of a pattern file, which must be square and of so many cells.
 pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
     let pattern = Pattern::load(path)?;
+    crate::cli::enlarged::note_enlarged(path, &pattern);
     match pattern.columns() == pattern.rows() {
         true => Ok(pattern),
         false => Err(format!(

@@ -3,9 +3,12 @@
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::print::wrap::ModelArgs;
 use super::{CommandResult, progress};
+use crate::bake::TriangleImage;
+use crate::cli::model::{Model, ModelArgs};
+use crate::cli::texture::load_texture;
 use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
 use crate::frames::{LIST, light};
 use crate::geometry::angle::wrap_360;
@@ -36,6 +39,10 @@ pub(super) struct RenderArgs {
     /// Width of one repeat of the patterns on the model, in mm
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: Option<f64>,
+    /// Textures, as in car.obj or NAME=car.obj: images for the mesh's texture coordinates, .obj, .glb or .ply files with images of their own, or
+    /// .npy files with the texels of each triangle
+    #[arg(long, value_name = "[NAME=]FILE", num_args = 1..)]
+    texture: Vec<String>,
     /// Width and height of the frames in pixels, as in 256 or 256x192
     #[arg(long, value_name = "PX", default_value = "256")]
     size_px: String,
@@ -91,6 +98,7 @@ impl RenderArgs {
         let viewpoints = viewpoints(&azimuths(&self.azimuth_deg)?, &self.pitch_deg, &self.distance_mm);
         Ok(RenderRequest {
             turn: self.model.placement()?.rotation(&mesh_file)?,
+            colours: self.colours(&model)?,
             mesh: model.mesh,
             materials: model.materials,
             lights: self
@@ -99,7 +107,6 @@ impl RenderArgs {
                 .map(|text| text.parse())
                 .collect::<Result<Vec<Panorama>, _>>()?,
             viewpoints,
-            colours: self.colours()?,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
             samples: self.samples,
@@ -112,7 +119,7 @@ impl RenderArgs {
         })
     }
 
-    fn colours(&self) -> Result<Vec<RenderPaint>, Box<dyn Error>> {
+    fn colours(&self, model: &Model) -> Result<Vec<RenderPaint>, Box<dyn Error>> {
         let mut colours = Vec::new();
         for text in &self.flat {
             colours.push(RenderPaint::Flat(hex(text)?));
@@ -124,6 +131,10 @@ impl RenderArgs {
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default();
             colours.push(RenderPaint::Pattern(name, Pattern::load(path)?, tile_mm));
+        }
+        for text in &self.texture {
+            let (name, path) = named(text);
+            colours.push(textured(name, path, model)?);
         }
         Ok(colours)
     }
@@ -152,11 +163,34 @@ impl RenderArgs {
             let names: Vec<String> = self.pattern.iter().map(|p| name(p)).collect();
             text += &format!(" --pattern {} --tile-mm {tile_mm}", names.join(" "));
         }
+        if !self.texture.is_empty() {
+            let names = self.texture.iter().map(|text| name(named(text).1));
+            text += &format!(" --texture {}", names.collect::<Vec<_>>().join(" "));
+        }
         text + &format!(
             " --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",
             self.size_px, self.field_of_view_deg, self.samples, self.seed, self.position_factor
         )
     }
+}
+
+/// A texture's name and file; without a name it is called as its file is.
+pub(super) fn named(text: &str) -> (String, &Path) {
+    let path = Path::new(text);
+    match text.split_once('=') {
+        Some((name, file)) if !path.exists() => (name.to_owned(), Path::new(file)),
+        _ => (
+            path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            path,
+        ),
+    }
+}
+
+/// A texture on the model.
+pub(super) fn textured(name: String, path: &Path, model: &Model) -> Result<RenderPaint, Box<dyn Error>> {
+    let texture = load_texture(path, model)?.texture;
+    let image = TriangleImage::new(&model.mesh, &model.materials, &texture)?;
+    Ok(RenderPaint::Texture(name, Arc::new(image)))
 }
 
 /// Every combination.
@@ -176,7 +210,7 @@ pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -
     all
 }
 
-pub(super) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
+pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     let bad = |text: &String| {
         format!("azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step, as in every45")
     };
@@ -204,7 +238,7 @@ pub(super) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(all)
 }
 
-pub(super) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
+pub(in crate::cli) fn size(text: &str) -> Result<[u32; 2], Box<dyn Error>> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     match (width.parse(), height.parse()) {
         (Ok(width), Ok(height)) => Ok([width, height]),

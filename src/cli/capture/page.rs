@@ -5,6 +5,7 @@ use std::io::{IsTerminal, Write};
 
 use super::terminal::TerminalLog;
 use crate::capture::{Capture, FrameSource};
+use crate::cli::Result;
 use crate::page::{CaptureInfo, CaptureNotice, Lan, Page, PageError};
 use crate::scene::Scene;
 
@@ -59,7 +60,7 @@ pub(super) fn follow(
     source: Option<Box<dyn FrameSource + Send>>,
     about: &CaptureInfo,
     mut terminal: TerminalLog,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<()> {
     let followed = page.follow(capture, scene, source, about, &mut |news| match news {
         CaptureNotice::Seen {
             frame,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{CommandResult, Outcome, advice};
+use crate::cli::{CommandResult, Outcome, Result, advice};
 use crate::detect::{
     self, Family, Hints, Labels, Manifest, ProposalNote, ProposeError, Runtime, WeightFolders, propose,
 };
@@ -119,7 +119,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The manifest as it lies there now, weights beside it.
-fn register(manifest: &Path) -> Result<PathBuf, Box<dyn std::error::Error>> {
+fn register(manifest: &Path) -> Result<PathBuf> {
     Ok(detect::register(&Manifest::open(manifest)?, &WeightFolders::new(None))?)
 }
 
@@ -148,7 +148,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     size.ok_or_else(|| "give 640, or width and height as 640x480, each from 32 to 8192".to_owned())
 }
 
-fn labels(text: &str) -> Result<Labels, Box<dyn std::error::Error>> {
+fn labels(text: &str) -> Result<Labels> {
     if let Some(list) = Labels::of_list(text) {
         return Ok(list);
     }
@@ -176,7 +176,7 @@ fn weights(model: &Path, manifest: &Path) -> String {
 }
 
 /// The file's name without its ending, in the characters that a manifest's name may have; never a built-in detector's.
-fn name(model: &Path) -> Result<String, Box<dyn std::error::Error>> {
+fn name(model: &Path) -> Result<String> {
     let stem = model.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| {
         if c.is_ascii_alphanumeric() || "._-".contains(c) {

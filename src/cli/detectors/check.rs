@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Looking, drawn};
+use crate::cli::Result;
 use crate::cli::copies::CopiesError;
 use crate::cli::{CommandResult, Outcome};
 use crate::detect::{Detection, Detector, Manifest, Runtime};
@@ -110,7 +111,7 @@ impl Saved {
     }
 
     /// Draws and writes the copies; with `json` their paths are not printed, as each line there is a detection.
-    fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<(), Box<dyn std::error::Error>> {
+    fn write(&self, photos: &[Photo], out: &mut dyn Write, json: bool) -> Result<()> {
         for ((path, photo), marks) in self.paths.iter().zip(photos).zip(&self.marks) {
             let mut image = photo.rgb(1)?;
             for (detector, box_px, text) in marks {

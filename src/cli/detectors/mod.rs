@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use crate::cli::{CommandResult, Outcome, advice, progress};
+use crate::cli::{CommandResult, Outcome, Result, advice, progress};
 #[cfg(feature = "full")]
 use crate::detect::FetchError;
 use crate::detect::{
@@ -90,7 +90,7 @@ type WithWeights = (Manifest, PathBuf);
 
 impl Looking {
     /// The detectors with their weights, and the photos.
-    fn open(&self) -> CommandResultOf<(Vec<WithWeights>, Vec<Photo>)> {
+    fn open(&self) -> Result<(Vec<WithWeights>, Vec<Photo>)> {
         let folders = self.folder.folders()?;
         let manifests = present(&self.detectors, &folders)?.into_iter();
         let detectors = manifests.map(|manifest| folders.checked(&manifest).map(|weights| (manifest, weights)));
@@ -170,10 +170,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-type CommandResultOf<T> = Result<T, Box<dyn Error>>;
-
 /// Those that ship with the program, then the registered ones; one whose manifest cannot be read any more is named in a note.
-fn all() -> CommandResultOf<Vec<Manifest>> {
+fn all() -> Result<Vec<Manifest>> {
     let mut all = Manifest::all()?;
     for name in registered_names() {
         match registered(&name) {
@@ -235,7 +233,7 @@ fn fetch(args: FetchArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 /// The weights of a detector: those already there when they are the right ones, else downloaded.
-pub(super) fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<PathBuf> {
+pub(super) fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
     if let Ok(path) = folders.checked(manifest) {
         return Ok(path);
     }
@@ -243,13 +241,13 @@ pub(super) fn fetch_one(manifest: &Manifest, folders: &WeightFolders) -> Command
 }
 
 #[cfg(not(feature = "full"))]
-fn download(manifest: &Manifest, _: &WeightFolders) -> CommandResultOf<PathBuf> {
+fn download(manifest: &Manifest, _: &WeightFolders) -> Result<PathBuf> {
     let name = &manifest.name;
     Err(format!("the weights of {name} are not here; `./run detectors fetch` gets them").into())
 }
 
 #[cfg(feature = "full")]
-fn download(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<PathBuf> {
+fn download(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf> {
     let bar = progress::bytes(&manifest.name);
     let fetched = detect::fetch(manifest, &folders.download_folder()?, &|done, total| {
         if let Some(total) = total {
@@ -262,7 +260,7 @@ fn download(manifest: &Manifest, folders: &WeightFolders) -> CommandResultOf<Pat
 }
 
 /// The named detectors, or all whose weights are here.
-pub(super) fn present(names: &[String], folders: &WeightFolders) -> CommandResultOf<Vec<Manifest>> {
+pub(super) fn present(names: &[String], folders: &WeightFolders) -> Result<Vec<Manifest>> {
     let mut manifests = chosen(names)?;
     if names.is_empty() {
         manifests.retain(|m| folders.find(m).is_some());

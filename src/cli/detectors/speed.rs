@@ -1,11 +1,10 @@
 //! `scaleproof detectors speed`: how many milliseconds does each detector take for a photo, on this machine?
 
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::Looking;
-use crate::cli::{CommandResult, Outcome};
+use crate::cli::{CommandResult, Outcome, Result};
 use crate::detect::{Speed, Speeds};
 
 /// Time every detector whose weights are present, one thread, and keep the times in a file for `score --speed`.
@@ -31,7 +30,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let (detectors, photos) = args.looking.open()?;
     let photos = photos.iter().map(|photo| photo.rgb(1));
     let photos = photos.collect::<Result<Vec<_>, _>>()?;
-    let tell = |speed: &Speed| -> Result<(), Box<dyn Error>> {
+    let tell = |speed: &Speed| -> Result<()> {
         let (name, median, [fastest, slowest]) = (&speed.detector, speed.ms_per_photo, speed.ms_range);
         if !args.json {
             writeln!(

@@ -6,8 +6,9 @@ mod chart;
 mod check;
 mod paint;
 pub(crate) mod patch;
+mod pieces;
 mod tags;
-mod template;
+pub(crate) mod template;
 mod verify;
 pub(crate) mod wrap;
 
@@ -18,6 +19,7 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde_json::Value;
 
+use super::enlarged::note_enlarged;
 use super::{CommandResult, Outcome};
 use crate::files;
 use crate::pattern::Pattern;
@@ -42,7 +44,7 @@ pub(crate) struct Args {
 enum What {
     /// Spread a repeated pattern over sheets of paper, to be cut and glued
     Template(template::TemplateArgs),
-    /// Wrap a pattern around a model: five panels cut to its outline
+    /// Wrap a texture around a model: pieces to cut out and glue, or five panels
     Wrap(wrap::WrapArgs),
     /// Print finished patches: their places on the panels of a model, and each to cut out
     Patch(patch::PatchArgs),
@@ -186,8 +188,12 @@ impl CutSheetArgs {
 }
 
 /// The width of a repeat: as given, else as the pattern's card says.
-fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
-    card::tile_mm(given, path, pattern).map_err(|error| match error {
+pub(super) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
+    let found = card::tile_mm(given, path, pattern);
+    if found.is_ok() {
+        note_enlarged(path, pattern);
+    }
+    found.map_err(|error| match error {
         CardError::None { .. } => format!("{error}: give --tile-mm"),
         CardError::Content { .. } | CardError::OtherPattern { .. } => {
             format!("{error}: give --tile-mm, or remove the file")

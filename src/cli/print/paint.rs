@@ -50,6 +50,10 @@ enum Source {
 }
 
 impl PaintArgs {
+    pub(crate) fn is_asked(&self) -> bool {
+        self.paints.is_some() || self.palette.is_some()
+    }
+
     /// `None`: paper.
     pub(crate) fn paints(&self) -> Result<Option<Paints>, Box<dyn Error>> {
         let source = match (self.paints, &self.palette) {
@@ -99,7 +103,10 @@ pub(crate) fn run(
 fn advised(error: PaintError) -> String {
     match &error {
         PaintError::CellTooSmall { most, least_tile, .. } => {
-            format!("{error}; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more")
+            format!(
+                "{error}; give --min-feature-mm {most} or less, or --tile-mm {least_tile} or more, or make fewer cells by scaleproof pattern \
+                 import --cells"
+            )
         }
         PaintError::NoStencil(_) => format!("{error}; give a smaller --min-feature-mm or a larger --tile-mm"),
         _ => error.to_string(),

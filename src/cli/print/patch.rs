@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::wrap::{ModelArgs, SheetArgs};
+use super::wrap::SheetArgs;
 use super::{CommandResult, Outcome, value_names, write_files, write_json};
+use crate::cli::model::ModelArgs;
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
 use crate::print::patch::{PanelPatch, PatchImage, patches};
@@ -31,17 +32,17 @@ pub(crate) struct PatchArgs {
 #[derive(clap::Args)]
 pub(crate) struct PlaceArgs {
     /// A finished texture, PNG or JPEG; for several patches repeat this and the next three options
-    #[arg(long, value_name = "FILE", required = true)]
-    patch: Vec<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub(crate) patch: Vec<PathBuf>,
     /// The panel it goes on
-    #[arg(long, value_enum, required = true)]
+    #[arg(long, value_enum, requires = "patch")]
     panel: Vec<Side>,
     /// The patch's middle as the panel is seen from outside: to the right of the model's middle and above the ground (on the
     /// roof: before the middle), in mm, as in -40,65
-    #[arg(long, value_name = "X,Y", required = true, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", requires = "patch", allow_hyphen_values = true)]
     at_mm: Vec<String>,
     /// Its width, or width and height, in mm, as in 60 or 60x40
-    #[arg(long, value_name = "W[xH]", required = true, allow_hyphen_values = true)]
+    #[arg(long, value_name = "W[xH]", requires = "patch", allow_hyphen_values = true)]
     size_mm: Vec<String>,
 }
 
@@ -53,7 +54,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let model = args.model.load()?;
     let panels = wrap::PaintedSurface::of_materials(&model.mesh, &model.materials).panels();
     let sheets = &args.sheets;
-    let request = sheets.request(1.0, model.scale, Path::new(""))?;
+    let request = sheets.request(model.scale)?;
     let made = patches(&panels, &wanted, &request)?;
     let title = format!("Patches of {}", wanted[0].name);
     let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
@@ -96,6 +97,9 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
 /// The patches as they were requested: the options belong together in order.
 pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>> {
     let count = args.patch.len();
+    if count == 0 {
+        return Err("give --patch, with its --panel, --at-mm and --size-mm".into());
+    }
     if [args.panel.len(), args.at_mm.len(), args.size_mm.len()] != [count; 3] {
         return Err("every --patch needs its own --panel, --at-mm and --size-mm; repeat all four for each".into());
     }

@@ -10,17 +10,26 @@ use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
 use crate::cli::{progress, units};
 use crate::pattern::Pattern;
+use crate::pattern::picture::Picture;
 use crate::print::lettering;
 use crate::print::output::{SheetFormat, SheetOutput};
 use crate::print::paper::{self, Orientation};
-use crate::print::template::{Front, LayoutRequest, Template, TemplateRequest, template};
+use crate::print::template::{
+    Front, LayoutRequest, Template, TemplateError, TemplateRequest, template, texture_template,
+};
 use crate::spelling;
 
 #[derive(clap::Args)]
 pub(crate) struct TemplateArgs {
     /// The pattern: a PNG with one pixel per cell
-    #[arg(long, value_name = "PNG")]
-    pattern: PathBuf,
+    #[arg(long, value_name = "PNG", required_unless_present = "texture")]
+    pattern: Option<PathBuf>,
+    /// Instead of a pattern, an image without cells, PNG or JPEG: it is repeated as it is
+    #[arg(long, value_name = "IMAGE", conflicts_with = "pattern")]
+    texture: Option<PathBuf>,
+    /// Dots per inch that a texture is printed with; an image that has fewer stays as it is
+    #[arg(long, default_value_t = 300.0, requires = "texture", allow_negative_numbers = true)]
+    dpi: f64,
     /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: Option<f64>,
@@ -67,32 +76,79 @@ value_names!(Orientation: Auto "auto", Portrait "portrait", Landscape "landscape
 value_names!(Front: Left "left", Right "right", Up "up", Down "down", None "none");
 
 pub(crate) fn run(args: &TemplateArgs, out: &mut dyn Write) -> CommandResult {
-    let pattern = Pattern::load(&args.pattern)?;
-    let request = request(args, &pattern)?;
+    match (&args.texture, &args.pattern) {
+        (Some(texture), _) => run_texture(args, texture, out),
+        (None, Some(pattern)) => run_pattern(args, pattern, out),
+        (None, None) => Err("give --pattern or --texture".into()),
+    }
+}
+
+fn run_pattern(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
+    let pattern = Pattern::load(path)?;
+    let request = request(args, path, super::tile_mm(args.tile_mm, path, &pattern)?)?;
     let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
     let output = args.paper.output()?;
     if let Some(paints) = args.paint.paints()? {
-        let inputs = [
-            Some(&*args.pattern),
-            args.paper.printer.as_deref(),
-            args.paint.palette.as_deref(),
-        ];
+        let inputs = [Some(path), args.paper.printer.as_deref(), args.paint.palette.as_deref()];
         paint::run(&pattern, request, &paints, &output, &inputs, (args.json, out))?;
     } else {
         let (made, files) = write(
-            &pattern,
+            &|| template(&pattern, &request),
             &request,
             &output,
-            &[Some(&args.pattern), args.paper.printer.as_deref()],
+            &[Some(path), args.paper.printer.as_deref()],
         )?;
         if args.json {
-            write_json(&files, facts(&made), out)?;
+            write_json(&files, facts(&made, "cell_mm"), out)?;
         } else {
             writeln!(out, "{}", summary(&files[0].0, &made))?;
         }
     }
     units::note(doubt);
     Ok(Outcome::Done)
+}
+
+fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> CommandResult {
+    if args.paint.is_asked() {
+        return Err(format!(
+            "stencils and sheets to paint by number are made of cells, and a texture has none; make a pattern of it: scaleproof pattern import {} \
+             --cells 24 -o pattern.png",
+            path.display()
+        )
+        .into());
+    }
+    let texture = Picture::load(path)?;
+    let request = request(
+        args,
+        path,
+        args.tile_mm
+            .ok_or("a texture needs the width of one repeat: give --tile-mm")?,
+    )?;
+    let doubt = units::template(request.layout.size_mm, request.tile_mm, request.scale);
+    let (made, files) = write(
+        &|| texture_template(&texture, args.dpi, &request),
+        &request,
+        &args.paper.output()?,
+        &[Some(path), args.paper.printer.as_deref()],
+    )?;
+    if args.json {
+        write_json(&files, facts(&made, "pixel_mm"), out)?;
+    } else {
+        let dpi = 25.4 / made.cell_mm;
+        writeln!(
+            out,
+            "{}",
+            said(&files[0].0, &made, &format!("a texture of {dpi:.0} dpi"))
+        )?;
+    }
+    units::note(doubt);
+    Ok(Outcome::Done)
+}
+
+/// What to do about an error of the library.
+pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    matches!(error.downcast_ref()?, TemplateError::CellTooSmall { .. })
+        .then(|| ", as `scaleproof pattern import IMAGE --cells 24` makes them".to_owned())
 }
 
 /// Draws a template and writes it to a PDF.
@@ -102,7 +158,7 @@ pub(crate) fn write_template(
     output: &Path,
 ) -> Result<Template, Box<dyn Error>> {
     Ok(write(
-        pattern,
+        &|| template(pattern, request),
         request,
         &SheetOutput::named(output, Some(SheetFormat::Pdf))?,
         &[],
@@ -112,20 +168,20 @@ pub(crate) fn write_template(
 
 /// Gives the files as well.
 fn write(
-    pattern: &Pattern,
+    draw: &dyn Fn() -> Result<Template, TemplateError>,
     request: &TemplateRequest,
     output: &SheetOutput,
     inputs: &[Option<&Path>],
 ) -> Result<(Template, Vec<NewFile>), Box<dyn Error>> {
     let busy = progress::busy("drawing");
-    let made = template(pattern, request)?;
+    let made = draw()?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
     write_files(&files, inputs)?;
     busy.finish_and_clear();
     Ok((made, files))
 }
 
-fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Box<dyn Error>> {
+fn request(args: &TemplateArgs, path: &Path, tile_mm: f64) -> Result<TemplateRequest, Box<dyn Error>> {
     let layout = LayoutRequest {
         size_mm: paper::size_mm(&args.size_mm)?,
         paper: args.paper.paper.parse()?,
@@ -135,13 +191,12 @@ fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Bo
         margin_mm: args.paper.margin_mm,
         printer: args.paper.printer()?,
     };
-    let pattern_name = args
-        .pattern
+    let pattern_name = path
         .file_name()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
     Ok(TemplateRequest {
-        tile_mm: super::tile_mm(args.tile_mm, &args.pattern, pattern)?,
+        tile_mm,
         scale: args.scale,
         pattern_name,
         front: args.front,
@@ -151,7 +206,7 @@ fn request(args: &TemplateArgs, pattern: &Pattern) -> Result<TemplateRequest, Bo
 }
 
 /// `--json`.
-fn facts(made: &Template) -> serde_json::Value {
+fn facts(made: &Template, grain: &str) -> serde_json::Value {
     let layout = &made.layout;
     let page = layout.frame.page;
     json!({
@@ -159,11 +214,19 @@ fn facts(made: &Template) -> serde_json::Value {
         "rows": layout.rows,
         "columns": layout.columns,
         "page_mm": [page.width_mm, page.height_mm],
-        "cell_mm": made.cell_mm,
+        grain: made.cell_mm,
     })
 }
 
 pub(crate) fn summary(output: &Path, made: &Template) -> String {
+    said(
+        output,
+        made,
+        &format!("cells of {} mm", lettering::number(made.cell_mm)),
+    )
+}
+
+fn said(output: &Path, made: &Template, grain: &str) -> String {
     let layout = &made.layout;
     let count = match layout.sheets.len() {
         1 => "1 sheet".to_owned(),
@@ -174,9 +237,9 @@ pub(crate) fn summary(output: &Path, made: &Template) -> String {
         ),
     };
     let page = layout.frame.page;
-    let [width, height, cell] = [page.width_mm, page.height_mm, made.cell_mm].map(lettering::number);
+    let [width, height] = [page.width_mm, page.height_mm].map(lettering::number);
     format!(
-        "{}: instructions and {count} of {width} × {height} mm, cells of {cell} mm; print at 100 %",
+        "{}: instructions and {count} of {width} × {height} mm, {grain}; print at 100 %",
         output.display()
     )
 }

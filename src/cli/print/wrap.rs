@@ -1,42 +1,32 @@
-//! `scaleproof print wrap`: a pattern as the panels of a model.
+//! `scaleproof print wrap`: a pattern on a model, in pieces or as panels.
 
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 use serde_json::json;
 
+use super::pieces::{self, PiecesArgs};
 use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
+use crate::cli::model::{Model, ModelArgs};
+use crate::cli::texture::{NamedTexture, TextureArgs};
 use crate::cli::{progress, units};
-use crate::mesh::{Mesh, MeshError, MeshPlacement};
-use crate::pattern::Pattern;
 use crate::print::lettering;
-use crate::print::template::check_scale;
-use crate::print::wrap::{Kept, Wrap, WrapError, WrapRequest, check_size, wrap};
-use crate::scene::Scene;
+use crate::print::wrap::{Wrap, WrapRequest, wrap};
+
+/// Strip that neighbouring sheets of a panel share where nothing is said.
+const OVERLAP_MM: f64 = 8.0;
+/// Pixels per inch where nothing is said.
+pub(super) const DPI: f64 = 300.0;
 
 #[derive(clap::Args)]
 pub(crate) struct WrapArgs {
     #[command(flatten)]
     model: ModelArgs,
-    /// The pattern: a PNG with one pixel per cell
-    #[arg(long, value_name = "PNG")]
-    pattern: PathBuf,
-    /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    tile_mm: Option<f64>,
-    /// Unroll what the panels would stretch by more than --max-stretch: as strips on pages of their own
-    #[arg(long)]
-    flatten: bool,
-    /// The mm on the surface that 1 mm on a panel's paper may stand for
-    #[arg(
-        long,
-        value_name = "RATIO",
-        requires = "flatten",
-        default_value_t = 1.2,
-        allow_negative_numbers = true
-    )]
-    max_stretch: f64,
+    #[command(flatten)]
+    texture: TextureArgs,
+    #[command(flatten)]
+    pieces: PiecesArgs,
     #[command(flatten)]
     sheets: SheetArgs,
     /// One JSON object instead of text
@@ -44,207 +34,105 @@ pub(crate) struct WrapArgs {
     json: bool,
 }
 
-/// What is wrapped.
-#[derive(clap::Args)]
-pub(crate) struct ModelArgs {
-    /// The model's surface: .glb, .obj, .stl or .ply; without it, the box of the scene's model
-    #[arg(long, value_name = "FILE", required_unless_present = "scene")]
-    pub mesh: Option<PathBuf>,
-    /// The materials that are the paint; all without it
-    #[arg(long, value_name = "NAME", num_args = 1.., requires = "mesh")]
-    material: Vec<String>,
-    /// The scene whose model this is: its size is held against the mesh's
-    #[arg(long, value_name = "TOML")]
-    pub scene: Option<PathBuf>,
-    /// Scale the mesh to this length from front to rear, in mm
-    #[arg(long, value_name = "MM", requires = "mesh", allow_negative_numbers = true)]
-    length_mm: Option<f64>,
-    /// Where the front is in the mesh file: +x, -x, +y, -y, +z or -z [default: +z in a .glb, else +x]
-    #[arg(long, value_name = "AXIS", requires = "mesh", allow_hyphen_values = true)]
-    mesh_front: Option<String>,
-    /// Where the top is in the mesh file [default: +y in a .glb, else +z]
-    #[arg(long, value_name = "AXIS", requires = "mesh", allow_hyphen_values = true)]
-    mesh_up: Option<String>,
-    /// The model is 1:SCALE (named in the captions) [default: the scene's, else 10]
-    #[arg(long, allow_negative_numbers = true)]
-    scale: Option<f64>,
-}
-
 /// What it is printed on.
 #[derive(clap::Args)]
 pub(crate) struct SheetArgs {
     #[command(flatten)]
     pub(super) paper: PaperArgs,
-    /// Strip that neighbouring sheets share for gluing, in mm
-    #[arg(long, value_name = "MM", default_value_t = 8.0, allow_negative_numbers = true)]
-    overlap_mm: f64,
-}
-
-/// A model ready to be printed on: its surface in the model frame, which materials are paint, its scale.
-pub(crate) struct Model {
-    pub mesh: Mesh,
-    pub materials: Vec<usize>,
-    pub scale: f64,
-}
-
-impl ModelArgs {
-    pub(crate) fn load(&self) -> Result<Model, Box<dyn Error>> {
-        let scene = self.scene.as_deref().map(Scene::open).transpose()?;
-        let mesh = match (&self.mesh, &scene) {
-            (Some(file), _) => Mesh::load(file, &self.placement()?)?,
-            (None, Some(scene)) => Mesh::cuboid(scene.model.size_mm),
-            (None, None) => return Err("give --mesh, --scene, or both".into()),
-        };
-        if let Some(scene) = &scene {
-            check_size(&mesh, scene.model.size_mm).map_err(advised)?;
-        }
-        mesh.check_is_model()?;
-        let scale = self.scale.or(scene.as_ref().map(|s| s.model.scale)).unwrap_or(10.0);
-        if self.length_mm.is_none() && scene.is_none() {
-            check_scale(scale)?;
-            mesh.check_is_scale_model(scale)?;
-        }
-        Ok(Model {
-            materials: mesh.materials_named(&self.material)?,
-            mesh,
-            scale,
-        })
-    }
-
-    /// How the mesh file lies in the model frame.
-    pub(crate) fn placement(&self) -> Result<MeshPlacement, MeshError> {
-        let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
-        Ok(MeshPlacement {
-            front: axis(&self.mesh_front)?,
-            up: axis(&self.mesh_up)?,
-            length_mm: self.length_mm,
-        })
-    }
-
-    /// What was said about the mesh besides its file, as arguments again.
-    pub(crate) fn described(&self) -> String {
-        let mut text = String::new();
-        if !self.material.is_empty() {
-            text += &format!(" --material {}", self.material.join(" "));
-        }
-        if let Some(length_mm) = self.length_mm {
-            text += &format!(" --length-mm {length_mm}");
-        }
-        for (key, axis) in [("front", &self.mesh_front), ("up", &self.mesh_up)] {
-            if let Some(axis) = axis {
-                text += &format!(" --mesh-{key} {axis}");
-            }
-        }
-        text
-    }
+    /// Strip that neighbouring sheets of a panel share for gluing, in mm [default: 8]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    overlap_mm: Option<f64>,
 }
 
 impl SheetArgs {
-    pub(crate) fn request(
-        &self,
-        tile_mm: f64,
-        scale: f64,
-        name: &std::path::Path,
-    ) -> Result<WrapRequest, Box<dyn Error>> {
+    pub(crate) fn request(&self, scale: f64) -> Result<WrapRequest, Box<dyn Error>> {
         Ok(WrapRequest {
-            tile_mm,
             scale,
-            pattern_name: name
-                .file_name()
-                .map(|n| n.to_string_lossy().into_owned())
-                .unwrap_or_default(),
+            name: String::new(),
+            facts: String::new(),
+            dpi: DPI,
             date: self.paper.date()?,
             paper: self.paper.paper.parse()?,
-            overlap_mm: self.overlap_mm,
+            overlap_mm: self.overlap_mm.unwrap_or(OVERLAP_MM),
             margin_mm: self.paper.margin_mm,
             printer: self.paper.printer()?,
-            max_stretch: None,
         })
-    }
-}
-
-/// What to do about an error of the library.
-pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    match error.downcast_ref()? {
-        MeshError::NoModel { .. } => Some(" (--length-mm)".into()),
-        MeshError::LifeSize { .. } => Some("; the option is --length-mm".into()),
-        _ => None,
     }
 }
 
 pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
-    let pattern = Pattern::load(&args.pattern)?;
-    let model = args.model.load()?;
-    let sheets = &args.sheets;
-    let request = WrapRequest {
-        max_stretch: args.flatten.then_some(args.max_stretch),
-        ..sheets.request(
-            super::tile_mm(args.tile_mm, &args.pattern, &pattern)?,
-            model.scale,
-            &args.pattern,
-        )?
-    };
-    let output = sheets.paper.output()?;
-    let busy = progress::busy("wrapping");
-    let made = wrap(&model.mesh, &model.materials, &pattern, &request).map_err(advised)?;
-    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    let inputs = [
-        Some(args.pattern.as_path()),
+    let model = args.model.load_or(args.texture.mesh())?;
+    let painted = args.texture.load(&model)?;
+    let mut inputs = vec![
+        args.texture.file(),
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
-        sheets.paper.printer.as_deref(),
+        args.sheets.paper.printer.as_deref(),
     ];
-    write_files(&files, &inputs)?;
-    busy.finish_and_clear();
-    if args.model.mesh.is_some() {
+    inputs.extend(painted.images.iter().map(|path| Some(path.as_path())));
+    if args.pieces.panels {
+        panels(args, (&model, &painted), &inputs, out)?;
+    } else if args.sheets.overlap_mm.is_some() {
+        return Err(
+            "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
+        );
+    } else {
+        pieces::run(
+            &args.pieces,
+            &args.sheets.paper,
+            (&model, &painted),
+            &inputs,
+            (args.json, &mut *out),
+        )?;
+    }
+    if model.file.is_some() {
         units::note(units::turned(model.mesh.size_mm()));
-    }
-    say_notes(args, &made);
-    if args.json {
-        write_json(&files, facts(&model, &made), out)?;
-        return Ok(Outcome::Done);
-    }
-    let [length, width, height] = model.mesh.size_mm();
-    writeln!(
-        out,
-        "{}: instructions and {} panels of a model of {length:.0} × {width:.0} × {height:.0} mm, cells of {} mm; print at 100 %",
-        files[0].0.display(),
-        made.pieces.len(),
-        lettering::number(made.cell_mm)
-    )?;
-    for fact in made.facts() {
-        writeln!(out, "{fact}")?;
     }
     Ok(Outcome::Done)
 }
 
-/// The error with the options that mend it.
-fn advised(error: WrapError) -> String {
-    let advice = match &error {
-        WrapError::OtherSize { .. } => {
-            "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene"
-        }
-        WrapError::TooManySteep { count, most } => {
-            return format!(
-                "{count} triangles are steeper than --max-stretch, and no more than {most} can be unrolled; simplify the mesh, or give a \
-                 larger --max-stretch"
-            );
-        }
-        WrapError::TooManyStripCells { .. } => ", or a larger --max-stretch",
-        _ => "",
+/// `--panels`.
+fn panels(
+    args: &WrapArgs,
+    (model, painted): (&Model, &NamedTexture),
+    inputs: &[Option<&Path>],
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    let sheets = &args.sheets;
+    let request = WrapRequest {
+        name: painted.name.clone(),
+        facts: pieces::captioned(painted),
+        dpi: args.pieces.dpi,
+        ..sheets.request(model.scale)?
     };
-    format!("{error}{advice}")
-}
-
-fn say_notes(args: &WrapArgs, made: &Wrap) {
-    if args.flatten && made.strips.is_empty() && made.kept == Kept::default() {
-        let limit = lettering::number(args.max_stretch);
-        say!("note: no surface is stretched by more than {limit}, so nothing was unrolled");
-    }
+    let output = sheets.paper.output()?;
+    let busy = progress::busy("wrapping");
+    let made = wrap(&model.mesh, &model.materials, &painted.texture, &request)?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
+    write_files(&files, inputs)?;
+    busy.finish_and_clear();
     if made.unlettered_mm > 0.0 {
         let length_mm = made.unlettered_mm;
         say!("note: {length_mm:.0} mm of seams have no letter, as one of their panels has no room beside them");
     }
+    if args.json {
+        return write_json(&files, facts(model, &made), out);
+    }
+    let [length, width, height] = model.mesh.size_mm();
+    let cells = made
+        .cell_mm
+        .map(|mm| format!(", cells of {} mm", lettering::number(mm)));
+    let cells = cells.unwrap_or_default();
+    writeln!(
+        out,
+        "{}: instructions and {} panels of a model of {length:.0} × {width:.0} × {height:.0} mm{cells}; print at 100 %",
+        files[0].0.display(),
+        made.pieces.len(),
+    )?;
+    for fact in made.facts() {
+        writeln!(out, "{fact}")?;
+    }
+    Ok(())
 }
 
 /// `--json`.
@@ -262,7 +150,6 @@ fn facts(model: &Model, made: &Wrap) -> serde_json::Value {
         "model_size_mm": model.mesh.size_mm(),
         "cell_mm": made.cell_mm,
         "panels": panels.collect::<Vec<_>>(),
-        "strips": made.strips.len(),
         "surface_mm2": made.surface_mm2,
         "unprinted_mm2": made.unprinted_mm2(),
         "largest_stretch": made.largest_stretch(),

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{by_variant, in_words};
+use crate::cli::Result;
 use crate::cli::sessions::{FolderFiles, pair, quoted};
 use crate::cli::{CommandResult, Outcome};
 use crate::session::NewSession;
@@ -54,7 +55,7 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn folders(args: &Args) -> Result<Vec<PhotoFolder>, Box<dyn std::error::Error>> {
+fn folders(args: &Args) -> Result<Vec<PhotoFolder>> {
     let not_alone = |what: &Path| {
         format!(
             "{} is no VARIANT=FOLDER: write `scaleproof session new NAME VARIANT=FOLDER …`, as in normal=monday",

@@ -36,6 +36,12 @@ pub(crate) enum Data {
 }
 
 impl Tensor {
+    /// The first of some outputs that has fractions and such a shape: its number and its values.
+    fn shaped(outputs: &[Tensor], fits: impl Fn(&[usize]) -> bool) -> Option<(usize, &[f32])> {
+        let mut shaped = outputs.iter().enumerate().filter(|(_, t)| fits(&t.shape));
+        shaped.next().and_then(|(i, t)| Some((i, t.floats()?)))
+    }
+
     fn floats(&self) -> Option<&[f32]> {
         match &self.data {
             Data::F32(v) => Some(v),
@@ -73,6 +79,19 @@ pub(crate) struct Anchors {
     pub anchors: Vec<Anchor>,
     /// score = objectness^exponents\[0\] · label^exponents\[1\]
     pub exponents: [f32; 2],
+}
+
+impl Anchor {
+    /// Of a head that gives a row for each box: the scores follow each other from `first_label` on, behind the objectness if there is one.
+    fn in_row(b: BoxPx, output: usize, first_label: usize, has_objectness: bool) -> Anchor {
+        Anchor {
+            b,
+            output,
+            objectness: has_objectness.then(|| first_label - 1),
+            first_label,
+            label_step: 1,
+        }
+    }
 }
 
 impl Anchors {

@@ -28,13 +28,7 @@ pub(super) fn anchors(
         let cells = sides.chunks_exact(4 * BINS).enumerate();
         found.extend(cells.map(|(i, sides)| {
             let cell = [i as u32 % columns, i as u32 / columns];
-            Anchor {
-                b: box_of(cell, sides, stride),
-                output,
-                objectness: None,
-                first_label: i * labels,
-                label_step: 1,
-            }
+            Anchor::in_row(box_of(cell, sides, stride), output, i * labels, false)
         }));
     }
     Ok(Anchors::new(found))

@@ -19,22 +19,14 @@ pub(super) fn anchors(
         })
         .collect();
     let row = labels + 4 * BINS;
-    let fits = |t: &Tensor| t.shape == [1, cells.len(), row];
-    let found = outputs.iter().enumerate().find(|(_, t)| fits(t));
-    let (output, data) = found
-        .and_then(|(i, t)| Some((i, t.floats()?)))
+    let (output, data) = Tensor::shaped(outputs, |shape| shape == [1, cells.len(), row])
         .ok_or_else(|| misfit("nanodet_plus", format!("1×{}×{row}", cells.len()), outputs))?;
     let rows = cells.iter().zip(data.chunks_exact(row)).enumerate();
     let anchors = rows.map(|(i, (cell, o))| {
         let [x, y, s] = cell.map(f64::from);
         let side = |i: usize| expectation(&o[labels + i * BINS..][..BINS]) * s;
-        Anchor {
-            b: BoxPx::new(x * s - side(0), y * s - side(1), x * s + side(2), y * s + side(3)),
-            output,
-            objectness: None,
-            first_label: i * row,
-            label_step: 1,
-        }
+        let b = BoxPx::new(x * s - side(0), y * s - side(1), x * s + side(2), y * s + side(3));
+        Anchor::in_row(b, output, i * row, false)
     });
     Ok(Anchors::new(anchors.collect()))
 }

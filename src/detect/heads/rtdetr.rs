@@ -10,10 +10,7 @@ pub(super) fn decode(
     labels: usize,
 ) -> Result<Vec<CandidateBox>, HeadError> {
     let row = 4 + labels;
-    let data = outputs
-        .iter()
-        .find(|t| matches!(t.shape[..], [1, _, columns] if columns == row))
-        .and_then(Tensor::floats)
+    let (_, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, _, columns] if *columns == row))
         .ok_or_else(|| misfit("rtdetr", format!("1×n×{row}"), outputs))?;
     let (w, h) = (width as f32, height as f32);
     let rows = data.chunks_exact(row).filter_map(|o| {

@@ -7,10 +7,7 @@ use super::{HeadError, SCORE_FLOOR, Tensor, from_corners, misfit};
 use crate::geometry::BoxPx;
 
 pub(super) fn decode(outputs: &[Tensor], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
-    let data = outputs
-        .iter()
-        .find(|t| matches!(t.shape[..], [1, _, 6]))
-        .and_then(Tensor::floats)
+    let (_, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, _, 6]))
         .ok_or_else(|| misfit("yolov10", "1×n×6".into(), outputs))?;
     // Rows of padding have any label, and no score.
     let rows = data.chunks_exact(6).filter(|o| f64::from(o[4]) >= SCORE_FLOOR);

@@ -38,9 +38,8 @@ pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usi
     let mut found = Vec::new();
     for grid in &GRIDS {
         let (columns, rows) = ((width / grid.stride) as usize, (height / grid.stride) as usize);
-        let fits = |t: &Tensor| t.shape == [1, rows, columns, 3, row];
-        let tensor = outputs.iter().enumerate().find(|(_, t)| fits(t));
-        let (output, data) = tensor.and_then(|(i, t)| Some((i, t.floats()?))).ok_or_else(|| {
+        let tensor = Tensor::shaped(outputs, |shape| shape == [1, rows, columns, 3, row]);
+        let (output, data) = tensor.ok_or_else(|| {
             let expected = format!("1×{rows}×{columns}×3×{row} for stride {}", grid.stride);
             misfit("yolov4", expected, outputs)
         })?;
@@ -54,13 +53,7 @@ pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usi
                 o[2].exp() * anchor[0],
                 o[3].exp() * anchor[1],
             ];
-            Anchor {
-                b: centred(centre_and_size),
-                output,
-                objectness: Some(i * row + 4),
-                first_label: i * row + 5,
-                label_step: 1,
-            }
+            Anchor::in_row(centred(centre_and_size), output, i * row + 5, true)
         }));
     }
     Ok(Anchors::new(found))

@@ -6,17 +6,9 @@ use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
 pub(super) fn anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
     let row = 5 + labels;
     // Older exports also give the three grids the tensor was made from.
-    let fits = |t: &Tensor| matches!(t.shape[..], [1, _, columns] if columns == row);
-    let found = outputs.iter().enumerate().find(|(_, t)| fits(t));
-    let (output, data) = found
-        .and_then(|(i, t)| Some((i, t.floats()?)))
+    let (output, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, _, columns] if *columns == row))
         .ok_or_else(|| misfit("yolov5", format!("1×n×{row}"), outputs))?;
-    let anchors = data.chunks_exact(row).enumerate().map(|(i, o)| Anchor {
-        b: centred([o[0], o[1], o[2], o[3]]),
-        output,
-        objectness: Some(i * row + 4),
-        first_label: i * row + 5,
-        label_step: 1,
-    });
+    let rows = data.chunks_exact(row).enumerate();
+    let anchors = rows.map(|(i, o)| Anchor::in_row(centred([o[0], o[1], o[2], o[3]]), output, i * row + 5, true));
     Ok(Anchors::new(anchors.collect()))
 }

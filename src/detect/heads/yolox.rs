@@ -28,13 +28,7 @@ pub(super) fn anchors(outputs: &[Tensor], [width, height]: [u32; 2], labels: usi
             o[2].exp() * s,
             o[3].exp() * s,
         ];
-        Anchor {
-            b: centred(centre_and_size),
-            output: 0,
-            objectness: Some(i * row + 4),
-            first_label: i * row + 5,
-            label_step: 1,
-        }
+        Anchor::in_row(centred(centre_and_size), 0, i * row + 5, true)
     });
     Ok(Anchors::new(anchors.collect()))
 }

@@ -1,9 +1,9 @@
-//! The families of detectors: how each is usually fed, which no ONNX file says, and what its manifest says of the head.
-//!
-//! Source: the table in `docs/guide/reference/detector-manifest.md`, from the repositories the families come from.
+//! The families of detectors: how each is usually fed (`families.toml`), and what its manifest says of the head.
 
-use crate::detect::Labels;
-use crate::detect::manifest::{Channels, FirstLabel, Head, Input, Kernel, Layout, Resize, Values};
+use std::collections::BTreeMap;
+
+use crate::detect::manifest::{FirstLabel, Head, Input, Resize};
+use crate::detect::{Labels, ManifestError};
 
 /// A family of detectors that are fed and read alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,9 +33,6 @@ pub(crate) enum Family {
     /// R-CNN, SSD and RetinaNet of torchvision.
     Torchvision,
 }
-
-/// Mean and standard deviation of ImageNet, red first, on values 0–255.
-const IMAGENET: ([f32; 3], [f32; 3]) = ([123.675, 116.28, 103.53], [58.395, 57.12, 57.375]);
 
 /// The families, in the order of the enum: how users write them, and what people call them.
 const NAMES: [(Family, &str, &str); 16] = [
@@ -90,21 +87,15 @@ impl Family {
     }
 
     /// How the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.
-    pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Input {
-        let usual = self.usual();
-        match (self, size_px) {
-            (_, Some(size_px)) => Input { size_px, ..usual },
-            (Family::TfOd | Family::Torchvision, None) => Input {
-                resize: Resize::Original,
-                ..usual
-            },
-            (Family::ZooRcnn, None) => Input {
-                resize: Resize::ShortSide,
-                size_px: [800, 800],
-                ..usual
-            },
-            (_, None) => usual,
-        }
+    pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Result<Input, ManifestError> {
+        let mut usual = self.usual()?;
+        (usual.resize, usual.size_px) = match (self, size_px) {
+            (_, Some(size_px)) => (usual.resize, size_px),
+            (Family::TfOd | Family::Torchvision, None) => (Resize::Original, [0, 0]),
+            (Family::ZooRcnn, None) => (Resize::ShortSide, [800, 800]),
+            (_, None) => (usual.resize, [0, 0]),
+        };
+        Ok(usual)
     }
 
     /// True for families whose networks take images of any size, where the file does not fix one.
@@ -112,75 +103,11 @@ impl Family {
         matches!(self, Family::TfOd | Family::Torchvision | Family::ZooRcnn)
     }
 
-    fn usual(self) -> Input {
-        let plain = Input {
-            size_px: [0, 0],
-            layout: Layout::Nchw,
-            values: Values::F32,
-            resize: Resize::Stretch,
-            kernel: Kernel::OpencvLinear,
-            pad: 0,
-            channels: Channels::Rgb,
-            mean: [0.0; 3],
-            std: [255.0; 3],
-        };
-        // Blue first, as OpenCV reads images; the deviations are those of the repository, not turned round from ImageNet's.
-        let nanodet = Input {
-            channels: Channels::Bgr,
-            mean: [103.53, 116.28, 123.675],
-            std: [57.375, 57.12, 58.395],
-            ..plain.clone()
-        };
-        let imagenet = Input {
-            mean: IMAGENET.0,
-            std: IMAGENET.1,
-            ..plain.clone()
-        };
-        match self {
-            Family::Yolov4 => Input {
-                resize: Resize::LetterboxCentre,
-                pad: 128,
-                ..plain
-            },
-            Family::Yolov5 | Family::Yolov8 | Family::Yolov10 => Input {
-                resize: Resize::LetterboxCentreRounded,
-                pad: 114,
-                ..plain
-            },
-            Family::Yolox | Family::YoloxDecoded => Input {
-                resize: Resize::LetterboxTopLeft,
-                pad: 114,
-                channels: Channels::Bgr,
-                std: [1.0; 3],
-                ..plain
-            },
-            Family::Nanodet => Input {
-                resize: Resize::LetterboxCentre,
-                ..nanodet
-            },
-            Family::NanodetPlus => nanodet,
-            Family::Fastestdet => Input {
-                channels: Channels::Bgr,
-                ..plain
-            },
-            Family::Deim => Input {
-                kernel: Kernel::Antialiased,
-                ..plain
-            },
-            Family::Rfdetr | Family::SsdResnet34 => Input {
-                kernel: Kernel::Antialiased,
-                ..imagenet
-            },
-            Family::TfOd => Input { std: [1.0; 3], ..plain },
-            Family::ZooRcnn => Input {
-                kernel: Kernel::Antialiased,
-                channels: Channels::Bgr,
-                mean: [102.9801, 115.9465, 122.7717],
-                std: [1.0; 3],
-                ..plain
-            },
-            Family::Rtdetr | Family::Torchvision => plain,
-        }
+    fn usual(self) -> Result<Input, ManifestError> {
+        let refused = |message: &str| ManifestError::syntax("families.toml", message);
+        let all: Result<BTreeMap<String, Input>, _> = toml::from_str(include_str!("families.toml"));
+        let mut all = all.map_err(|e| refused(e.message()))?;
+        all.remove(self.name()).ok_or_else(|| refused("a family is missing"))
     }
 
     /// How its outputs are read.

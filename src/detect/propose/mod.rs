@@ -175,7 +175,7 @@ pub(crate) fn propose_within(
             url: String::new(),
             sha256,
         },
-        input: input(&network, candidate.family),
+        input: input(&network, candidate.family)?,
         head: candidate.family.head(labels, candidate.strides.clone()),
         class_map: BTreeMap::new(),
         folder: None,
@@ -199,20 +199,20 @@ pub(crate) fn propose_within(
 }
 
 /// The family's usual way, for what this network takes.
-fn input(network: &Inspected, family: Family) -> Input {
+fn input(network: &Inspected, family: Family) -> Result<Input, ManifestError> {
     let takes_any_size = !network.size_is_fixed && family.takes_any_size();
-    let usual = family.usual_input((!takes_any_size).then_some(network.size_px));
+    let usual = family.usual_input((!takes_any_size).then_some(network.size_px))?;
     let (mean, std) = match network.values {
         Values::F32 => (usual.mean, usual.std),
         Values::U8 => ([0.0; 3], [1.0; 3]),
     };
-    Input {
+    Ok(Input {
         layout: network.layout,
         values: network.values,
         mean,
         std,
         ..usual
-    }
+    })
 }
 
 /// The one family that fits, or why there is not one.

@@ -15,6 +15,8 @@
 //! A semantic mask tells no part of a pixel, so coverage is 0 or 1. No linear light comes with such images.
 
 pub(crate) mod carla;
+pub(crate) mod fca;
+mod npz;
 
 use std::path::{Path, PathBuf};
 
@@ -26,8 +28,12 @@ use crate::files::{self, FileError};
 use crate::frames::{
     FORMAT, Frame, FrameList, FramePaint, FramesError, Pinhole, encode_grey, encode_rgb, light, outline, syntax,
 };
+use crate::geometry::length::shown;
 use crate::geometry::rigid;
 use crate::photo::{Photo, PhotoError};
+
+/// Horizontal; what a pinhole camera can have.
+const FIELDS_OF_VIEW_DEG: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
 /// Why nothing was imported.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +47,12 @@ pub(crate) enum FrameImportError {
     Photo(#[from] PhotoError),
     #[error("{path}: {message}", path = path.display())]
     Content { path: PathBuf, message: String },
+    #[error("the field of view cannot be {}°; give the horizontal one, from 1 to 170", shown(*value))]
+    FieldOfView { value: f64 },
+    #[error("the scale cannot be {}; give 10 for a 1:10 model, from 0.01 to 10000", shown(*value))]
+    Scale { value: f64 },
+    #[error("the car cannot have dropped by {} m; give a height from -10 to 10 m", shown(*value))]
+    Drop { value: f64 },
     #[error("{path}, line {line}: {message}", path = path.display())]
     Line { path: PathBuf, line: u64, message: String },
 }
@@ -168,7 +180,7 @@ fn content(path: &Path, message: String) -> FrameImportError {
 
 fn about(path: &Path) -> Result<About, FrameImportError> {
     let about: About = serde_json::from_str(&files::read_text(path)?).map_err(|e| syntax(path, &e))?;
-    if !(1.0..=170.0).contains(&about.field_of_view_deg) {
+    if !FIELDS_OF_VIEW_DEG.contains(&about.field_of_view_deg) {
         return Err(content(
             path,
             "field_of_view_deg must be 1 to 170, horizontal".to_owned(),
@@ -210,10 +222,7 @@ fn rows(path: &Path) -> Result<Vec<(u64, Row)>, FrameImportError> {
             }
             _ => wrong(number, e.to_string()),
         })?;
-        let is_plain = !row.name.is_empty()
-            && row.name.chars().all(|c| c.is_alphanumeric() || "-_.@".contains(c))
-            && !row.name.starts_with('.');
-        if !is_plain {
+        if !is_plain(&row.name) {
             return Err(wrong(
                 number,
                 format!(
@@ -233,6 +242,11 @@ fn rows(path: &Path) -> Result<Vec<(u64, Row)>, FrameImportError> {
     Ok(rows)
 }
 
+/// Whether a frame can be called so.
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.@".contains(c)) && !name.starts_with('.')
+}
+
 fn paint(text: &str) -> Result<FramePaint, String> {
     if text == "original" {
         return Ok(FramePaint::Original);
@@ -250,15 +264,11 @@ fn image(folder: &Path, name: &str) -> Result<RgbImage, FrameImportError> {
 
 fn start(about: &About, rgb: &RgbImage, made_by: &str) -> FrameList {
     let (width, height) = rgb.dimensions();
-    let half = 0.5 * about.field_of_view_deg.to_radians();
     FrameList {
         format: FORMAT.to_owned(),
         made_by: made_by.to_owned(),
         size_px: [width, height],
-        camera: Pinhole {
-            focal_length_px: 0.5 * f64::from(width) / half.tan(),
-            centre_px: [0.5 * (f64::from(width) - 1.0), 0.5 * (f64::from(height) - 1.0)],
-        },
+        camera: Pinhole::with_field_of_view([width, height], about.field_of_view_deg),
         target_mm: [0.0, 0.0, 1000.0 * about.target_height_m],
         linear_max: None,
         positions: None,

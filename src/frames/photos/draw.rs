@@ -4,12 +4,13 @@ use image::{GrayImage, Luma, Rgb, RgbImage};
 use nalgebra::Point3;
 
 use super::light_image::LightImage;
-use super::raster::{Raster, outline, ray};
+
 use super::views::PhotosOfView;
 use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
+use crate::frames::drawn::{level, number, paint_sides, seen_box};
+use crate::frames::raster::{Raster, outline, ray};
 use crate::frames::{Pinhole, light};
 use crate::geometry::BoxPx;
-use crate::mesh::doubled_area;
 use crate::pattern::world_aligned::Side;
 use crate::photo::Photo;
 
@@ -60,15 +61,11 @@ enum Place {
 
 impl<'a> Canvas<'a> {
     pub(super) fn new(request: &'a PhotoFramesRequest, size_px: [u32; 2], pinhole: Pinhole) -> Self {
-        let is_paint = |material: usize| request.materials.is_empty() || request.materials.contains(&material);
-        let side = |t: &crate::mesh::Triangle| {
-            is_paint(t.material).then(|| Side::of(&doubled_area(&request.mesh.corners_mm(t))))
-        };
         Self {
             request,
             size_px,
             pinhole,
-            sides: request.mesh.triangles().iter().map(side).collect(),
+            sides: paint_sides(&request.mesh, &request.materials),
         }
     }
 
@@ -78,7 +75,7 @@ impl<'a> Canvas<'a> {
     /// Photos that cannot be read.
     pub(super) fn draw(&self, view: &PhotosOfView) -> Result<Option<ViewImages>, PhotosError> {
         let fine = self.size_px.map(|px| (px * FACTOR) as usize);
-        let pinhole = self.fine_pinhole();
+        let pinhole = self.pinhole.finer(FACTOR);
         let (mesh, reference) = (&self.request.mesh, view.reference);
         let Some(raster) = Raster::image(mesh, &reference.pose, &pinhole, fine) else {
             return Ok(None);
@@ -138,15 +135,6 @@ impl<'a> Canvas<'a> {
         Some(std::array::from_fn(|c| source.gain[c] * light[c]))
     }
 
-    /// The camera of the finer image.
-    fn fine_pinhole(&self) -> Pinhole {
-        let factor = f64::from(FACTOR);
-        Pinhole {
-            focal_length_px: factor * self.pinhole.focal_length_px,
-            centre_px: self.pinhole.centre_px.map(|c| factor * (c + 0.5) - 0.5),
-        }
-    }
-
     /// A photo, reduced to no less than the finer image's resolution.
     fn light(&self, photo: &FlatPhoto) -> Result<LightImage, PhotosError> {
         let decoded = Photo::open(&photo.file)?;
@@ -156,7 +144,7 @@ impl<'a> Canvas<'a> {
                 photo: photo.file.clone(),
             });
         }
-        let reduction = photo.camera.fx.min(photo.camera.fy) / self.fine_pinhole().focal_length_px;
+        let reduction = photo.camera.fx.min(photo.camera.fy) / self.pinhole.finer(FACTOR).focal_length_px;
         Ok(LightImage::new(
             &decoded.rgb(1)?,
             (reduction as usize).clamp(1, width.min(height) as usize),
@@ -223,7 +211,7 @@ impl Sums {
                 pixel.seen += 1;
                 let fine = y * self.size_px[0] * factor + x;
                 self.positions[fine] = point.coords.into();
-                self.sides[fine] = 1 + Side::ALL.iter().position(|s| *s == side).unwrap_or_default() as u8;
+                self.sides[fine] = number(side);
                 for (image, light) in self.paint.iter_mut().zip(&lights) {
                     add(&mut image[index], light, 1.0);
                 }
@@ -266,8 +254,9 @@ impl Sums {
         let [width, height] = self.size_px.map(|px| px as u32);
         let index = |x: u32, y: u32| (y * width + x) as usize;
         let mask = |count: fn(&Pixel) -> u32| {
-            let level = |count: u32| (255.0 * f64::from(count) / f64::from(FACTOR * FACTOR)).round() as u8;
-            GrayImage::from_fn(width, height, |x, y| Luma([level(count(&self.pixels[index(x, y)]))]))
+            GrayImage::from_fn(width, height, |x, y| {
+                Luma([level(count(&self.pixels[index(x, y)]), FACTOR)])
+            })
         };
         let image = |colour: usize| {
             RgbImage::from_fn(width, height, |x, y| {
@@ -276,14 +265,13 @@ impl Sums {
         };
         let total = |count: fn(&Pixel) -> u32| self.pixels.iter().map(count).sum::<u32>();
         let kept = f64::from(total(Pixel::painted)) / f64::from(total(|p| p.seen + p.hidden).max(1));
-        let clipped = around.map(|b| b.clipped(f64::from(width), f64::from(height)));
         ViewImages {
             object_mask: mask(|p| p.object),
             paint_mask: mask(Pixel::painted),
             images: (0..self.paint.len()).map(image).collect(),
             positions: self.positions,
             sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
-            box_xyxy_px: clipped.filter(BoxPx::is_solid),
+            box_xyxy_px: around.and_then(|b| seen_box(&b, [width, height])),
             kept,
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Photos of one place and bin, one in each colour, are a view ([`views`]). Its frames have the camera of one of them, the reference,
 //! without its lens distortion (`pinhole.rs`). The others come to it through the mesh: the surface point that a place of the frame shows is looked
-//! up in the other photo, by that photo's own pose and lens, where it is seen there too ([`raster`]). So no tripod is needed. All this is computed in
+//! up in the other photo, by that photo's own pose and lens, where it is seen there too ([`raster`](crate::frames::raster)). So no tripod is needed. All this is computed in
 //! linear light, as far as a photo tells of it: its tone curve is taken for sRGB's, and what it really is, the surrogate renderers fit. For that reason
 //! these frames have no `linear` images.
 //!
@@ -14,7 +14,6 @@ mod draw;
 pub(crate) mod exposure;
 mod light_image;
 mod pinhole;
-pub(crate) mod raster;
 pub(crate) mod sessions;
 pub(crate) mod views;
 
@@ -250,7 +249,11 @@ fn images(
     );
     let fine = canvas.size_px.map(|px| px * FACTOR);
     let below = |kind: &str| format!("views/{name}_{kind}.png");
-    let positions = encode_positions(drawn.positions.iter().copied(), fine, position_box_mm(canvas))?;
+    let positions = encode_positions(
+        drawn.positions.iter().copied(),
+        fine,
+        Positions::of(&canvas.request.mesh, FACTOR).bounds_mm(),
+    )?;
     let mut files = vec![
         (folder.join(below("object")), encode_grey(&drawn.object_mask)?),
         (folder.join(below("paint")), encode_grey(&drawn.paint_mask)?),
@@ -296,7 +299,6 @@ fn frame(
 }
 
 fn empty_list(canvas: &Canvas) -> FrameList {
-    let (low_mm, high_mm) = position_box_mm(canvas);
     FrameList {
         format: FORMAT.to_owned(),
         made_by: canvas.request.made_by.clone(),
@@ -304,20 +306,9 @@ fn empty_list(canvas: &Canvas) -> FrameList {
         camera: canvas.pinhole,
         target_mm: canvas.request.target_mm.coords.into(),
         linear_max: None,
-        positions: Some(Positions {
-            low_mm,
-            high_mm,
-            factor: FACTOR,
-        }),
+        positions: Some(Positions::of(&canvas.request.mesh, FACTOR)),
         frames: Vec::new(),
     }
-}
-
-/// The box that positions are stored in: the mesh's, and a little more.
-fn position_box_mm(canvas: &Canvas) -> ([f64; 3], [f64; 3]) {
-    let (low, high) = canvas.request.mesh.bounds_mm();
-    let wider = Vector3::repeat(1.0);
-    ((low - wider).coords.into(), (high + wider).coords.into())
 }
 
 fn about(view: &PhotosOfView, kept: f64) -> PhotoView {

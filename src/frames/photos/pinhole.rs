@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::frames::Pinhole;
 
-use super::raster::ray;
+use crate::frames::raster::ray;
 
 /// The focal length grows in such steps until the frame lies inside the photo, and no further than this.
 const STEP: f64 = 1.002;

@@ -12,7 +12,7 @@ mod surface;
 
 pub(crate) use collect::{srgb, triples};
 pub(crate) use light::Panorama;
-pub(crate) use plan::{Missing, PlannedFrame, RenderPlan};
+pub(crate) use plan::{Missing, PlannedFrame, RenderPlan, work_folder};
 pub(crate) use request::{RenderPaint, RenderRequest};
 
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub(crate) enum RenderError {
     BadLight { text: String },
     #[error("nothing to render: give at least one {what}")]
     Nothing { what: &'static str },
-    #[error("a pattern cannot be called {name:?}; rename its file to plain letters and digits")]
+    #[error("a pattern or texture cannot be called {name:?}; rename its file to plain letters and digits")]
     BadName { name: String },
     #[error("the frame {name} would be rendered twice; give each light, viewpoint and paint once")]
     Twice { name: String },
@@ -103,7 +103,7 @@ pub(crate) fn render(
     mut on_frame: impl FnMut(usize),
 ) -> Result<(), RenderError> {
     reserve(plan, folder)?;
-    let work = folder.join(".render");
+    let work = work_folder(folder);
     std::fs::create_dir_all(&work).map_err(|e| FileError::Write {
         path: work.clone(),
         reason: files::plain(&e),
@@ -115,7 +115,7 @@ pub(crate) fn render(
     on_frame(done);
     if !missing.is_empty() {
         let job = work.join("plan.json");
-        files::replace_atomically(&job, plan.to_script(&missing, &work).to_string().as_bytes())?;
+        files::replace_atomically(&job, plan.to_script(&missing, folder).to_string().as_bytes())?;
         let log = work.join("blender.log");
         let finished = blender::run(python, &job, &log, |event| {
             match event {

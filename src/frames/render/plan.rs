@@ -9,7 +9,7 @@ use super::request::{RenderPaint, RenderRequest};
 use super::surface::surface;
 use super::{Panorama, RenderError};
 use crate::files;
-use crate::frames::{FORMAT, Frame, FrameList, FramesError, Pinhole, Positions};
+use crate::frames::{FORMAT, Frame, FrameList, Pinhole, Positions, light};
 use crate::geometry::BoxPx;
 use crate::geometry::rigid::{self, Rigid};
 use crate::simulate::looking_at;
@@ -28,6 +28,8 @@ pub(crate) struct RenderPlan {
     lights_sha256: Vec<Option<String>>,
     target_mm: Point3<f64>,
     surface: Value,
+    /// The mesh's triangles in it.
+    surface_triangles: Vec<usize>,
 }
 
 /// One frame of a plan, as indices into the request.
@@ -36,6 +38,11 @@ pub(crate) struct PlannedFrame {
     pub light: usize,
     pub viewpoint: usize,
     pub colour: usize,
+}
+
+/// Where the images of a folder lie until they are whole.
+pub(crate) fn work_folder(folder: &Path) -> PathBuf {
+    folder.join(".render")
 }
 
 /// What a folder still lacks.
@@ -83,13 +90,14 @@ impl RenderPlan {
                 });
             }
         }
-        let surface = surface(&request)?;
+        let (surface, surface_triangles) = surface(&request)?;
         let plan = Self {
             request,
             mesh_sha256,
             lights_sha256,
             target_mm,
             surface,
+            surface_triangles,
         };
         let mut names: Vec<String> = plan.frames().iter().map(|f| plan.frame_name(f)).collect();
         names.sort();
@@ -190,21 +198,22 @@ impl RenderPlan {
         })
     }
 
-    /// The patterns, as files below the folder of the frames.
+    /// The patterns and textures, as files below the folder of the frames.
     pub(crate) fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
         let mut new = Vec::new();
         for colour in &self.request.colours {
-            if let (RenderPaint::Pattern(_, pattern, _), Some(file)) = (colour, colour.file()) {
-                new.push((folder.join(file), pattern.to_png().map_err(FramesError::from)?));
+            if let (Some(png), Some(file)) = (colour.png()?, colour.file()) {
+                new.push((folder.join(file), png));
             }
         }
         Ok(new)
     }
 
-    /// What `render_frames.py` gets: only what is missing.
-    pub(crate) fn to_script(&self, missing: &Missing, raw: &Path) -> Value {
+    /// What `render_frames.py` gets: only what is missing in the folder.
+    pub(crate) fn to_script(&self, missing: &Missing, folder: &Path) -> Value {
+        let raw = work_folder(folder);
         let r = &self.request;
-        let colour = |c: &RenderPaint| (c.name(), c.to_script());
+        let colour = |c: &RenderPaint| (c.name(), c.to_script(&self.surface_triangles, folder));
         let lights = r.lights.iter().map(|l| {
             let absolute = l
                 .file
@@ -256,7 +265,9 @@ impl RenderPlan {
             "lights": lights.collect::<serde_json::Map<_, _>>(),
             "paints": r.colours.iter().map(colour).collect::<serde_json::Map<_, _>>(),
             "views": views,
-            "raw": std::path::absolute(raw).unwrap_or_else(|_| raw.to_owned()),
+            // Linear light of the levels of 8-bit images.
+            "levels": (0..=u8::MAX).map(|v| light::decode(f64::from(v) / 255.0)).collect::<Vec<_>>(),
+            "raw": std::path::absolute(&raw).unwrap_or(raw),
         })
     }
 
@@ -357,7 +368,7 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
     let nothing = [
         (request.lights.is_empty(), "light"),
         (request.viewpoints.is_empty(), "viewpoint"),
-        (request.colours.is_empty(), "flat colour or pattern"),
+        (request.colours.is_empty(), "flat colour, pattern or texture"),
     ];
     if let Some((_, what)) = nothing.into_iter().find(|(is_missing, _)| *is_missing) {
         return Err(RenderError::Nothing { what });
@@ -408,11 +419,13 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
         )?;
     }
     for colour in &request.colours {
-        if let RenderPaint::Pattern(name, _, tile) = colour {
+        if let RenderPaint::Pattern(name, ..) | RenderPaint::Texture(name, _) = colour
             // Names become file names, and lines of what Blender says.
-            if name.trim() != name || name.is_empty() || name.chars().any(char::is_control) {
-                return Err(RenderError::BadName { name: name.clone() });
-            }
+            && (name.trim() != name || name.is_empty() || name.chars().any(char::is_control))
+        {
+            return Err(RenderError::BadName { name: name.clone() });
+        }
+        if let RenderPaint::Pattern(_, _, tile) = colour {
             number(
                 "a tile",
                 *tile,

@@ -142,11 +142,40 @@ def paint_object(plan):
     mesh.attributes.new("side", "FLOAT", "FACE").data.foreach_set("value", [float(s) for s in part["sides"]])
     # Where Blender starts a face's corners need not be where the plan does.
     where = mesh.uv_layers.new(name="pattern").data
-    for polygon, corners, uv in zip(mesh.polygons, part["triangles"], part["uv_mm"]):
+    order = np.empty(len(where), dtype=int)
+    for i, (polygon, corners) in enumerate(zip(mesh.polygons, part["triangles"])):
         for loop in polygon.loop_indices:
-            where[loop].uv = uv[corners.index(mesh.loops[loop].vertex_index)]
+            order[loop] = 3 * i + corners.index(mesh.loops[loop].vertex_index)
     mesh.materials.append(paint_material())
-    return link("paint", mesh)
+    return Paint(link("paint", mesh), order, part["uv_mm"], plan["levels"])
+
+
+class Paint:
+    """The paint's surface, and what is on it."""
+
+    def __init__(self, thing, order, uv_mm, levels):
+        self.thing, self.order, self.uv_mm = thing, order, uv_mm
+        self.levels = np.asarray(levels, dtype=np.float32)
+        self.tree = thing.data.materials[0].node_tree
+        self.pictures = {}
+
+    def place(self, uv):
+        """Texture coordinates of each triangle's corners."""
+        flat = np.asarray(uv, dtype=np.float32).reshape(-1, 2)[self.order]
+        self.thing.data.uv_layers["pattern"].data.foreach_set("uv", flat.ravel())
+
+    def picture(self, path):
+        """Rows of an 8-bit image from the top, linear RGB."""
+        if path not in self.pictures:
+            image = bpy.data.images.load(path)
+            image.colorspace_settings.name = "Non-Color"
+            width, height = image.size
+            pixels = np.empty(width * height * image.channels, dtype=np.float32)
+            image.pixels.foreach_get(pixels)
+            bpy.data.images.remove(image)
+            rows = pixels.reshape(height, width, -1)[::-1, :, :3]
+            self.pictures[path] = self.levels[np.rint(255.0 * rows).astype(np.uint8)]
+        return self.pictures[path]
 
 
 def link(name, mesh):
@@ -193,7 +222,7 @@ def aov(material, name, value):
 
 def dress(paint, others, colours):
     """A paint, or without colours the file's own materials everywhere."""
-    paint.hide_render = colours is None
+    paint.thing.hide_render = colours is None
     for thing, bare, whole in others:
         thing.data = whole if colours is None else bare
     if colours is not None:
@@ -201,11 +230,16 @@ def dress(paint, others, colours):
 
 
 def set_paint(paint, colours):
-    """Rows of cells from the top, linear RGB, and the size of one repeat. A flat colour is a pattern of one cell."""
-    cells = np.asarray(colours["cells"], dtype=np.float32)
-    across, down = colours["tile_mm"]
-    tree = paint.data.materials[0].node_tree
+    """A texture, or rows of cells from the top, linear RGB, and the size of one repeat. A flat colour is a pattern of one cell."""
+    texture, tree = colours["texture"], paint.tree
+    if texture is None:
+        cells, (across, down) = np.asarray(colours["cells"], dtype=np.float32), colours["tile_mm"]
+        paint.place(paint.uv_mm)
+    else:
+        cells, across, down = paint.picture(texture["file"]), 1.0, 1.0
+        paint.place(texture["uv"])
     tree.nodes["repeats"].inputs["Scale"].default_value = (1.0 / across, 1.0 / down, 1.0)
+    tree.nodes["pattern"].extension = "REPEAT" if texture is None else texture["extension"]
     height, width, _ = cells.shape
     # A new picture each time; one that goes before its successor is there leaves the old colours in Cycles.
     node = tree.nodes["pattern"]
@@ -220,8 +254,10 @@ def set_paint(paint, colours):
     image.update()
     # The kept scene of the last frame would keep its colours, too.
     tree.update_tag()
-    paint.data.materials[0].update_tag()
-    paint.update_tag()
+    data = paint.thing.data
+    data.materials[0].update_tag()
+    data.update_tag()
+    paint.thing.update_tag()
 
 
 def rest(plan, paint):
@@ -251,7 +287,8 @@ def rest(plan, paint):
     if np.abs(scale * cloud.max(axis=0) + shift - high).max() > 1e-3 * np.max(high - low):
         refuse("Blender reads the mesh with another shape than scaleproof; export it again")
     place = Matrix.Translation(Vector(shift)) @ Matrix.Scale(scale, 4)
-    surface = BVHTree.FromPolygons([v.co for v in paint.data.vertices], [p.vertices[:] for p in paint.data.polygons])
+    data = paint.thing.data
+    surface = BVHTree.FromPolygons([v.co for v in data.vertices], [p.vertices[:] for p in data.polygons])
     parts = []
     for thing in meshes:
         thing.data.transform(place)

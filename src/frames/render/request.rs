@@ -1,13 +1,16 @@
 //! What is to be rendered.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
 
 use super::Panorama;
-use crate::frames::{FramePaint, PatternPaint, light};
-use crate::mesh::Mesh;
+use crate::bake::TriangleImage;
+use crate::files;
+use crate::frames::{FramePaint, FramesError, PatternPaint, TexturePaint, encode_rgb, light};
+use crate::mesh::{Mesh, Wrap};
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
 
@@ -46,6 +49,8 @@ pub(crate) enum RenderPaint {
     Flat([u8; 3]),
     /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
     Pattern(String, Pattern, f64),
+    /// A texture: how its file is called, and the image.
+    Texture(String, Arc<TriangleImage>),
     /// The mesh file's own materials.
     Original,
 }
@@ -54,7 +59,7 @@ impl RenderPaint {
     pub(super) fn name(&self) -> String {
         match self {
             Self::Flat(rgb) => light::to_hex(*rgb),
-            Self::Pattern(name, ..) => name.clone(),
+            Self::Pattern(name, ..) | Self::Texture(name, _) => name.clone(),
             Self::Original => "original".to_owned(),
         }
     }
@@ -66,12 +71,29 @@ impl RenderPaint {
                 file: self.file().unwrap_or_default(),
                 tile_mm: *tile_mm,
             }),
+            Self::Texture(..) => FramePaint::Texture(TexturePaint {
+                file: self.file().unwrap_or_default(),
+            }),
             Self::Original => FramePaint::Original,
         }
     }
 
     pub(super) fn file(&self) -> Option<String> {
-        matches!(self, Self::Pattern(..)).then(|| format!("patterns/{}.png", self.name()))
+        let folder = match self {
+            Self::Pattern(..) => "patterns",
+            Self::Texture(..) => "textures",
+            Self::Flat(_) | Self::Original => return None,
+        };
+        Some(format!("{folder}/{}.png", self.name()))
+    }
+
+    /// What the file holds.
+    pub(super) fn png(&self) -> Result<Option<Vec<u8>>, FramesError> {
+        match self {
+            Self::Pattern(_, pattern, _) => Ok(Some(pattern.to_png()?)),
+            Self::Texture(_, texture) => Ok(Some(encode_rgb(&texture.image)?)),
+            Self::Flat(_) | Self::Original => Ok(None),
+        }
     }
 
     /// What tells this paint from others.
@@ -80,14 +102,29 @@ impl RenderPaint {
             Self::Pattern(name, pattern, tile_mm) => {
                 json!({"name": name, "sha256": pattern.sha256(), "tile_mm": tile_mm})
             }
+            Self::Texture(name, texture) => {
+                json!({"name": name, "sha256": files::sha256_hex(&texture.bytes()), "wrap": extension(texture.wrap)})
+            }
             Self::Flat(_) | Self::Original => json!(self.name()),
         }
     }
 
-    /// Rows of cells from the top in linear light, and the size of one repeat; nothing for the mesh's own materials.
-    pub(super) fn to_script(&self) -> Value {
+    /// Rows of cells from the top in linear light, and the size of one repeat, or the image in `folder` and where these triangles lie in it;
+    /// nothing for the mesh's own materials.
+    pub(super) fn to_script(&self, triangles: &[usize], folder: &Path) -> Value {
         let (cells, tile_mm): (Vec<Vec<[f64; 3]>>, _) = match self {
             Self::Original => return Value::Null,
+            Self::Texture(_, texture) => {
+                let file = folder.join(self.file().unwrap_or_default());
+                let uv: Vec<_> = triangles
+                    .iter()
+                    .map(|t| texture.coordinates[*t].unwrap_or_default())
+                    .collect();
+                let texture = json!({
+                    "file": std::path::absolute(&file).unwrap_or(file), "extension": extension(texture.wrap), "uv": uv,
+                });
+                return json!({"cells": null, "tile_mm": null, "texture": texture});
+            }
             Self::Flat(rgb) => (vec![vec![light::linear_of(*rgb)]], [1.0, 1.0]),
             Self::Pattern(_, pattern, tile_mm) => {
                 let row = |y| (0..pattern.columns()).map(move |x| light::linear_of(pattern.cells().get_pixel(x, y).0));
@@ -98,6 +135,15 @@ impl RenderPaint {
                 )
             }
         };
-        json!({"cells": cells, "tile_mm": tile_mm})
+        json!({"cells": cells, "tile_mm": tile_mm, "texture": null})
+    }
+}
+
+/// What Blender calls it.
+fn extension(wrap: Wrap) -> &'static str {
+    match wrap {
+        Wrap::Repeat => "REPEAT",
+        Wrap::MirroredRepeat => "MIRROR",
+        Wrap::ClampToEdge => "EXTEND",
     }
 }

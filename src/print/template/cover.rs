@@ -9,6 +9,8 @@ use crate::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.8;
 const LEADING_MM: f64 = 4.0;
+const FACT_MM: f64 = 2.5;
+const FACT_LEADING_MM: f64 = 3.5;
 const GAP_MM: f64 = 4.0;
 /// Height of the scale check above the horizontal ruler.
 pub(crate) const CHECK_MM: f64 = 20.0;
@@ -53,6 +55,53 @@ pub(crate) fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, in
     marks.extend(furniture::rulers(frame));
     marks.extend(captions.marks(frame.printable));
     frame.sheet(frame.whole(), frame.whole(), marks)
+}
+
+/// A first page of numbered steps, facts, and a picture beside or below them.
+pub(crate) fn first_page(
+    frame: &PageFrame,
+    captions: &Captions,
+    heading: &str,
+    (instructions, facts): (&[&str], &[String]),
+    picture: impl FnOnce(RectMm) -> Vec<Mark>,
+) -> Sheet {
+    let area = frame.usable;
+    let title = format!("{heading}: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
+    let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
+    let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
+    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
+    let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
+    let (bottom, top) = (area.bottom_mm + CHECK_MM + 2.0, title_y - GAP_MM);
+    let beside = right - area.left_mm > 1.2 * (title_y - bottom);
+    let text_right = if beside {
+        0.5 * (area.left_mm + right) - GAP_MM
+    } else {
+        right
+    };
+    let body = RectMm::new(area.left_mm, bottom, text_right, top);
+    let (text, end) = steps(instructions, body, body.width_mm());
+    marks.extend(text);
+    let (text, end) = lines(facts, body, end - GAP_MM);
+    marks.extend(text);
+    marks.extend(picture(match beside {
+        true => RectMm::new(text_right + 2.0 * GAP_MM, bottom, right, top),
+        false => RectMm::new(area.left_mm, bottom, right, end - GAP_MM),
+    }));
+    marks.extend(scale_check(frame));
+    marks.extend(furniture::rulers(frame));
+    marks.extend(captions.marks(frame.printable));
+    frame.sheet(frame.whole(), frame.whole(), marks)
+}
+
+/// Wrapped lines from `top_mm` down, and where they end.
+fn lines(texts: &[String], body: RectMm, top_mm: f64) -> (Vec<Mark>, f64) {
+    let mut marks = Vec::new();
+    let mut y = top_mm;
+    for line in texts.iter().flat_map(|text| wrapped(text, FACT_MM, body.width_mm())) {
+        marks.push(Mark::text((body.left_mm, y), FACT_MM, TextAnchor::Left, line));
+        y -= FACT_LEADING_MM;
+    }
+    (marks, y)
 }
 
 /// Numbered instructions, and where they end.

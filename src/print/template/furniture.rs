@@ -4,6 +4,7 @@
 use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
 use crate::pattern::Pattern;
+use crate::pattern::picture::Picture;
 use crate::print::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
 use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable, shortened, width_mm};
 use crate::print::ruler;
@@ -182,6 +183,17 @@ impl Captions {
             format!("sha256 {short_hash}"),
             format!("tile {} mm", number(request.tile_mm)),
             format!("cell {} mm", number(cell_mm)),
+            format!("scale 1:{}", number(request.scale)),
+        ];
+        Self::of_image(request, &facts.join(" · "))
+    }
+
+    /// The captions of a repeated image without cells.
+    pub(super) fn of_texture(texture: &Picture, request: &TemplateRequest, pixel_mm: f64) -> Self {
+        let facts = [
+            format!("sha256 {}", texture.sha256().get(..12).unwrap_or_default()),
+            format!("tile {} mm", number(request.tile_mm)),
+            format!("{:.0} dpi", 25.4 / pixel_mm),
             format!("scale 1:{}", number(request.scale)),
         ];
         Self::of_image(request, &facts.join(" · "))

@@ -2,27 +2,19 @@
 
 use super::lines::moved;
 use super::seams::PanelSeams;
-use super::{Panel, Point, Region, Strip, Wrap, WrapRequest};
-use crate::pattern::Pattern;
+use super::{Panel, Point, Wrap};
 use crate::pattern::world_aligned::Side;
-use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm, wrapped};
+use crate::print::frame::PageFrame;
+use crate::print::lettering::{CAP_HEIGHT, fitting_size_mm};
+use crate::print::printer;
 use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
-use crate::print::template::{cover, furniture, layout};
-use crate::print::{SheetError, printer};
+use crate::print::template::{Captions, cover};
 
-const TITLE_MM: f64 = 5.0;
-const TEXT_MM: f64 = 2.5;
-const LEADING_MM: f64 = 3.5;
-const GAP_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.15;
 const LETTER_MM: f64 = 2.6;
 const GREY: Srgb8 = [215, 215, 215];
-const STRIP_GREY: Srgb8 = [170, 190, 215];
-const NUMBER_MM: f64 = 1.6;
 /// The panels are shown no larger than it takes.
 const MOST_SCALE: f64 = 0.5;
-/// Wider text than this is hard to read, whatever the roll.
-const BODY_MOST_MM: f64 = 320.0;
 
 const STEPS: [&str; 4] = [
     "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
@@ -34,63 +26,12 @@ const STEPS: [&str; 4] = [
      between panels: edges with the same letter meet.",
 ];
 
-const STRIPS_STEP: &str = "The numbered strips are steep parts that were unrolled, seen from outside, with their upper end (on the roof: the front) up \
-     unless they say otherwise. Cut them out, fold them at their dashes, and put each where this page shows its number.";
-
-pub(crate) fn cover(
-    wrap: &Wrap,
-    seams: &PanelSeams,
-    pattern: &Pattern,
-    request: &WrapRequest,
-) -> Result<Sheet, SheetError> {
-    let template = request.template(Side::Front, (100.0, 100.0));
-    let frame = match wrap.pieces.first() {
-        Some(piece) => piece.layout.cover,
-        None => layout(&template.layout)?.cover,
-    };
-    let frame = &frame;
-    let captions = furniture::Captions::new(pattern, &template, wrap.cell_mm);
-    let area = frame.usable;
-    let title = format!("Panels of a model: {}", captions.title(TITLE_MM, 0.5 * area.width_mm()));
-    let size_mm = fitting_size_mm(&title, TITLE_MM, area.width_mm());
-    let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-    let mut marks = vec![Mark::text((area.left_mm, title_y), size_mm, TextAnchor::Left, title)];
-    let right = area.right_mm.min(area.left_mm + BODY_MOST_MM);
-    let bottom = area.bottom_mm + cover::CHECK_MM + 2.0;
-    let beside = right - area.left_mm > 1.2 * (title_y - bottom);
-    let text_right = if beside {
-        0.5 * (area.left_mm + right) - GAP_MM
-    } else {
-        right
-    };
-    let body = RectMm::new(area.left_mm, bottom, text_right, title_y - GAP_MM);
-    let strips_step = (!wrap.strips.is_empty()).then_some(STRIPS_STEP);
-    let texts: Vec<&str> = STEPS.into_iter().chain(strips_step).collect();
-    let (steps, end) = cover::steps(&texts, body, body.width_mm());
-    marks.extend(steps);
-    let (facts, end) = lines(&wrap.facts(), body, end - GAP_MM);
-    marks.extend(facts);
-    let room = match beside {
-        true => RectMm::new(text_right + 2.0 * GAP_MM, bottom, right, title_y - GAP_MM),
-        false => RectMm::new(area.left_mm, bottom, right, end - GAP_MM),
-    };
-    marks.extend(overview(wrap, seams, room));
-    marks.extend(cover::scale_check(frame));
-    marks.extend(furniture::rulers(frame));
-    marks.extend(captions.marks(frame.printable));
-    let sheet = frame.sheet(frame.whole(), frame.whole(), marks);
-    Ok(printer::corrected_one(sheet, frame.setup.stretch()))
-}
-
-/// Wrapped lines from `top_mm` down, and where they end.
-fn lines(texts: &[String], body: RectMm, top_mm: f64) -> (Vec<Mark>, f64) {
-    let mut marks = Vec::new();
-    let mut y = top_mm;
-    for line in texts.iter().flat_map(|text| wrapped(text, TEXT_MM, body.width_mm())) {
-        marks.push(Mark::text((body.left_mm, y), TEXT_MM, TextAnchor::Left, line));
-        y -= LEADING_MM;
-    }
-    (marks, y)
+pub(crate) fn cover(wrap: &Wrap, seams: &PanelSeams, frame: PageFrame, captions: &Captions) -> Sheet {
+    let texts = (&STEPS[..], &*wrap.facts());
+    let sheet = cover::first_page(&frame, captions, "Panels of a model", texts, |room| {
+        overview(wrap, seams, room)
+    });
+    printer::corrected_one(sheet, frame.setup.stretch())
 }
 
 /// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
@@ -125,40 +66,14 @@ fn overview(wrap: &Wrap, seams: &PanelSeams, room: RectMm) -> Vec<Mark> {
             let places = letters.iter().map(|mark| (mark.letter.as_str(), mark.seam, mark.at));
             marks.extend(small(&piece.panel, by, scale, places));
         }
-        marks.extend(small_strips(&wrap.strips, side, by, scale));
     }
     marks
 }
 
-/// The box around everything that looks to a side: its panel and its strips.
+/// The box around a panel.
 fn bounds(wrap: &Wrap, side: Side) -> Option<(Point, Point)> {
-    let pieces = wrap.pieces.iter().filter(|piece| piece.panel.side == side);
-    let panel = pieces.flat_map(|piece| piece.panel.region.contours().cloned());
-    let strips = wrap.strips.iter().filter(|strip| strip.side == side);
-    let corners: Vec<Point> = panel.chain(strips.flat_map(Strip::projected)).flatten().collect();
-    let end = |axis: usize, pick: fn(f64, f64) -> f64| corners.iter().map(|p| p[axis]).reduce(pick);
-    Some((
-        [end(0, f64::min)?, end(1, f64::min)?],
-        [end(0, f64::max)?, end(1, f64::max)?],
-    ))
-}
-
-/// The strips of a side where they are on the model, with their numbers.
-fn small_strips(strips: &[Strip], side: Side, by: Point, scale: f64) -> Vec<Mark> {
-    let mut marks = Vec::new();
-    for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.side == side) {
-        let scaled = strip.projected().into_iter();
-        let scaled = scaled.map(|outline| outline.iter().map(|p| p.map(|mm| scale * mm)).collect());
-        let region = Region::union(scaled.collect());
-        marks.push(Mark::Area {
-            outlines: moved(region.contours(), by),
-            colour: STRIP_GREY,
-        });
-        let [x, y] = region.innermost();
-        let place = (x + by[0], y + by[1] - 0.5 * CAP_HEIGHT * NUMBER_MM);
-        marks.push(Mark::text(place, NUMBER_MM, TextAnchor::Centre, (i + 1).to_string()));
-    }
-    marks
+    let piece = wrap.pieces.iter().find(|piece| piece.panel.side == side)?;
+    piece.panel.region.bounds()
 }
 
 fn small<'a>(

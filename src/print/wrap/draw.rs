@@ -1,73 +1,193 @@
-//! The panels on their sheets: pattern, outline, edges, seam letters.
+//! The panels on their sheets: pattern or texture, outline, edges, seam letters.
+
+use std::sync::Arc;
 
 use super::lines::{EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, line, moved, place};
+use super::panel::Face;
 use super::region::Region;
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{
-    BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Unrolling, Wrap, WrapError, WrapRequest, cover, strips,
-};
+use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
+use crate::mesh::Mesh;
 use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::print::lettering::CAP_HEIGHT;
+use crate::print::raster::{self, FlatPaint, FlatTriangle, PixelGrid, Pose};
 use crate::print::sheet::{BLACK, Mark, PointMm, Sheet, TextAnchor};
-use crate::print::template::{PatternStamp, SheetPlan, cell_mm, furniture, layout};
+use crate::print::template::{
+    Captions, PatternStamp, SheetPlan, TemplateRequest, cell_mm, check_scale, furniture, layout,
+};
 use crate::print::{SheetError, printer};
+use crate::texture::Texture;
 
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
 /// Around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
-/// `unrolling` is what became of `paint`, and `panels` those of its rest.
+/// `panels` are those of `paint`.
 pub(crate) fn wrap(
+    mesh: &Mesh,
     paint: &PaintedSurface,
-    unrolling: Unrolling,
     panels: Vec<Panel>,
-    pattern: &Pattern,
+    texture: &Texture,
     request: &WrapRequest,
 ) -> Result<Wrap, WrapError> {
     let grown: Vec<Region> = panels.iter().map(|panel| panel.region.grown(BLEED_MM)).collect();
-    let mut seams = seams(&unrolling.rest, &panels, &grown);
+    let seams = seams(paint, &panels, &grown);
     let pieces: Result<Vec<_>, _> = panels.into_iter().map(|panel| piece(panel, request)).collect();
     let pieces = pieces?;
-    let largest = pieces.iter().fold((0.0f64, 0.0f64), |most, piece| {
-        let size = piece.layout.size_mm();
-        (most.0.max(size.0), most.1.max(size.1))
-    });
-    let cell_mm = cell_mm(pattern, &request.template(Side::Front, largest))?;
-    let stamp = PatternStamp::new(pattern, cell_mm, largest);
-    stamp.check_placements(pieces.iter().flat_map(|piece| &piece.layout.sheets))?;
+    let ink = Ink::new((mesh, paint), &pieces, texture, request)?;
     let mut made = Wrap {
         pieces,
         surface_mm2: paint.surface_mm2(),
         unlettered_mm: seams.unlettered_mm,
-        cell_mm,
-        strips: unrolling.strips,
-        strip_places: Vec::new(),
-        kept: unrolling.kept,
+        cell_mm: ink.cell_mm(),
         pages: Vec::new(),
     };
-    let before = 1 + made.pieces.iter().map(|piece| piece.layout.sheets.len()).sum::<usize>();
-    let (places, strip_sheets) = strips::sheets(&made, before, pattern, request)?;
-    made.strip_places = places;
-    let mut pages = vec![cover::cover(&made, &seams, pattern, request)?];
-    for (piece, grown) in made.pieces.iter().zip(&grown) {
+    let Some(first) = made.pieces.first() else {
+        return Err(WrapError::NothingToPrint);
+    };
+    let captions = ink.captions(&request.template(Side::Front, (100.0, 100.0)), request);
+    let mut pages = vec![cover::cover(&made, &seams, first.layout.cover, &captions)];
+    for (i, (piece, grown)) in made.pieces.iter().zip(&grown).enumerate() {
         let side = piece.panel.side;
-        strips::numbers(&made.strips, side, grown, seams.marks.entry(side).or_default());
+        let template = request.template(side, piece.layout.size_mm());
         let drawing = Drawing {
             piece,
             grown,
             letters: seams.marks.get(&side).map_or(&[], Vec::as_slice),
-            stamp: &stamp,
-            captions: furniture::Captions::new(pattern, &request.template(side, piece.layout.size_mm()), cell_mm)
-                .of_panel(side.name()),
+            captions: ink.captions(&template, request).of_panel(side.name()),
         };
-        let sheets = piece.layout.sheets.iter().map(|plan| drawing.sheet(plan)).collect();
+        let inks = ink.on_sheets(i, piece, request.dpi);
+        let sheets = piece
+            .layout
+            .sheets
+            .iter()
+            .zip(inks)
+            .map(|(plan, ink)| drawing.sheet(plan, ink))
+            .collect();
         pages.extend(printer::corrected(sheets, piece.layout.frame.setup.stretch()));
     }
-    pages.extend(strip_sheets);
     made.pages = pages;
     Ok(made)
+}
+
+/// What fills the panels: the cells of a pattern, which stay sharp at any size, or pixels.
+enum Ink<'a> {
+    Cells {
+        pattern: &'a Pattern,
+        cell_mm: f64,
+        tile_mm: f64,
+        stamp: PatternStamp,
+    },
+    Pixels {
+        mesh: &'a Mesh,
+        texture: &'a Texture,
+        /// Of each panel.
+        triangles: Vec<Vec<FlatTriangle>>,
+    },
+}
+
+impl<'a> Ink<'a> {
+    fn new(
+        (mesh, paint): (&'a Mesh, &PaintedSurface),
+        pieces: &[SpreadPanel],
+        texture: &'a Texture,
+        request: &WrapRequest,
+    ) -> Result<Self, WrapError> {
+        let Texture::Tile(tile) = texture else {
+            check_scale(request.scale)?;
+            raster::check(
+                request.dpi,
+                pieces.iter().map(|p| p.layout.size_mm()).map(|(w, h)| w * h).sum(),
+            )?;
+            let of_side = |side: Side| paint.faces.iter().filter(move |face| face.side == side);
+            let triangles = pieces
+                .iter()
+                .map(|p| of_side(p.panel.side).map(flat_triangle).collect())
+                .collect();
+            return Ok(Self::Pixels {
+                mesh,
+                texture,
+                triangles,
+            });
+        };
+        let largest = pieces.iter().fold((0.0f64, 0.0f64), |most, piece| {
+            let size = piece.layout.size_mm();
+            (most.0.max(size.0), most.1.max(size.1))
+        });
+        let tile_mm = tile.tile_mm();
+        let cell_mm = cell_mm(&tile.pattern, &request.template(Side::Front, largest).tiled(tile_mm))?;
+        let stamp = PatternStamp::new(&tile.pattern, cell_mm, largest);
+        stamp.check_placements(pieces.iter().flat_map(|piece| &piece.layout.sheets))?;
+        let pattern = &tile.pattern;
+        Ok(Self::Cells {
+            pattern,
+            cell_mm,
+            tile_mm,
+            stamp,
+        })
+    }
+
+    fn cell_mm(&self) -> Option<f64> {
+        match self {
+            Self::Cells { cell_mm, .. } => Some(*cell_mm),
+            Self::Pixels { .. } => None,
+        }
+    }
+
+    fn captions(&self, template: &TemplateRequest, request: &WrapRequest) -> Captions {
+        match self {
+            Self::Cells {
+                pattern,
+                cell_mm,
+                tile_mm,
+                ..
+            } => Captions::new(pattern, &template.clone().tiled(*tile_mm), *cell_mm),
+            Self::Pixels { .. } => Captions::of_image(template, &request.facts),
+        }
+    }
+
+    /// What fills each sheet of a panel.
+    fn on_sheets(&self, i: usize, piece: &SpreadPanel, dpi: f64) -> Vec<Vec<Mark>> {
+        let sheets = piece.layout.sheets.iter();
+        let [left, top] = piece.corner;
+        match self {
+            Self::Cells { stamp, .. } => sheets.map(|plan| vec![stamp.on(plan, (-left, top))]).collect(),
+            Self::Pixels {
+                mesh,
+                texture,
+                triangles,
+            } => {
+                let paint = FlatPaint::new(mesh, texture, &triangles[i], &piece.panel.region, BLEED_MM);
+                let grid = PixelGrid::new(piece.layout.frame.page.height_mm, dpi);
+                let on_sheet = |plan: &SheetPlan| {
+                    let pose = Pose::moved(piece.moved_by_mm(plan));
+                    let image = paint.image(&pose, grid, BLEED_MM, plan.printed);
+                    let mark = image.map(|(image, area)| Mark::Clipped {
+                        to: vec![plan.printed.outline()],
+                        marks: vec![Mark::Image {
+                            image: Arc::new(image),
+                            area,
+                        }],
+                    });
+                    mark.into_iter().collect()
+                };
+                sheets.map(on_sheet).collect()
+            }
+        }
+    }
+}
+
+/// A face as its panel shows it.
+fn flat_triangle(face: &Face) -> FlatTriangle {
+    let side = face.side;
+    FlatTriangle {
+        flat_mm: face.corners.map(|p| side.project(&p)),
+        height_mm: face.corners.map(|p| side.outward().dot(&p.coords)),
+        triangle: face.index,
+        weights: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    }
 }
 
 /// Spreads a panel over sheets.
@@ -85,18 +205,16 @@ struct Drawing<'a> {
     piece: &'a SpreadPanel,
     grown: &'a Region,
     letters: &'a [SeamMark],
-    stamp: &'a PatternStamp,
-    captions: furniture::Captions,
+    captions: Captions,
 }
 
 impl Drawing<'_> {
-    fn sheet(&self, plan: &SheetPlan) -> Sheet {
+    fn sheet(&self, plan: &SheetPlan, ink: Vec<Mark>) -> Sheet {
         let layout = &self.piece.layout;
         let by = self.piece.moved_by_mm(plan);
-        let [left, top] = self.piece.corner;
         let mut marks = vec![Mark::Clipped {
             to: moved(self.grown.contours(), by),
-            marks: vec![self.stamp.on(plan, (-left, top))],
+            marks: ink,
         }];
         marks.push(Mark::Clipped {
             to: vec![plan.printed.outline()],

@@ -1,10 +1,9 @@
-//! The pattern as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
+//! A pattern or texture as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
 //!
 //! A surface belongs to the side that its normal looks to most and is printed on that panel only; the panel is its projection
 //! along that axis. So each point carries the colour that [`WorldAligned`](crate::pattern::world_aligned::WorldAligned) gives it, and
 //! [`crate::pattern::world_aligned`] says how the pattern lies on each side. What the projection costs is stated: surfaces that slope are
 //! longer than their paper ([`Panel::largest_stretch`]), and layers behind each other share one print ([`Panel::hidden_mm2`]).
-//! What slopes more than a limit can be unrolled instead ([`Strip`]), and leaves its panel.
 
 mod cover;
 mod draw;
@@ -12,31 +11,25 @@ mod lines;
 mod panel;
 mod region;
 mod seams;
-mod strips;
-mod unroll;
 
-pub(super) use lines::{cut_line, cutter_path, moved};
+pub(super) use lines::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved};
 #[cfg(test)]
 pub(crate) use panel::Face;
 pub(crate) use panel::{PRINTED, PaintedSurface, Panel};
-pub(crate) use region::{Point, Region};
-pub(crate) use strips::StripPlace;
-#[cfg(test)]
-pub(crate) use unroll::Unrolled;
-pub(crate) use unroll::{Kept, Strip, Unrolling};
+pub(crate) use region::{Contour, Point, Region};
 
 use super::SheetError;
 use super::date::Date;
 use super::lettering::number;
 use super::paper::{Orientation, Stock};
 use super::printer::Printer;
+use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest};
-use crate::geometry::length::shown;
 use crate::mesh::Mesh;
-use crate::pattern::Pattern;
 use crate::pattern::world_aligned::Side;
 use crate::spelling::count;
+use crate::texture::Texture;
 
 /// How far the pattern runs on beyond a panel's outline.
 pub(crate) const BLEED_MM: f64 = 2.0;
@@ -51,50 +44,39 @@ pub(crate) enum WrapError {
     Sheet(#[from] SheetError),
     #[error(transparent)]
     Template(#[from] TemplateError),
+    #[error(transparent)]
+    Raster(#[from] RasterError),
     #[error("the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm")]
     OtherSize { mesh_mm: String, scene_mm: String },
     #[error(
         "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
     )]
     NothingToPrint,
-    #[error(
-        "largest stretch cannot be {}; give the mm on the surface that 1 mm on paper may stand for, from 1 to 1000, as in 1.2",
-        shown(*limit)
-    )]
-    MaxStretch { limit: f64 },
-    #[error(
-        "{count} triangles are stretched by more than the limit, and no more than {most} can be unrolled; simplify the mesh"
-    )]
-    TooManySteep { count: usize, most: usize },
-    #[error("the unrolled strips would take {count} cells, more than {most}; use a larger tile")]
-    TooManyStripCells { count: usize, most: usize },
-    #[error("strip {strip} with its label is larger than its page")]
-    StripTooLarge { strip: usize },
 }
 
 /// What to print. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WrapRequest {
-    /// Printed width of one repeat of the pattern; its height follows, cells are square.
-    pub tile_mm: f64,
     /// The model is 1:`scale`; only the captions use it.
     pub scale: f64,
-    /// How the captions call the pattern: its file name.
-    pub pattern_name: String,
+    /// How the captions call the pattern or texture: its file name.
+    pub name: String,
+    /// What the captions say of a texture without cells.
+    pub facts: String,
+    /// Pixels per inch of such a texture.
+    pub dpi: f64,
     pub date: Option<Date>,
     pub paper: Stock,
     /// Width of the strip that neighbouring sheets of a panel share.
     pub overlap_mm: f64,
     pub margin_mm: f64,
     pub printer: Printer,
-    /// Surfaces that their panel would stretch by more than this are unrolled; `None`: none are.
-    pub max_stretch: Option<f64>,
 }
 
 impl WrapRequest {
     /// What the document is called.
     pub(crate) fn title(&self) -> String {
-        format!("Panels of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
+        format!("Panels of {}", self.name)
     }
 
     /// What a panel is as a template.
@@ -106,9 +88,10 @@ impl WrapRequest {
             Side::Front | Side::Rear | Side::Bottom => Front::None,
         };
         TemplateRequest {
-            tile_mm: self.tile_mm,
+            // Whose cells have a size says so in its captions.
+            tile_mm: 1.0,
             scale: self.scale,
-            pattern_name: self.pattern_name.clone(),
+            pattern_name: self.name.clone(),
             front,
             date: self.date,
             layout: LayoutRequest {
@@ -157,14 +140,9 @@ pub(crate) struct Wrap {
     pub surface_mm2: f64,
     /// Length of the seams between panels that found no room for a letter.
     pub unlettered_mm: f64,
-    pub cell_mm: f64,
-    /// What was unrolled; empty without [`WrapRequest::max_stretch`].
-    pub strips: Vec<Strip>,
-    /// Where each strip is printed.
-    pub strip_places: Vec<StripPlace>,
-    /// What is steeper than the limit and stayed on its panel.
-    pub kept: Kept,
-    /// The instructions, the sheets of each piece, then those of the strips, as the printer needs them.
+    /// Of a pattern.
+    pub cell_mm: Option<f64>,
+    /// The instructions, then the sheets of each piece, as the printer needs them.
     pub pages: Vec<Sheet>,
 }
 
@@ -176,39 +154,23 @@ impl Wrap {
             .pieces
             .iter()
             .flat_map(|piece| piece.layout.sheets.iter().map(move |plan| name(piece, plan)));
-        let strips = (1..=self.strip_pages()).map(|page| format!("strips-{page}"));
-        ["assembly".to_owned()]
-            .into_iter()
-            .chain(sheets)
-            .chain(strips)
-            .collect()
+        ["assembly".to_owned()].into_iter().chain(sheets).collect()
     }
 
-    /// How many pages carry strips.
-    fn strip_pages(&self) -> usize {
-        let sheets: usize = self.pieces.iter().map(|piece| piece.layout.sheets.len()).sum();
-        self.strip_places.last().map_or(0, |last| last.page - sheets)
-    }
-
-    /// Largest length on the surface for 1 mm on the paper of the panels; strips have none.
+    /// Largest length on the surface for 1 mm on paper.
     pub(crate) fn largest_stretch(&self) -> f64 {
         self.pieces.iter().map(|p| p.panel.largest_stretch).fold(1.0, f64::max)
     }
 
     /// Area of the surface over its area on paper, every layer counted.
     pub(crate) fn mean_stretch(&self) -> f64 {
-        let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>() + self.strips_mm2();
+        let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>();
         sum(|p| p.surface_mm2) / sum(|p| p.projected_mm2)
-    }
-
-    /// Area of what was unrolled.
-    pub(crate) fn strips_mm2(&self) -> f64 {
-        self.strips.iter().map(Strip::surface_mm2).sum()
     }
 
     /// Area of the paint that looks down and is on no panel.
     pub(crate) fn unprinted_mm2(&self) -> f64 {
-        let printed = self.pieces.iter().map(|p| p.panel.surface_mm2).sum::<f64>() + self.strips_mm2();
+        let printed = self.pieces.iter().map(|p| p.panel.surface_mm2).sum::<f64>();
         (self.surface_mm2 - printed).max(0.0)
     }
 
@@ -230,7 +192,6 @@ impl Wrap {
                 panel.largest_stretch,
             ));
         }
-        facts.extend(strips::fact(self));
         facts.push(format!(
             "largest stretch {:.2}, mean {:.3} (mm on the surface for 1 mm on paper); {:.1} % of the paint ({}) looks down and is on no \
              panel",
@@ -246,21 +207,19 @@ impl Wrap {
 /// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
 ///
 /// # Errors
-/// No surface on any side, a stretch limit that is none, too many triangles beyond it or cells on their strips, and whatever the layout
-/// and the cells of a template refuse.
+/// No surface on any side, and whatever the layout and the cells of a template refuse.
 pub(crate) fn wrap(
     mesh: &Mesh,
     materials: &[usize],
-    pattern: &Pattern,
+    texture: &Texture,
     request: &WrapRequest,
 ) -> Result<Wrap, WrapError> {
     let paint = PaintedSurface::of_materials(mesh, materials);
-    let unrolling = strips::unrolling(&paint, request)?;
-    let panels = unrolling.rest.panels();
-    if panels.is_empty() && unrolling.strips.is_empty() {
+    let panels = paint.panels();
+    if panels.is_empty() {
         return Err(WrapError::NothingToPrint);
     }
-    draw::wrap(&paint, unrolling, panels, pattern, request)
+    draw::wrap(mesh, &paint, panels, texture, request)
 }
 
 /// Refuses a mesh that is not as large as the scene says.

@@ -47,6 +47,8 @@ impl Panel {
 /// A painted triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
+    /// Among those of the mesh.
+    pub index: usize,
     pub triangle: Triangle,
     pub corners: [Point3<f64>; 3],
     pub side: Side,
@@ -59,7 +61,7 @@ pub(crate) struct Face {
 #[derive(Debug, Clone)]
 pub(crate) struct PaintedSurface {
     pub faces: Vec<Face>,
-    /// Triangles of the mesh that are of other materials, or were taken out.
+    /// Triangles of the mesh that are of other materials.
     others: Vec<Triangle>,
 }
 
@@ -67,7 +69,7 @@ impl PaintedSurface {
     /// The triangles of some materials; those without area are left out.
     fn of(mesh: &Mesh, materials: &[usize]) -> Self {
         let (mut faces, mut others) = (Vec::new(), Vec::new());
-        for triangle in mesh.triangles() {
+        for (index, triangle) in mesh.triangles().iter().enumerate() {
             let corners = mesh.corners_mm(triangle);
             let normal = doubled_area(&corners);
             let length = normal.norm();
@@ -76,6 +78,7 @@ impl PaintedSurface {
             } else if length > 0.0 {
                 let side = Side::of(&normal);
                 faces.push(Face {
+                    index,
                     triangle: *triangle,
                     corners,
                     side,
@@ -91,21 +94,6 @@ impl PaintedSurface {
     pub(crate) fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
         let all: Vec<usize> = (0..mesh.materials().len()).collect();
         Self::of(mesh, if materials.is_empty() { &all } else { materials })
-    }
-
-    /// The surface without some of its faces.
-    pub(crate) fn without(&self, taken: &[bool]) -> Self {
-        let mut rest = Self {
-            faces: Vec::new(),
-            others: self.others.clone(),
-        };
-        for (face, taken) in self.faces.iter().zip(taken) {
-            match taken {
-                true => rest.others.push(face.triangle),
-                false => rest.faces.push(*face),
-            }
-        }
-        rest
     }
 
     pub(crate) fn surface_mm2(&self) -> f64 {

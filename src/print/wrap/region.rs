@@ -38,6 +38,25 @@ impl Region {
         Self(self.0.overlay(&other.0, OverlayRule::Intersect, FillRule::NonZero))
     }
 
+    pub(crate) fn or(&self, other: &Self) -> Self {
+        Self(self.0.overlay(&other.0, OverlayRule::Union, FillRule::NonZero))
+    }
+
+    pub(crate) fn without(&self, other: &Self) -> Self {
+        Self(self.0.overlay(&other.0, OverlayRule::Difference, FillRule::NonZero))
+    }
+
+    /// The region somewhere else in the plane; the move keeps which way round outlines run.
+    pub(crate) fn moved(&self, to: impl Fn(Point) -> Point) -> Self {
+        let outline = |outline: &Contour| outline.iter().map(|p| to(*p)).collect();
+        Self(self.0.iter().map(|shape| shape.iter().map(outline).collect()).collect())
+    }
+
+    /// Length of all its outlines.
+    pub(crate) fn border_mm(&self) -> f64 {
+        self.edges().map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+    }
+
     /// The region and all that is nearer to it than `by_mm`.
     pub(crate) fn grown(&self, by_mm: f64) -> Self {
         if by_mm <= 0.0 {
@@ -101,7 +120,7 @@ impl Region {
         places.min_by(|a, b| inside(a).total_cmp(&inside(b))).unwrap_or(low)
     }
 
-    fn edges(&self) -> impl Iterator<Item = (&Point, &Point)> {
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (&Point, &Point)> {
         self.contours().flat_map(|c| c.iter().zip(c.iter().cycle().skip(1)))
     }
 }

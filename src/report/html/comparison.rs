@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{notes, number, round, shell};
 use crate::report::{counted, p_value, paired};
-use crate::score::{COMPARISON_DEFINITIONS, Compared, Comparison, Difference, Scores};
+use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
 
 const PLOT: f64 = 300.0;
 const LEFT: f64 = 200.0;
@@ -159,7 +159,7 @@ fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {
 }
 
 fn definitions() -> Markup {
-    html! { dl { @for (name, definition) in COMPARISON_DEFINITIONS { dt { (name) } dd { (definition) "." } } } }
+    html! { dl { @for (name, definition) in comparison_definitions() { dt { (name) } dd { (definition) "." } } } }
 }
 
 fn provenance(scores: &Scores, comparison: &Comparison) -> Markup {

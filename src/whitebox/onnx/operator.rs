@@ -7,11 +7,13 @@ use burn::tensor::Device;
 use super::value::{Floats, Integers, Result, Value};
 use crate::whitebox::NetworkFault;
 
+type Run = dyn Fn(Inputs) -> Result<Vec<Value>> + Send + Sync;
+
 /// An operator with its settings, its tensors not included.
 #[derive(Clone)]
 pub(super) struct Operator {
     /// The outputs for some inputs, in ONNX's order.
-    pub run: Arc<dyn Fn(Inputs) -> Result<Vec<Value>> + Send + Sync>,
+    pub run: Arc<Run>,
     /// Which inputs' numbers come out unchanged, only elsewhere.
     pub rearranged: Rearranged,
     pub is_sigmoid: bool,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::frames::Pinhole;
+use super::Pinhole;
 use crate::geometry::{BoxPx, Rigid};
 use crate::mesh::{Mesh, doubled_area};
 

@@ -1,0 +1,135 @@
+//! `scaleproof print wrap` without `--panels`: the model in pieces.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+
+use serde_json::json;
+
+use super::{PaperArgs, write_files, write_json};
+use crate::cli::model::Model;
+use crate::cli::progress;
+use crate::cli::texture::NamedTexture;
+use crate::print::lettering;
+use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
+use crate::texture::Texture;
+
+/// How the model is cut into pieces, and what is printed of them.
+#[derive(clap::Args)]
+pub(crate) struct PiecesArgs {
+    /// Print five panels instead: the model's sides as they are seen straight on, which is exact for a box
+    #[arg(long, conflicts_with_all = ["pieces", "max_stretch", "mean_stretch", "tabs"])]
+    pub(super) panels: bool,
+    /// At most so many pieces; up to 3 % of the paint, the smallest parts, may be left out for it
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pieces: usize,
+    /// The stretch (mm on the surface for 1 mm on paper, or the inverse) that 99 % of the paint stay below
+    #[arg(long, value_name = "RATIO", default_value_t = 1.2, allow_negative_numbers = true)]
+    max_stretch: f64,
+    /// The mean stretch
+    #[arg(long, value_name = "RATIO", default_value_t = 1.03, allow_negative_numbers = true)]
+    mean_stretch: f64,
+    /// Glue tabs on one side of each seam, this wide in mm
+    #[arg(long, value_name = "MM", num_args = 0..=1, default_missing_value = "6", allow_negative_numbers = true)]
+    tabs: Option<f64>,
+    /// Pixels per inch of the printed texture
+    #[arg(long, value_name = "DPI", default_value_t = 300.0, allow_negative_numbers = true)]
+    pub(super) dpi: f64,
+}
+
+/// Prints the pieces.
+pub(super) fn run(
+    args: &PiecesArgs,
+    paper: &PaperArgs,
+    (model, painted): (&Model, &NamedTexture),
+    inputs: &[Option<&Path>],
+    (as_json, out): (bool, &mut dyn Write),
+) -> Result<(), Box<dyn Error>> {
+    let output = paper.output()?;
+    let request = PiecesRequest {
+        most_pieces: Some(args.pieces),
+        mean_stretch: args.mean_stretch,
+        stretch_99: args.max_stretch,
+        dpi: args.dpi,
+        tabs_mm: args.tabs,
+        name: painted.name.clone(),
+        facts: captioned(painted),
+        scale: model.scale,
+        date: paper.date()?,
+        paper: paper.paper.parse()?,
+        margin_mm: paper.margin_mm,
+        printer: paper.printer()?,
+    };
+    let busy = progress::steps("unwrapping", 100);
+    let surface = (&model.mesh, &*model.materials);
+    // Drawing takes a little, too.
+    let flat = flattened(surface, &request, &mut |share| busy.set_position((95.0 * share) as u64)).map_err(advised)?;
+    let made = pieces(&model.mesh, &flat, &painted.texture, &request).map_err(advised)?;
+    let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
+    write_files(&files, inputs)?;
+    busy.finish_and_clear();
+    if made.unlettered_mm > 0.0 {
+        let length_mm = made.unlettered_mm;
+        say!("note: {length_mm:.0} mm of seams have no letter on one of their pieces, as there is no room beside it");
+    }
+    if as_json {
+        return write_json(&files, facts(model, &made), out);
+    }
+    let [length, width, height] = model.mesh.size_mm();
+    writeln!(
+        out,
+        "{}: instructions and pieces of a model of {length:.0} × {width:.0} × {height:.0} mm; print at 100 %",
+        files[0].0.display(),
+    )?;
+    for fact in made.facts() {
+        writeln!(out, "{fact}")?;
+    }
+    Ok(())
+}
+
+/// What the captions say of a texture.
+pub(super) fn captioned(painted: &NamedTexture) -> String {
+    let hash = format!("sha256 {}", painted.sha256.get(..12).unwrap_or_default());
+    match &painted.texture {
+        Texture::Tile(tile) => {
+            format!("{hash} · tile {} mm", lettering::number(tile.tile_mm()))
+        }
+        _ => hash,
+    }
+}
+
+/// The error with the options that mend it.
+fn advised(error: PiecesError) -> String {
+    let advice = match &error {
+        PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
+        PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
+        PiecesError::Raster(_) => " (--dpi)",
+        _ => "",
+    };
+    format!("{error}{advice}")
+}
+
+/// `--json`.
+fn facts(model: &Model, made: &PrintedPieces) -> serde_json::Value {
+    let pieces = made.pieces.iter().zip(&made.places).enumerate().map(|(i, (piece, place))| {
+        json!({ "piece": i + 1, "sheet": place.page + 1, "surface_mm2": piece.surface_mm2, "flat_mm2": piece.region.area_mm2() })
+    });
+    let left_out = made.left_out.iter().map(|part| {
+        json!({ "surface_mm2": part.surface_mm2, "triangles": part.triangles.len(), "reason": reason(part.reason) })
+    });
+    json!({
+        "model_size_mm": model.mesh.size_mm(),
+        "pieces": pieces.collect::<Vec<_>>(),
+        "sheets": made.sheets(),
+        "page_mm": [made.frame.page.width_mm, made.frame.page.height_mm],
+        "seams": made.seams.len(),
+        "unlettered_mm": made.unlettered_mm,
+        "cut_mm": made.cut_mm(),
+        "surface_mm2": made.surface_mm2(),
+        "visible_mm2": made.visible_mm2,
+        "left_out": left_out.collect::<Vec<_>>(),
+        "mean_stretch": made.mean_stretch,
+        "stretch_99": made.stretch_99,
+        "largest_stretch": made.largest_stretch,
+    })
+}

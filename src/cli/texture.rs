@@ -1,0 +1,153 @@
+//! What a model is painted with, as commands take it.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use super::model::Model;
+use crate::files;
+use crate::mesh::{FaceList, Mesh, MeshPlacement};
+use crate::pattern::Pattern;
+use crate::print::patch::PanelPatch;
+use crate::texture::{FaceTexels, Mapped, MappedImages, PlacedPatch, Texture, TextureError, Tile, check_same_shape};
+
+/// The pattern or texture.
+#[derive(clap::Args)]
+pub(crate) struct TextureArgs {
+    /// The pattern: a PNG with one pixel per cell
+    #[arg(long, value_name = "PNG", conflicts_with = "texture")]
+    pub pattern: Option<PathBuf>,
+    /// Printed width of one repeat of the pattern, in mm; without it, what the pattern's card says
+    #[arg(long, value_name = "MM", requires = "pattern", allow_negative_numbers = true)]
+    pub tile_mm: Option<f64>,
+    /// A texture instead of a pattern: an image for the mesh's texture coordinates, a .obj, .glb or .ply with images of its own (also the mesh
+    /// without --mesh), or a .npy with the texels of each triangle
+    #[arg(long, value_name = "FILE")]
+    pub texture: Option<PathBuf>,
+}
+
+/// A texture, as outputs name it.
+pub(crate) struct NamedTexture {
+    /// The file's name.
+    pub name: String,
+    pub texture: Texture,
+    /// Of what it was read from: of the file, or of its hash and those of its images.
+    pub sha256: String,
+    /// What it was read from besides the file itself.
+    pub images: Vec<PathBuf>,
+}
+
+impl TextureArgs {
+    /// The mesh that `--texture` names.
+    pub(crate) fn mesh(&self) -> Option<&Path> {
+        self.texture.as_deref().filter(|path| is_mesh(path))
+    }
+
+    /// The file that was given.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.pattern.as_deref().or(self.texture.as_deref())
+    }
+
+    pub(crate) fn load(&self, model: &Model) -> Result<NamedTexture, Box<dyn Error>> {
+        match (&self.pattern, &self.texture) {
+            (Some(path), _) => {
+                let pattern = Pattern::load(path)?;
+                let tile_mm = super::print::tile_mm(self.tile_mm, path, &pattern)?;
+                Ok(NamedTexture {
+                    name: name_of(path),
+                    sha256: pattern.sha256().to_owned(),
+                    texture: Texture::Tile(Tile::new(pattern, tile_mm)),
+                    images: Vec::new(),
+                })
+            }
+            (None, Some(path)) => load_texture(path, model),
+            (None, None) => Err("give --pattern or --texture".into()),
+        }
+    }
+}
+
+/// A file of `--texture` on a model.
+pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, Box<dyn Error>> {
+    let paint = &model.materials;
+    if extension(path) == "npy" {
+        let (texels, sha256) = FaceTexels::load(path, &model.mesh)?;
+        return Ok(NamedTexture {
+            name: name_of(path),
+            texture: Texture::Faces(texels),
+            sha256,
+            images: Vec::new(),
+        });
+    }
+    let (mapped, sha256) = if is_mesh(path) {
+        let mapped = textured_mesh(path, model)?;
+        let own = files::sha256_hex(&files::read(path)?);
+        let sha256 = files::sha256_hex([&[own], &mapped.sha256[..]].concat().concat().as_bytes());
+        (mapped, sha256)
+    } else {
+        let mapped = MappedImages::of_image(&model.mesh, paint, path)?;
+        let sha256 = mapped.sha256.concat();
+        (mapped, sha256)
+    };
+    for note in &mapped.notes {
+        say!("note: {note}");
+    }
+    Ok(NamedTexture {
+        name: name_of(path),
+        texture: Texture::Images(mapped.images),
+        sha256,
+        images: mapped.files,
+    })
+}
+
+/// The images of a mesh's own file, on its own triangles or on the same ones of the model.
+fn textured_mesh(path: &Path, model: &Model) -> Result<Mapped, Box<dyn Error>> {
+    let is_same =
+        |file: &PathBuf| file == path || matches!((file.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    if model.file.as_ref().is_some_and(is_same) {
+        return Ok(MappedImages::of_mesh(&model.mesh, &model.materials)?);
+    }
+    let textured = Mesh::load(path, &MeshPlacement::default())?;
+    check_same_shape(&textured, &model.mesh)?;
+    let (textured, paint) = match model.materials.is_empty() {
+        true => (textured, Vec::new()),
+        false => textured.with_paint(&FaceList::of(&model.mesh, &model.materials)),
+    };
+    Ok(MappedImages::of_mesh(&textured, &paint)?)
+}
+
+/// Finished textures in their places, over another texture.
+pub(crate) fn with_patches(below: Texture, patches: &[PanelPatch]) -> Texture {
+    let placed = patches.iter().map(|patch| PlacedPatch {
+        image: patch.image.shared(),
+        side: patch.side,
+        at_mm: patch.at_mm,
+        size_mm: patch.size_mm,
+    });
+    Texture::Patches(Box::new(below), placed.collect())
+}
+
+fn is_mesh(path: &Path) -> bool {
+    ["obj", "glb", "ply"].contains(&extension(path).as_str())
+}
+
+fn extension(path: &Path) -> String {
+    path.extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase()
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What to do about an error of the library.
+pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        TextureError::NoCoordinates { .. } => Some(" (--material or --faces)".into()),
+        TextureError::NoImages | TextureError::Material { .. } => Some("; --texture takes another image".into()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

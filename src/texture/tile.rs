@@ -1,0 +1,36 @@
+//! A pattern that is repeated over a model, aligned with the world.
+
+use super::SurfacePoint;
+use crate::mesh::{Mesh, doubled_area};
+use crate::pattern::Pattern;
+use crate::pattern::world_aligned::{Side, WorldAligned};
+
+/// A pattern and its size on the model.
+#[derive(Debug, Clone)]
+pub(crate) struct Tile {
+    pub pattern: Pattern,
+    /// Width and height of a cell.
+    pub cell_mm: f64,
+}
+
+impl Tile {
+    /// A pattern whose repeats are this wide.
+    pub(crate) fn new(pattern: Pattern, tile_mm: f64) -> Self {
+        let cell_mm = tile_mm / f64::from(pattern.columns());
+        Self { pattern, cell_mm }
+    }
+
+    /// The width of a repeat.
+    pub(crate) fn tile_mm(&self) -> f64 {
+        self.cell_mm * f64::from(self.pattern.columns())
+    }
+
+    pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
+        let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));
+        let mapped = WorldAligned {
+            pattern: &self.pattern,
+            cell_mm: self.cell_mm,
+        };
+        mapped.colour_at(Side::of(&normal).project(&at.place_mm(mesh)))
+    }
+}

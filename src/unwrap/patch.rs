@@ -1,0 +1,257 @@
+//! Some faces glued together, and laid flat with little stretch.
+
+use nalgebra::{Matrix2, Point3, Vector2};
+
+use super::stretch::{laid, singular_values, stretch};
+
+/// Steps of the conjugate gradients in one global step, and the share of the first residual at which they end.
+const SOLVER: (usize, f64) = (150, 1e-8);
+/// How often a step that does not help is halved.
+const HALVINGS: usize = 10;
+
+/// Faces that share corners where they are glued.
+#[derive(Debug, Clone)]
+pub(super) struct Patch {
+    /// Into the places.
+    pub corners: Vec<[usize; 3]>,
+    /// How many places there are.
+    places: usize,
+    laid: Vec<[Vector2<f64>; 2]>,
+    pub area: Vec<f64>,
+    /// How the share of each corner in a point of the face grows over the laid face.
+    gradients: Vec<[Vector2<f64>; 3]>,
+}
+
+/// Where each place lies on the paper.
+pub(super) type Flat = Vec<Vector2<f64>>;
+
+/// What is made small, summed over the area; s are the singular values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Energy {
+    /// (s − 1)²: as rigid as possible (Liu et al. 2008). It unfolds what lies flipped at first.
+    Rigid,
+    /// s² + 1/s²: symmetric Dirichlet (Smith and Schaefer 2015), which keeps single faces from much stretch, and every face from being flipped.
+    Dirichlet,
+}
+
+impl Energy {
+    fn of(self, s: f64) -> f64 {
+        match self {
+            Self::Rigid => (s - 1.0).powi(2),
+            Self::Dirichlet if s > 0.0 => s * s + 1.0 / (s * s),
+            Self::Dirichlet => f64::INFINITY,
+        }
+    }
+
+    /// What (s − 1)² is weighted with, to have the energy's slope (Rabinovich et al. 2017).
+    fn weight(self, s: f64) -> f64 {
+        match self {
+            Self::Rigid => 1.0,
+            Self::Dirichlet => (s + 1.0) * (s * s + 1.0) / (s * s * s),
+        }
+    }
+}
+
+impl Patch {
+    pub(super) fn new(corners: Vec<[usize; 3]>, on_surface: &[[Point3<f64>; 3]]) -> Self {
+        let laid: Vec<_> = on_surface.iter().map(laid).collect();
+        let area: Vec<f64> = laid.iter().map(|[b, c]| 0.5 * b.x * c.y).collect();
+        let gradients = laid.iter().zip(&area).map(|([b, c], area)| {
+            let at_b = Vector2::new(c.y, -c.x) / (2.0 * area);
+            let at_c = Vector2::new(0.0, b.x) / (2.0 * area);
+            [-at_b - at_c, at_b, at_c]
+        });
+        Self {
+            places: corners.iter().flatten().max().map_or(0, |last| last + 1),
+            corners,
+            gradients: gradients.collect(),
+            laid,
+            area,
+        }
+    }
+
+    /// Each place in the middle of where the faces have it.
+    pub(super) fn mean_places(&self, start: &[[Vector2<f64>; 3]]) -> Flat {
+        let (mut flat, mut met) = (vec![Vector2::zeros(); self.places], vec![0.0; self.places]);
+        for (places, lies) in self.corners.iter().zip(start) {
+            for (place, p) in places.iter().zip(lies) {
+                flat[*place] += p;
+                met[*place] += 1.0;
+            }
+        }
+        flat.iter_mut().zip(met).for_each(|(p, n)| *p /= n);
+        flat
+    }
+
+    pub(super) fn flat_corners(&self, flat: &Flat, face: usize) -> [Vector2<f64>; 3] {
+        self.corners[face].map(|c| flat[c])
+    }
+
+    /// The stretch of each face.
+    pub(super) fn stretches(&self, flat: &Flat) -> Vec<f64> {
+        let faces = 0..self.corners.len();
+        faces.map(|f| stretch(self.singular_values(flat, f))).collect()
+    }
+
+    /// Whether the faces around a place take more than the whole turn, and so overlap.
+    pub(super) fn is_overfull(&self, flat: &Flat) -> bool {
+        let mut angle = vec![0.0; self.places];
+        for (f, places) in self.corners.iter().enumerate() {
+            let lies = self.flat_corners(flat, f);
+            for (i, place) in places.iter().enumerate() {
+                let (p, q) = (lies[(i + 1) % 3] - lies[i], lies[(i + 2) % 3] - lies[i]);
+                angle[*place] += p.perp(&q).atan2(p.dot(&q));
+            }
+        }
+        angle.into_iter().any(|angle| angle > std::f64::consts::TAU + 1e-6)
+    }
+
+    fn singular_values(&self, flat: &Flat, face: usize) -> [f64; 2] {
+        singular_values(&self.laid[face], &self.flat_corners(flat, face))
+    }
+
+    fn energy(&self, flat: &Flat, energy: Energy) -> f64 {
+        let of = |f: usize| -> f64 { self.singular_values(flat, f).into_iter().map(|s| energy.of(s)).sum() };
+        (0..self.corners.len()).map(|f| self.area[f] * of(f)).sum()
+    }
+
+    /// Makes the energy small by local and global steps, until one lowers it by less than a share.
+    pub(super) fn relax(&self, flat: &mut Flat, energy: Energy, steps: usize, least_gain: f64) {
+        let mut now = self.energy(flat, energy);
+        for _ in 0..steps {
+            if !now.is_finite() {
+                break;
+            }
+            let mut next = flat.clone();
+            let system = self.local_step(flat, energy);
+            system.solve(&mut next);
+            let mut after = self.energy(&next, energy);
+            for _ in 0..HALVINGS {
+                if after <= now {
+                    break;
+                }
+                next.iter_mut().zip(&*flat).for_each(|(n, old)| *n = 0.5 * (*n + old));
+                after = self.energy(&next, energy);
+            }
+            if after.is_nan() || after > now {
+                break;
+            }
+            *flat = next;
+            // What is perfect already has nothing to gain.
+            let is_done = now - after <= least_gain * (after - self.energy_of_none(energy)) + 1e-12 * now;
+            now = after;
+            if is_done {
+                break;
+            }
+        }
+    }
+
+    /// The energy of a map without stretch.
+    fn energy_of_none(&self, energy: Energy) -> f64 {
+        2.0 * energy.of(1.0) * self.area.iter().sum::<f64>()
+    }
+
+    /// Turns each face as it lies best, and weights what is left of its map.
+    fn local_step(&self, flat: &Flat, energy: Energy) -> System<'_> {
+        let mut weights = Vec::with_capacity(self.corners.len());
+        let mut right_side = vec![Vector2::zeros(); self.places];
+        let mut diagonal = vec![Matrix2::zeros(); self.places];
+        for (f, corners) in self.corners.iter().enumerate() {
+            let map = self.map(flat, f);
+            let turn = Vector2::new(map[(0, 0)] + map[(1, 1)], map[(1, 0)] - map[(0, 1)]);
+            let turn = turn.try_normalize(1e-300).unwrap_or(Vector2::x());
+            let turn = Matrix2::new(turn.x, -turn.y, turn.y, turn.x);
+            let weight = self.area[f] * self.weight(flat, f, &(map * turn.transpose()), energy);
+            for (corner, gradient) in corners.iter().zip(&self.gradients[f]) {
+                right_side[*corner] += weight * turn * gradient;
+                diagonal[*corner] += weight * gradient.norm_squared();
+            }
+            weights.push(weight);
+        }
+        let inverse = |m: Matrix2<f64>| m.try_inverse().unwrap_or_else(Matrix2::zeros);
+        System {
+            patch: self,
+            weights,
+            right_side,
+            preconditioner: diagonal.into_iter().map(inverse).collect(),
+        }
+    }
+
+    /// The weight as a function of the symmetric part of the map.
+    fn weight(&self, flat: &Flat, face: usize, symmetric: &Matrix2<f64>, energy: Energy) -> Matrix2<f64> {
+        if energy == Energy::Rigid {
+            return Matrix2::identity();
+        }
+        let [large, small] = self.singular_values(flat, face);
+        let (at_large, at_small) = (energy.weight(large), energy.weight(small));
+        if large - small < 1e-9 {
+            return Matrix2::identity() * at_large;
+        }
+        let slope = (at_large - at_small) / (large - small);
+        Matrix2::identity() * (at_large - slope * large) + slope * symmetric
+    }
+
+    /// The linear part of the affine map from the laid face to the paper.
+    fn map(&self, flat: &Flat, face: usize) -> Matrix2<f64> {
+        let terms = self.corners[face].iter().zip(&self.gradients[face]);
+        terms
+            .map(|(corner, gradient)| flat[*corner] * gradient.transpose())
+            .sum()
+    }
+}
+
+/// The global step: places whose maps are nearest to the turned faces.
+struct System<'a> {
+    patch: &'a Patch,
+    weights: Vec<Matrix2<f64>>,
+    right_side: Flat,
+    preconditioner: Vec<Matrix2<f64>>,
+}
+
+impl System<'_> {
+    fn times(&self, x: &Flat) -> Flat {
+        let mut product = vec![Vector2::zeros(); x.len()];
+        for (f, weight) in self.weights.iter().enumerate() {
+            let map = weight * self.patch.map(x, f);
+            for (corner, gradient) in self.patch.corners[f].iter().zip(&self.patch.gradients[f]) {
+                product[*corner] += map * gradient;
+            }
+        }
+        product
+    }
+
+    /// By preconditioned conjugate gradients, from where the places are.
+    fn solve(&self, x: &mut Flat) {
+        let dot = |a: &Flat, b: &Flat| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
+        let scaled = |r: &Flat| -> Flat { r.iter().zip(&self.preconditioner).map(|(r, p)| p * r).collect() };
+        let mut residual: Flat = self
+            .right_side
+            .iter()
+            .zip(self.times(x))
+            .map(|(b, ax)| b - ax)
+            .collect();
+        let mut step = scaled(&residual);
+        let mut size = dot(&residual, &step);
+        let enough = SOLVER.1 * dot(&self.right_side, &scaled(&self.right_side)).max(f64::MIN_POSITIVE);
+        for _ in 0..SOLVER.0 {
+            if size.is_nan() || size <= enough {
+                break;
+            }
+            let along = self.times(&step);
+            let by = size / dot(&step, &along);
+            if !by.is_finite() {
+                break;
+            }
+            for i in 0..x.len() {
+                x[i] += by * step[i];
+                residual[i] -= by * along[i];
+            }
+            let scaled = scaled(&residual);
+            let new = dot(&residual, &scaled);
+            for i in 0..x.len() {
+                step[i] = scaled[i] + new / size * step[i];
+            }
+            size = new;
+        }
+    }
+}
