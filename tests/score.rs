@@ -220,7 +220,7 @@ fn several_labels_count_as_the_model_everywhere() {
         assert!(text.contains(said), "{file}");
     }
     let tex = std::fs::read_to_string(out.path().join("table.tex")).unwrap();
-    assert!(tex.contains("% Counts as the model: car or truck."), "{tex}");
+    assert!(tex.contains("Counts as the model: car or truck."), "{tex}");
 }
 
 #[test]
@@ -272,10 +272,18 @@ fn fastestdet_on_normal_as_counted_by_hand() {
     near("mean_confidence", best.iter().sum::<f64>() / 8.0);
     near("median_confidence", (0.847892 + 0.856916) / 2.0);
     let lines = rows(out.path());
+    let text = std::fs::read_to_string(out.path().join("photos.csv")).unwrap();
+    let at = text
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|h| h == "hallucinations")
+        .unwrap();
     let of = lines
         .iter()
         .filter(|r| r.iter().any(|f| f == "fastestdet") && r.iter().any(|f| f == "normal"));
-    let elsewhere: Vec<&str> = of.map(|r| r.get(r.len() - 1).unwrap()).collect();
+    let elsewhere: Vec<&str> = of.map(|r| r.get(at).unwrap()).collect();
     assert_eq!(elsewhere, ["1", "2", "1", "2", "1", "1", "0", "1"]);
 }
 
