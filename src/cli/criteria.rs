@@ -53,8 +53,11 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// Finds out before a run that some photo has the base that was named.
-    pub(super) fn check(&self, sessions: &[Session]) -> Result<(), CompareError> {
+    /// Finds out before a run that some photo has the base that was named, and the conditions.
+    pub(super) fn check(&self, sessions: &[Session]) -> super::Result<()> {
+        self.group_by
+            .iter()
+            .try_for_each(|group| group.check_sessions(sessions))?;
         let variants: BTreeSet<&str> = sessions
             .iter()
             .flat_map(|s| s.photos.iter().map(|p| p.variant.as_str()))
@@ -64,7 +67,8 @@ impl Tables {
             false => Err(CompareError::NoBase {
                 base: self.base.clone(),
                 variants: variants.into_iter().collect::<Vec<_>>().join(", "),
-            }),
+            }
+            .into()),
         }
     }
 

@@ -43,9 +43,11 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let detectors = run.detectors(detectors::chosen(&chosen)?, &sessions)?;
     files::check_writable(&args.output)?;
     args.judging.tables.check(&sessions)?;
+    let patterns = args.judging.patterns.of(&sessions)?;
     let speeds = args.judging.speeds(&detectors)?;
     let scores = score::merge(sessions, detectors, observed, run.runtime)?;
-    let scores = args.judging.tables.made(scores, criteria)?;
+    let mut scores = args.judging.tables.made(scores, criteria)?;
+    scores.patterns = patterns;
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     score_command::show(&scores, speeds.as_ref(), &page, args.json, out)
 }

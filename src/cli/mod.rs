@@ -30,6 +30,7 @@ mod model;
 mod output;
 mod overview;
 mod pattern;
+mod patterns;
 mod plan;
 mod print;
 mod progress;

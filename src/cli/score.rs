@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::criteria::{Reading, Tables};
+use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, sessions};
 use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
@@ -43,7 +44,7 @@ pub(super) struct Args {
     replace: bool,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "protocol", "base", "group_by", "speed"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
@@ -57,6 +58,8 @@ pub(super) struct Judging {
     pub(super) reading: Reading,
     #[command(flatten)]
     pub(super) tables: Tables,
+    #[command(flatten)]
+    pub(super) patterns: Patterns,
     /// File of `scaleproof detectors speed`: the report then charts AP against milliseconds a photo.
     #[arg(long, value_name = "FILE")]
     speed: Option<PathBuf>,
@@ -129,6 +132,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let detectors = at_hand::evaluated(&opened.sessions, &args.detectors, args.recorded, &args.folder)?;
     opened.check_output(&args.output)?;
     args.judging.tables.check(&opened.sessions)?;
+    let patterns = args.judging.patterns.of(&opened.sessions)?;
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
     }
@@ -144,7 +148,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         return Ok(Outcome::Done);
     }
     let scores = score_with_progress(opened.sessions, detectors, &options)?;
-    let scores = args.judging.tables.made(scores, criteria)?;
+    let mut scores = args.judging.tables.made(scores, criteria)?;
+    scores.patterns = patterns;
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
         score::record(&scores)?;

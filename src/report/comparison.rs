@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, counted, latex, p_value, paired};
+use super::{ReportError, counted, figures, latex, p_value, paired};
 use crate::files;
 use crate::score::{Comparison, Difference, NotScored, Scores, comparison_definitions};
 
@@ -30,7 +30,7 @@ pub(crate) fn write_comparison(
     comparison: &Comparison,
 ) -> Result<PathBuf, ReportError> {
     let page = folder.join("comparison.html");
-    files::replace_all_atomically(&[
+    let mut all = vec![
         (page.clone(), page::render(scores, comparison).into_bytes()),
         (
             folder.join("comparison.tex"),
@@ -40,7 +40,10 @@ pub(crate) fn write_comparison(
             folder.join("comparison.json"),
             comparison_json(scores, comparison)?.into_bytes(),
         ),
-    ])?;
+    ];
+    let figures = figures::of_comparison(scores, comparison)?;
+    all.extend(figures.into_iter().map(|(name, content)| (folder.join(name), content)));
+    files::replace_all_atomically(&all)?;
     Ok(page)
 }
 

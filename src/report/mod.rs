@@ -6,6 +6,7 @@ mod counted;
 mod csv;
 mod evaluation;
 mod evaluation_files;
+mod figures;
 mod figures_csv;
 mod html;
 mod latex;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
+use crate::print::SheetError;
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 
 pub(crate) use comparison::{comparison_json, comparison_table, write_comparison};
@@ -44,6 +46,8 @@ pub enum ReportError {
     Json(#[from] serde_json::Error),
     #[error("the report could not be put together: {0}")]
     Csv(#[from] ::csv::Error),
+    #[error(transparent)]
+    Figure(#[from] SheetError),
 }
 
 /// A table with a header, for spreadsheets.
@@ -77,13 +81,15 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         let results = coco_results(photos, |label| categories.id(detector, label))?;
         contents.push((results_name(&detector.manifest.name), results));
     }
+    let figures = figures::of_report(scores, speeds)?;
+    let contents = contents.into_iter().map(|(name, text)| (name, text.into_bytes()));
     let files: Vec<_> = contents
-        .into_iter()
-        .map(|(name, content)| (folder.join(name), content.into_bytes()))
+        .chain(figures)
+        .map(|(name, content)| (folder.join(name), content))
         .collect();
     let before = Before::of(folder);
     files::replace_all_atomically(&files)?;
-    remove_stale(folder, &before, scores)?;
+    remove_stale(folder, &before, scores, speeds)?;
     Ok(folder.join("report.html"))
 }
 
@@ -116,8 +122,11 @@ impl Before {
 }
 
 /// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the table of
-/// a protocol.
-fn remove_stale(folder: &Path, before: &Before, scores: &Scores) -> Result<(), ReportError> {
+/// a protocol; and the chart of times that were given then.
+fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
+    figures::stale(speeds)
+        .iter()
+        .try_for_each(|name| files::remove(&folder.join(name)))?;
     if before.protocol.is_some() && scores.criteria.protocol.is_none() {
         protocol::NAMES
             .iter()

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::counted;
 use crate::detect::SCORE_FLOOR;
-use crate::score::{DetectionSource, EvaluatedDetector, Protocol, Scores};
+use crate::score::{DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
 use crate::tags::TagDetectorChoice;
 
 #[derive(Serialize)]
@@ -23,6 +23,8 @@ pub(super) struct Provenance {
     pub score_floor: f64,
     pub detectors: Vec<DetectorProvenance>,
     pub sessions: Vec<SessionProvenance>,
+    /// Of the textures whose patterns are known.
+    pub patterns: Vec<WornPattern>,
 }
 
 #[derive(Serialize)]
@@ -65,6 +67,7 @@ pub(super) fn of(scores: &Scores) -> Provenance {
         score_floor: SCORE_FLOOR,
         detectors: scores.detectors.iter().map(detector).collect(),
         sessions: (0..scores.sessions.len()).map(|i| session(scores, i)).collect(),
+        patterns: scores.patterns.clone(),
     }
 }
 

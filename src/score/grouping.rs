@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use super::ScoredPhoto;
+use crate::session::{PhotoEntry, Session};
 use crate::spelling;
 
 /// A condition to group by, and for numbers the width of a group.
@@ -78,34 +79,59 @@ impl GroupBy {
         }
     }
 
-    /// Finds out that photos have the condition, and numbers where there are steps.
+    /// Finds out before a run that photos will have the condition, and numbers where there are steps.
+    pub(crate) fn check_sessions(&self, sessions: &[Session]) -> Result<(), GroupByError> {
+        let entries = || sessions.iter().flat_map(|s| &s.photos);
+        let is_given = entries().any(|p| p.conditions.contains_key(&self.condition));
+        if !is_given && OF_VIEWPOINT.contains(&self.condition.as_str()) {
+            return Ok(());
+        }
+        let given = |p: &PhotoEntry| match (p.conditions.get(&self.condition), self.condition.as_str()) {
+            (None, "place") => p.place.clone(),
+            (own, _) => own.cloned(),
+        };
+        let with: Vec<_> = entries().filter_map(|p| Some((p.file.as_str(), given(p)?))).collect();
+        self.check_values(&with, entries().flat_map(|p| p.conditions.keys()))
+    }
+
+    /// The same of photos, and that the groups make a table.
     pub(super) fn check(&self, photos: &[ScoredPhoto]) -> Result<(), GroupByError> {
-        let condition = || self.condition.clone();
-        let with = photos.iter().filter_map(|p| Some((p, value(p, &self.condition)?)));
-        let with: Vec<(&ScoredPhoto, String)> = with.collect();
-        if with.is_empty() {
-            return Err(self.unknown(photos));
-        }
-        let is_text = |(_, value): &&(&ScoredPhoto, String)| value.parse::<f64>().map_or(true, |v| !v.is_finite());
-        if let (Some(_), Some((photo, value))) = (self.step, with.iter().find(is_text)) {
-            return Err(GroupByError::NoNumber {
-                value: value.clone(),
-                file: photo.file.clone(),
-                condition: condition(),
-            });
-        }
+        let with = photos
+            .iter()
+            .filter_map(|p| Some((p.file.as_str(), value(p, &self.condition)?)));
+        let with: Vec<_> = with.collect();
+        self.check_values(&with, photos.iter().flat_map(|p| p.conditions.keys()))?;
         let groups: BTreeSet<String> = photos.iter().filter_map(|p| self.of(p)).collect();
         match groups.len() > MOST_GROUPS {
             true => Err(GroupByError::TooMany {
-                condition: condition(),
+                condition: self.condition.clone(),
                 groups: groups.len(),
             }),
             false => Ok(()),
         }
     }
 
-    fn unknown(&self, photos: &[ScoredPhoto]) -> GroupByError {
-        let own = photos.iter().flat_map(|p| p.conditions.keys().map(String::as_str));
+    /// `with` has the file and value of each photo that has the condition, `names` the conditions of all.
+    fn check_values<'a>(
+        &self,
+        with: &[(&str, String)],
+        names: impl Iterator<Item = &'a String>,
+    ) -> Result<(), GroupByError> {
+        if with.is_empty() {
+            return Err(self.unknown(names.map(String::as_str)));
+        }
+        let is_text = |(_, value): &&(&str, String)| value.parse::<f64>().map_or(true, |v| !v.is_finite());
+        match (self.step, with.iter().find(is_text)) {
+            (Some(_), Some((file, value))) => Err(GroupByError::NoNumber {
+                value: value.clone(),
+                file: (*file).to_owned(),
+                condition: self.condition.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn unknown<'a>(&self, own: impl Iterator<Item = &'a str>) -> GroupByError {
         let known: BTreeSet<&str> = own.chain(OF_VIEWPOINT).chain(["place"]).collect();
         GroupByError::Unknown {
             hint: spelling::hint(&self.condition, known.iter().copied()),

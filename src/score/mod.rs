@@ -23,6 +23,7 @@ mod scores;
 pub(crate) mod shard;
 mod summary;
 mod transfer;
+mod worn;
 
 pub use crate::ap::ApDefinition;
 #[cfg(test)]
@@ -58,6 +59,7 @@ pub(crate) use run::{merge, observe};
 pub use scores::Scores;
 pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
+pub(crate) use worn::WornPattern;
 
 /// A detection counts for the model when their boxes overlap by at least this much.
 pub(crate) const MATCH_IOU: f64 = 0.5;

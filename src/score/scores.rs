@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use super::error::ScoreError;
 use super::grouping::{GroupBy, GroupByError};
 use super::{
-    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, ScoredPhoto, Summary, caution,
-    summary,
+    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, ScoredPhoto, Summary, WornPattern,
+    caution, summary,
 };
 use crate::session::Session;
 
@@ -31,6 +31,8 @@ pub struct Scores {
     pub cautions: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every detector was played back.
     pub runtime: Option<String>,
+    /// Of the textures whose patterns are known.
+    pub(crate) patterns: Vec<WornPattern>,
     /// What the summaries group photos by, besides directions and places.
     groups: Vec<GroupBy>,
     /// Each variant against the base, once it is asked for.
@@ -70,6 +72,7 @@ impl Scores {
             detectors,
             photos,
             not_scored,
+            patterns: Vec::new(),
             groups: Vec::new(),
             paired: OnceLock::new(),
         };

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::{notes, number, round, shell};
+use crate::plot::Drawing;
 use crate::report::{counted, p_value, paired};
 use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
 
@@ -52,7 +53,7 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
         (notes::cautions(scores))
         @for (name, of) in FIGURES {
             h3 { "Drop: " (name) }
-            div.scroll { (forest(scores, comparison, name, of)) }
+            div.scroll { (forest(scores, comparison, name, of).inline(Some("forest"))) }
         }
         @let open: Vec<(&Compared, String)> = comparison.results.iter().filter_map(|r| Some((r, paired::more_photos(r)?))).collect();
         @if !open.is_empty() {
@@ -67,33 +68,43 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     }
 }
 
+/// The chart of each figure, by its name.
+pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
+    let all = FIGURES.into_iter();
+    all.map(|(name, of)| (name, forest(scores, comparison, name, of)))
+        .collect()
+}
+
 /// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
-fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared) -> &Difference) -> Markup {
+fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared) -> &Difference) -> Drawing {
     let height = ROW * comparison.results.len() as f64;
     let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
-    html! {
-        svg.forest viewBox=(format!("0 -4 {WIDTH} {}", height + 26.0)) role="img" aria-label=(format!("Drop: {name}")) {
-            @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-                line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
-                text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+    let marks = html! {
+        @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
+            text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+        }
+        @for (i, r) in comparison.results.iter().enumerate() {
+            @let d = of(r);
+            @let y = ROW * (i as f64 + 0.5);
+            @let is_shown = paired::is_shown(d);
+            text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
+            g.drop {
+                title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
+                @if let Some(interval) = d.interval_95 {
+                    line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
+                }
+                circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
             }
-            @for (i, r) in comparison.results.iter().enumerate() {
-                @let d = of(r);
-                @let y = ROW * (i as f64 + 0.5);
-                @let is_shown = paired::is_shown(d);
-                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
-                g.drop {
-                    title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
-                    @if let Some(interval) = d.interval_95 {
-                        line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
-                    }
-                    circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
-                }
-                text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
-                    (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (paired::briefly(d.finding))
-                }
+            text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
+                (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (paired::briefly(d.finding))
             }
         }
+    };
+    Drawing {
+        area: [0.0, -4.0, WIDTH, height + 26.0],
+        label: format!("Drop: {name}"),
+        marks,
     }
 }
 

@@ -3,17 +3,18 @@
 mod comparable;
 pub(super) mod comparison;
 mod contact;
-mod curves;
+pub(super) mod curves;
 pub(super) mod evaluation;
 mod figures;
 mod filters;
-mod heat;
+pub(super) mod heat;
 mod misses;
 mod notes;
-mod polar;
-mod reliability;
+mod patterns;
+pub(super) mod polar;
+pub(super) mod reliability;
 mod shade;
-mod speed;
+pub(super) mod speed;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -66,6 +67,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
     let asked_for = [
+        ("patterns", "Patterns", patterns::cards(scores)),
         ("protocol", "Protocol", comparable::protocol(scores)),
         ("conditions", "By condition", comparable::groups(scores)),
     ];
@@ -79,7 +81,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
     let after = [
         ("outcomes", "Hits and misses", outcomes),
         ("directions", "By viewing direction", directions),
-        ("curves", "Curves", curves::charts(scores)),
+        ("curves", "Curves", curves::section(scores)),
         ("photos", "Photos", photos),
         (
             "reliability",
@@ -153,6 +155,13 @@ fn summary<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a 
         .summaries
         .iter()
         .find(|s| s.detector == detector && s.variant == variant)
+}
+
+/// What the colours of the variants mean.
+pub(super) fn legend(scores: &Scores) -> Vec<(String, String)> {
+    let all = variants(scores).into_iter().enumerate();
+    all.map(|(i, variant)| (colour(i).to_owned(), variant.to_owned()))
+        .collect()
 }
 
 /// Colours of the variants, in their order: the base variant grey. None is a colour that outcomes have.
