@@ -60,7 +60,9 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
         ));
     }
     let files = all.into_iter().filter(|(.., drawings)| !drawings.is_empty());
-    let files = files.map(|(name, title, legend, drawings)| files_of(name, title, &legend, if name == "heat_maps" { 2 } else { 3 }, &drawings));
+    let files = files.map(|(name, title, legend, drawings)| {
+        files_of(name, title, &legend, if name == "heat_maps" { 2 } else { 3 }, &drawings)
+    });
     Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
 }
 

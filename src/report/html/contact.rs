@@ -129,16 +129,20 @@ fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
 /// How well the photo is placed, and when and how it was taken, where that is known.
 fn facts(p: &ScoredPhoto) -> Vec<String> {
     let quality = p.rms_px.zip(p.sigma).map(|(rms_px, sigma)| {
-        format!(
-            "pose: σ {:.1}° {:.1}° {:.0} mm, rms {rms_px:.2} px",
-            sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm
-        )
+        let [azimuth, pitch, distance] = [sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm].map(two_digits);
+        format!("pose: σ azimuth {azimuth}°, pitch {pitch}°, distance {distance} mm; rms {rms_px:.2} px")
     });
     quality
         .into_iter()
         .chain(p.taken.clone())
         .chain(p.exposure.clone())
         .collect()
+}
+
+/// A size with two digits that count, at most four behind the point.
+fn two_digits(size: f64) -> String {
+    let digits = (1.0 - size.max(1e-3).log10().floor()).clamp(0.0, 4.0) as usize;
+    format!("{size:.digits$}")
 }
 
 fn direction(p: &ScoredPhoto) -> String {

@@ -54,7 +54,13 @@ pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
 
 /// Some steps of the colour scale, with what they mean.
 pub(in crate::report) fn legend() -> Vec<(String, String)> {
-    let steps = [("mean confidence 0", 0.0), ("0.25", 0.25), ("0.5", 0.5), ("0.75", 0.75), ("1", 1.0)];
+    let steps = [
+        ("mean confidence 0", 0.0),
+        ("0.25", 0.25),
+        ("0.5", 0.5),
+        ("0.75", 0.75),
+        ("1", 1.0),
+    ];
     steps.map(|(name, share)| (shade(share), name.to_owned())).to_vec()
 }
 
