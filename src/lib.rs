@@ -92,9 +92,9 @@ pub use report::{ReportError, summary_table, write as write_report};
 pub use scene::{Bin, Bins, Classes, Envelope, ScaleModel, Scene, Tag, TagFamily, Viewpoint};
 pub use score::{
     ApDefinition, Cache, CompareError, Comparison, Criteria, EvaluatedDetector, EvaluatedDetectorError, NotScored,
-    Options, ScoreError, ScoredPhoto, Scores, compare, score,
+    Options, Protocol, ScoreError, ScoredPhoto, Scores, compare, score,
 };
-pub use session::{PhotoEntry, Session, SessionError};
+pub use session::{Conditions, PhotoEntry, Session, SessionError};
 pub use tags::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
 
 #[cfg(feature = "attack")]

@@ -5,6 +5,7 @@ mod decode;
 mod heif;
 mod lens;
 mod problem;
+mod shot;
 mod structure;
 
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ pub(crate) use decode::open_png;
 pub(crate) use heif::reads_heif;
 pub(crate) use lens::Lens;
 use problem::DecodeProblem;
+use shot::Shot;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -130,6 +132,11 @@ impl Photo {
     /// What EXIF says about the lens.
     pub fn lens(&self) -> Lens {
         self.exif.clone().map(Lens::from_exif).unwrap_or_default()
+    }
+
+    /// When and how it was taken, as EXIF says.
+    pub(crate) fn shot(&self) -> Shot {
+        self.exif.clone().map(Shot::from_exif).unwrap_or_default()
     }
 
     /// How many bytes decoding at 1/`reduction` of the size holds.

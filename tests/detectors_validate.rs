@@ -83,7 +83,13 @@ fn what_a_manifest_says_otherwise_than_its_origin_is_named() {
     );
     let ap = report["averages"]["ap_50_95"].as_f64().unwrap();
     assert!(ap > 0.5, "{report}");
+    // On these 8 photos a stretched input finds more, by a chance that resampled photos show.
     assert_eq!(report["trials"]["explained_by"], Value::Null, "{report}");
+    let text = stdout(&validate(&right, &labels, &[]));
+    assert!(
+        text.contains("none of these changes gains 0.02 beyond chance"),
+        "{text}"
+    );
     // As published, nothing is tried.
     let output = validate(&right, &labels, &["--published", &format!("{:.3}", ap - 0.005)]);
     let text = stdout(&output);
@@ -96,11 +102,6 @@ fn what_a_manifest_says_otherwise_than_its_origin_is_named() {
             "std = [1.0, 1.0, 1.0]",
             "std = [255.0, 255.0, 255.0]",
             "values 0 to 255",
-        ),
-        (
-            "letterbox_top_left",
-            "letterbox_centre_rounded",
-            "resize letterbox_top_left",
         ),
         (
             "labels = \"coco80\"",

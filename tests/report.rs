@@ -63,7 +63,7 @@ const GREEN: [u8; 3] = [0x2e, 0x8b, 0x57];
 fn the_page_shows_tables_charts_and_bordered_photos() {
     let out = tempfile::tempdir().unwrap();
     let url = report(out.path());
-    let picture = screenshot(&url, out.path(), 1280, 4600);
+    let picture = screenshot(&url, out.path(), 1280, 5600);
     // YOLOX-Nano, the detector that is chosen first: 10 photos found, 6 missed. A border is about 1000 pixels or more.
     let (red, green) = (count(&picture, RED), count(&picture, GREEN));
     assert!(red > 6_000 && green > 10_000, "{red} red and {green} green pixels");
@@ -76,11 +76,11 @@ fn the_page_shows_tables_charts_and_bordered_photos() {
         page.replace("data:image/jpeg;base64,", "data:,"),
     )
     .unwrap();
-    let bare = screenshot(&url.replace("report.html", "bare.html"), out.path(), 1280, 4600);
+    let bare = screenshot(&url.replace("report.html", "bare.html"), out.path(), 1280, 5600);
     let changed = picture.pixels().zip(bare.pixels()).filter(|(a, b)| a != b).count();
     assert!(changed > 250_000, "only {changed} pixels come from the embedded photos");
-    // The polar charts: the line of `random` in its colour.
-    assert!(count(&picture, [0xd1, 0x49, 0x5b]) > 300);
+    // The polar charts: the dots of `random` in its colour, and the curves.
+    assert!(count(&picture, [0x0f, 0x7f, 0x8c]) > 300);
 }
 
 /// How wide the page is laid out, and how wide it wants to be, in a frame of a phone's width; what is wider scrolls in itself.

@@ -26,7 +26,7 @@ use crate::geometry::rigid;
 use crate::locate::Located;
 use crate::photo::{Budget, Photo};
 use crate::scene::{Bin, Scene, Viewpoint};
-use crate::session::PhotoEntry;
+use crate::session::{Conditions, PhotoEntry};
 use crate::tags::SeenTag;
 
 pub(crate) use advice::Advice;
@@ -266,6 +266,7 @@ impl Capture {
                 taken: frame.taken.clone(),
                 box_xyxy_px: None,
                 viewpoint: None,
+                conditions: Conditions::new(),
             },
             sha256: sha256.clone(),
             source: frame.name.clone(),

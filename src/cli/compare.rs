@@ -4,8 +4,9 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::criteria::Reading;
 use super::{CommandResult, Outcome, at_hand, detectors, results, score as score_command, sessions};
-use crate::score::{self, ApDefinition, CompareError, Criteria};
+use crate::score::{self, CompareError};
 use crate::{files, report};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
@@ -23,9 +24,8 @@ pub(super) struct Args {
     folder: detectors::Folder,
     #[command(flatten)]
     results: results::Results,
-    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
-    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
-    ap: ApDefinition,
+    #[command(flatten)]
+    reading: Reading,
     /// Compare the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
     #[arg(long)]
     recorded: bool,
@@ -62,14 +62,11 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     )?;
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
-    let criteria = Criteria {
-        ap: args.ap,
-        ..Criteria::default()
-    };
+    let criteria = args.reading.criteria()?;
     let options = args.effort.options(&detectors)?;
     let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
     let scores = scores.judged_by(criteria).against(&args.base);
-    let comparison = score::compare(&scores, &args.base, args.ap)?;
+    let comparison = score::compare(&scores, &args.base, criteria.ap)?;
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);
     for photo in comparison.unpaired.iter().take(MOST_LISTED) {

@@ -36,7 +36,7 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let criteria = args.judging.criteria()?;
+    let criteria = args.judging.reading.criteria()?;
     let (run, observed) = shard::whole_run(&args.shards)?;
     let sessions = run.sessions()?;
     let networks = match run.chosen() {
@@ -45,8 +45,12 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     };
     let detectors = run.detectors(networks, &sessions)?;
     files::check_writable(&args.output)?;
+    args.judging.tables.check(&sessions)?;
+    let patterns = args.judging.patterns.of(&sessions)?;
     let speeds = args.judging.speeds(&detectors)?;
-    let scores = score::merge(sessions, detectors, observed, run.runtime)?.judged_by(criteria);
+    let scores = score::merge(sessions, detectors, observed, run.runtime)?;
+    let mut scores = args.judging.tables.made(scores, criteria)?;
+    scores.patterns = patterns;
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     score_command::show(&scores, speeds.as_ref(), &page, args.json, out)
 }

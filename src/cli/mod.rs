@@ -18,6 +18,7 @@ mod colour;
 mod compare;
 mod completions;
 mod copies;
+mod criteria;
 mod demo;
 mod detectors;
 mod enlarged;
@@ -30,6 +31,7 @@ mod model;
 mod output;
 mod overview;
 mod pattern;
+mod patterns;
 mod plan;
 mod print;
 mod progress;
@@ -113,6 +115,7 @@ const ADVICE: &[advice::Advise] = &[
     #[cfg(feature = "full")]
     attack::advice,
     compare::advice,
+    criteria::advice,
     detectors::advice,
     locate::advice,
     merge::advice,

@@ -1,9 +1,11 @@
 //! `scaleproof plan`: how many photos show a drop?
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome};
-use crate::score;
+use crate::scene::Scene;
+use crate::{score, spelling};
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
 ///
@@ -11,8 +13,14 @@ use crate::score;
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// The drop of the hit rate that shall be shown, 0 to 1.
-    #[arg(long)]
-    drop: f64,
+    #[arg(long, required_unless_present = "scene")]
+    drop: Option<f64>,
+    /// The scene whose bins are photographed: a table of places, photos and the smallest drop they show.
+    #[arg(long, value_name = "TOML", conflicts_with = "bins")]
+    scene: Option<PathBuf>,
+    /// With --scene: places that are planned.
+    #[arg(long, default_value_t = 1, requires = "scene", value_parser = clap::value_parser!(u16).range(1..=200))]
+    places: u16,
     /// Hit rate expected of the base texture.
     #[arg(long, default_value_t = 0.9)]
     base_rate: f64,
@@ -28,12 +36,17 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
+    if let Some(scene) = &args.scene {
+        return table(&args, scene, out);
+    }
+    // The option is required without a scene.
+    let drop = args.drop.unwrap_or_default();
     let bins = usize::from(args.bins);
-    let pairs = score::pairs_needed(args.base_rate, args.drop, args.power, 0.05 / bins as f64)?;
+    let pairs = score::pairs_needed(args.base_rate, drop, args.power, 0.05 / bins as f64)?;
     if args.json {
         let plan = serde_json::json!({
             "pairs": pairs * bins, "pairs_per_bin": pairs, "bins": bins, "photos": 2 * pairs * bins, "base_rate": args.base_rate,
-            "drop": args.drop, "power": args.power,
+            "drop": drop, "power": args.power,
         });
         writeln!(out, "{plan}")?;
         return Ok(Outcome::Done);
@@ -43,7 +56,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     } else {
         String::new()
     };
-    let digits = decimals(args.base_rate).max(decimals(args.drop));
+    let digits = decimals(args.base_rate).max(decimals(drop));
     writeln!(
         out,
         "{pairs} pairs{each}: {} photos, one of each texture at each place and bin.\n\
@@ -51,11 +64,74 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
          bin count as one.",
         2 * pairs * bins,
         args.base_rate,
-        args.base_rate - args.drop,
+        args.base_rate - drop,
         args.power
     )?;
     Ok(Outcome::Done)
 }
+
+/// Places, photos and the smallest drop they show, for the bins of a scene.
+fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
+    let bins = &Scene::open(scene)?.bins;
+    let bins = bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len();
+    let needed = match args.drop {
+        Some(drop) => Some(score::pairs_needed(args.base_rate, drop, args.power, 0.05)?),
+        // What is wrong with the other numbers is found out in any case.
+        None => score::pairs_needed(args.base_rate, args.base_rate, args.power, 0.05).map(|_| None)?,
+    };
+    let planned = usize::from(args.places);
+    let places = needed.map(|pairs| pairs.div_ceil(bins));
+    let mut rows: Vec<usize> = PLACES.into_iter().chain([planned]).chain(places).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    rows.retain(|row| *row <= 2 * planned.max(places.unwrap_or(planned)).max(3));
+    let drop = |places: usize| score::smallest_drop(places * bins, args.base_rate, args.power, 0.05);
+    if args.json {
+        let row = |places: &usize| {
+            serde_json::json!({
+                "places": places, "photos_per_bin": places, "pairs": places * bins, "photos": 2 * places * bins, "smallest_drop": drop(*places),
+            })
+        };
+        let plan = serde_json::json!({
+            "bins": bins, "base_rate": args.base_rate, "power": args.power, "planned_places": planned, "drop": args.drop,
+            "places_needed": places, "table": rows.iter().map(row).collect::<Vec<_>>(),
+        });
+        writeln!(out, "{plan}")?;
+        return Ok(Outcome::Done);
+    }
+    writeln!(
+        out,
+        "{:<8}{:<26}{:<8}{:<8}smallest drop shown",
+        "places", "photos a bin and texture", "pairs", "photos"
+    )?;
+    for places in rows {
+        let drop = drop(places).map_or("none".to_owned(), |drop| format!("{drop:.2}"));
+        let mark = if places == planned { "  ← planned" } else { "" };
+        writeln!(
+            out,
+            "{places:<8}{places:<26}{:<8}{:<8}{drop}{mark}",
+            places * bins,
+            2 * places * bins
+        )?;
+    }
+    if let (Some(drop), Some(pairs), Some(places)) = (args.drop, needed, places) {
+        writeln!(
+            out,
+            "A drop of {drop} needs {pairs} pairs: {}.",
+            spelling::count(places, "place")
+        )?;
+    }
+    writeln!(
+        out,
+        "{bins} bins, one photo of each texture at each place and bin; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05, all bins \
+         together).\nPhotos of one place are alike, and from six places on `compare` takes each as one cluster: rather more places than more bins.",
+        args.base_rate, args.power
+    )?;
+    Ok(Outcome::Done)
+}
+
+/// Rows that are there whatever is planned.
+const PLACES: [usize; 7] = [1, 2, 3, 5, 10, 20, 50];
 
 /// How many digits a number has behind its point.
 fn decimals(number: f64) -> usize {

@@ -4,10 +4,12 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::criteria::{Reading, Tables};
+use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
-use crate::detect::{Manifest, Runtime, SCORE_FLOOR, SpeedError, Speeds, chosen_as};
+use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
-use crate::score::{self, ApDefinition, Cache, Criteria, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
+use crate::score::{self, Cache, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
 use crate::session::Session;
 use crate::{files, report, workers};
 
@@ -44,7 +46,7 @@ pub(super) struct Args {
     replace: bool,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "speed"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
@@ -54,31 +56,18 @@ pub(super) struct Args {
 /// What is made of what was found: nothing of it needs the photos again.
 #[derive(clap::Args)]
 pub(super) struct Judging {
-    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
-    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name)]
-    ap: ApDefinition,
-    /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
-    #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE)]
-    confidence: f64,
+    #[command(flatten)]
+    pub(super) reading: Reading,
+    #[command(flatten)]
+    pub(super) tables: Tables,
+    #[command(flatten)]
+    pub(super) patterns: Patterns,
     /// File of `scaleproof detectors speed`: the report then charts AP against milliseconds a photo.
     #[arg(long, value_name = "FILE")]
     speed: Option<PathBuf>,
 }
 
 impl Judging {
-    pub(super) fn criteria(&self) -> Result<Criteria, String> {
-        if !(SCORE_FLOOR..=1.0).contains(&self.confidence) {
-            let confidence = self.confidence;
-            return Err(format!(
-                "--confidence is {confidence}: give a number from {SCORE_FLOOR} to 1"
-            ));
-        }
-        Ok(Criteria {
-            ap: self.ap,
-            hit_confidence: self.confidence,
-        })
-    }
-
     pub(super) fn speeds(&self, detectors: &[EvaluatedDetector]) -> Result<Option<Speeds>, SpeedError> {
         self.speed.as_deref().map(|path| speeds(path, detectors)).transpose()
     }
@@ -133,7 +122,7 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let criteria = args.judging.criteria()?;
+    let criteria = args.judging.reading.criteria()?;
     let opened = args.photos.open()?;
     for (option, is_given) in [
         ("--recorded", args.recorded),
@@ -156,6 +145,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
             format!("--record stores the detections of networks, and {name} is a program: leave it out").into(),
         );
     }
+    args.judging.tables.check(&opened.sessions)?;
+    let patterns = args.judging.patterns.of(&opened.sessions)?;
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
     }
@@ -170,7 +161,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         }
         return Ok(Outcome::Done);
     }
-    let scores = score_with_progress(opened.sessions, detectors, &options)?.judged_by(criteria);
+    let scores = score_with_progress(opened.sessions, detectors, &options)?;
+    let mut scores = args.judging.tables.made(scores, criteria)?;
+    scores.patterns = patterns;
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
         score::record(&scores)?;

@@ -3,10 +3,12 @@
 //! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
 
 mod axis;
+mod drawing;
 mod panels;
 mod scatter;
 
 pub(crate) use axis::{PlotAxis, Scale, tick_label};
+pub(crate) use drawing::{Drawing, figure};
 pub(crate) use panels::{PlotLine, PlotPanel, panels};
 pub(crate) use scatter::{Cloud, Dot, scatter};
 

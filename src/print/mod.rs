@@ -1,7 +1,7 @@
 //! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] makes files of them by [`pdf`] or [`svg`].
 //!
 //! One file or folder per kind of print, each with its request and its error: [`template`], [`paint`], [`wrap`], [`patch`], [`tags`], `board`,
-//! [`chart`], [`check`]. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
+//! [`chart`], [`check`]; [`figure`] makes PDFs of charts. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `lettering`, `shapes`.
 
 #[cfg(feature = "full")]
 pub(crate) mod board;
@@ -9,6 +9,7 @@ mod buckets;
 pub(crate) mod chart;
 pub(crate) mod check;
 pub(crate) mod date;
+pub(crate) mod figure;
 pub(crate) mod frame;
 pub(crate) mod lettering;
 pub(crate) mod output;

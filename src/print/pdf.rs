@@ -1,6 +1,6 @@
 //! Sheets → PDF, by `printpdf`, in true size. The same sheets give the same bytes: no date, no random ids.
 
-mod font;
+pub(super) mod font;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -87,7 +87,7 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
 }
 
 /// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
-fn bytes_of(mut document: Document) -> Result<Vec<u8>, SheetError> {
+pub(super) fn bytes_of(mut document: Document) -> Result<Vec<u8>, SheetError> {
     let failed = |e: std::io::Error| SheetError::Pdf { reason: e.to_string() };
     document.compress();
     document.trailer.remove(b"ID");
@@ -101,7 +101,7 @@ fn bytes_of(mut document: Document) -> Result<Vec<u8>, SheetError> {
     Ok(bytes)
 }
 
-fn name(text: &str) -> Object {
+pub(super) fn name(text: &str) -> Object {
     Object::Name(text.as_bytes().to_vec())
 }
 

@@ -35,7 +35,24 @@ struct Image<'a> {
     /// Azimuth, pitch and distance, where they are known.
     #[serde(flatten)]
     viewpoint: Option<Viewpoint>,
+    /// Weather, light and others, which `session import` keeps.
+    #[serde(flatten)]
+    conditions: BTreeMap<&'a str, &'a str>,
 }
+
+/// Conditions of these names would be taken for what COCO and the keys above mean by them.
+const KEYS: [&str; 10] = [
+    "place",
+    "id",
+    "file_name",
+    "width",
+    "height",
+    "variant",
+    "session",
+    "azimuth_deg",
+    "pitch_deg",
+    "distance_mm",
+];
 
 #[derive(Serialize)]
 struct Annotation {
@@ -145,6 +162,7 @@ pub(super) fn annotations(
 }
 
 fn image<'a>(scores: &Scores, p: &'a ScoredPhoto, file_name: String) -> Image<'a> {
+    let conditions = p.conditions.iter().map(|(name, value)| (name.as_str(), value.as_str()));
     Image {
         id: p.id,
         file_name,
@@ -154,6 +172,7 @@ fn image<'a>(scores: &Scores, p: &'a ScoredPhoto, file_name: String) -> Image<'a
         session: scores.sessions[p.session].name.clone(),
         place: p.place.as_deref(),
         viewpoint: p.viewpoint,
+        conditions: conditions.filter(|(name, _)| !KEYS.contains(name)).collect(),
     }
 }
 

@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, counted, latex, p_value};
+use super::{ReportError, counted, figures, latex, p_value, paired};
+use crate::files;
 use crate::score::{Comparison, Difference, NotScored, Scores, comparison_definitions};
-use crate::{files, spelling};
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -30,7 +30,7 @@ pub(crate) fn write_comparison(
     comparison: &Comparison,
 ) -> Result<PathBuf, ReportError> {
     let page = folder.join("comparison.html");
-    files::replace_all_atomically(&[
+    let mut all = vec![
         (page.clone(), page::render(scores, comparison).into_bytes()),
         (
             folder.join("comparison.tex"),
@@ -40,7 +40,10 @@ pub(crate) fn write_comparison(
             folder.join("comparison.json"),
             comparison_json(scores, comparison)?.into_bytes(),
         ),
-    ])?;
+    ];
+    let figures = figures::of_comparison(scores, comparison)?;
+    all.extend(figures.into_iter().map(|(name, content)| (folder.join(name), content)));
+    files::replace_all_atomically(&all)?;
     Ok(page)
 }
 
@@ -62,12 +65,7 @@ pub(crate) fn comparison_table(comparison: &Comparison) -> String {
     let mut lines = Vec::new();
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
-        let from = spelling::choose(r.clusters, "place × bin", "places × bins");
-        lines.push(format!(
-            "{head}, {} from {} {from}",
-            spelling::count(r.pairs, "pair"),
-            r.clusters
-        ));
+        lines.push(format!("{head}, {}", paired::basis(r)));
         let p = format!("McNemar p {}: ", p_value(r.hit_rate.mcnemar_p));
         lines.push(line("hit rate", &r.hit_rate.rate, &p));
         lines.push(line("mean confidence", &r.mean_confidence, ""));
@@ -81,12 +79,11 @@ pub(crate) fn comparison_table(comparison: &Comparison) -> String {
 }
 
 fn line(name: &str, d: &Difference, test: &str) -> String {
-    let interval = d
-        .interval_95
-        .map_or("no interval".to_owned(), |i| format!("[{:.2}, {:.2}]", i.low, i.high));
-    let finding = page::in_words(d.finding);
+    let number = |v: f64| format!("{v:.2}");
+    let interval = paired::interval(d, number).unwrap_or_else(|| "no interval".to_owned());
+    let (asr, finding) = (paired::asr(d, number), paired::in_words(d.finding));
     format!(
-        "  {name:<24} {:.3} → {:.3}, drop {:.3} {interval}  {test}{finding}",
+        "  {name:<24} {:.3} → {:.3}, drop {:.3} {interval}, ASR {asr}  {test}{finding}",
         d.base, d.other, d.drop
     )
 }

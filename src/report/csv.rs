@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{ReportError, csv_of, other_label};
-use crate::score::{EvaluatedDetector, NotScored, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, NotScored, Protocol, ScoredPhoto, Scores, Verdict};
 
 #[derive(Serialize, Default)]
 struct PhotoRow<'a> {
@@ -12,6 +12,7 @@ struct PhotoRow<'a> {
     file: &'a str,
     variant: &'a str,
     place: &'a str,
+    conditions: String,
     status: &'static str,
     reason: &'a str,
     azimuth_deg: Option<f64>,
@@ -35,6 +36,8 @@ struct PhotoRow<'a> {
     misclassified: Option<bool>,
     disappeared: Option<bool>,
     hallucinations: Option<usize>,
+    false_positives: Option<usize>,
+    protocol: &'static str,
 }
 
 pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
@@ -54,6 +57,7 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &
         file: &photo.file,
         variant: &photo.variant,
         place: photo.place.as_deref().unwrap_or_default(),
+        conditions: conditions(photo),
         status: "scored",
         azimuth_deg: viewpoint.map(|v| v.azimuth_deg),
         pitch_deg: viewpoint.map(|v| v.pitch_deg),
@@ -76,8 +80,16 @@ fn scored<'a>(scores: &Scores, photo: &'a ScoredPhoto, index: usize, detector: &
         misclassified: Some(outcome.is_misclassified()),
         disappeared: Some(outcome.has_disappeared()),
         hallucinations: Some(outcome.hallucinations),
+        false_positives: Some(outcome.false_positives),
+        protocol: scores.criteria.protocol.map_or("", Protocol::name),
         ..PhotoRow::default()
     }
+}
+
+/// `lux=300; weather=rain`
+fn conditions(photo: &ScoredPhoto) -> String {
+    let all = photo.conditions.iter().map(|(name, value)| format!("{name}={value}"));
+    all.collect::<Vec<_>>().join("; ")
 }
 
 fn not_scored(photo: &NotScored) -> PhotoRow<'_> {

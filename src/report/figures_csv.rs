@@ -1,23 +1,29 @@
-//! `figures.csv`: one line per detector, variant and group of photos: all of them, an azimuth, a cell, a place.
+//! `figures.csv`: one line per detector, variant and group of photos: all of them, an azimuth, a cell, a place, a value of a condition.
 
 use serde::Serialize;
 
 use super::{ReportError, csv_of};
-use crate::score::{Drop, Figures, Rate, Scores, Summary};
+use crate::score::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
 
 #[derive(Serialize, Default)]
 struct FigureRow<'a> {
     detector: &'a str,
     variant: &'a str,
-    /// `all`, `azimuth`, `cell` (azimuth × pitch × distance) or `place`.
+    /// `all`, `azimuth`, `cell` (azimuth × pitch × distance), `place` or `condition`.
     group: &'static str,
     bin_azimuth_deg: Option<f64>,
     bin_pitch_deg: Option<f64>,
     bin_distance_mm: Option<f64>,
     place: &'a str,
+    condition: &'a str,
+    value: &'a str,
     photos: usize,
+    protocol: &'static str,
     ap_definition: &'static str,
     ap50: Option<f64>,
+    ap50_95: Option<f64>,
+    mar50: Option<f64>,
+    mar: Option<f64>,
     hit_confidence: f64,
     hits: Option<usize>,
     hit_rate: Option<f64>,
@@ -32,12 +38,16 @@ struct FigureRow<'a> {
     disappearance_rate_low: Option<f64>,
     disappearance_rate_high: Option<f64>,
     hallucinations_per_image: Option<f64>,
+    false_positives_per_image: Option<f64>,
     mean_confidence: Option<f64>,
     median_confidence: Option<f64>,
     drop_ap50: Option<f64>,
     drop_hit_rate: Option<f64>,
     drop_mean_confidence: Option<f64>,
     drop_median_confidence: Option<f64>,
+    asr_ap50: Option<f64>,
+    asr_mar50: Option<f64>,
+    asr_hit_rate: Option<f64>,
 }
 
 pub(super) fn render(scores: &Scores) -> Result<String, ReportError> {
@@ -49,11 +59,18 @@ fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<FigureRow<'a>> {
         detector: &s.detector,
         variant: &s.variant,
         group,
+        protocol: scores.criteria.protocol.map_or("", Protocol::name),
         ap_definition: scores.criteria.ap.name(),
         hit_confidence: scores.criteria.hit_confidence,
         ..numbers(figures, drop)
     };
-    let all = row("all", Some(&s.overall), s.drop);
+    let with_asr = |row: FigureRow<'a>, asr: Option<Asr>| FigureRow {
+        asr_ap50: asr.and_then(|a| a.ap50),
+        asr_mar50: asr.and_then(|a| a.mar50),
+        asr_hit_rate: asr.and_then(|a| a.hit_rate),
+        ..row
+    };
+    let all = with_asr(row("all", Some(&s.overall), s.drop), s.asr);
     let azimuths = s.azimuth_bins.iter().map(|b| FigureRow {
         bin_azimuth_deg: Some(b.azimuth_deg),
         ..row("azimuth", b.figures.as_ref(), b.drop)
@@ -68,7 +85,13 @@ fn rows<'a>(scores: &'a Scores, s: &'a Summary) -> Vec<FigureRow<'a>> {
         place: p.place.as_deref().unwrap_or_default(),
         ..row("place", Some(&p.figures), p.drop)
     });
-    [all].into_iter().chain(azimuths).chain(cells).chain(places).collect()
+    let conditions = s.conditions.iter().map(|c| FigureRow {
+        condition: &c.condition,
+        value: &c.value,
+        ..with_asr(row("condition", Some(&c.figures), c.drop), c.asr)
+    });
+    let groups = azimuths.chain(cells).chain(places).chain(conditions);
+    [all].into_iter().chain(groups).collect()
 }
 
 /// The columns of figures; a group without photos has none but its zero.
@@ -79,6 +102,9 @@ fn numbers<'a>(figures: Option<&Figures>, drop: Option<Drop>) -> FigureRow<'a> {
     FigureRow {
         photos: figures.map_or(0, |f| f.photos),
         ap50: figures.map(|f| f.ap50),
+        ap50_95: figures.map(|f| f.ap50_95),
+        mar50: figures.map(|f| f.mar50),
+        mar: figures.map(|f| f.mar),
         hits: hit.map(|r| r.count),
         hit_rate: hit.map(|r| r.rate),
         hit_rate_low: hit.map(|r| r.low),
@@ -92,6 +118,7 @@ fn numbers<'a>(figures: Option<&Figures>, drop: Option<Drop>) -> FigureRow<'a> {
         disappearance_rate_low: gone.map(|r| r.low),
         disappearance_rate_high: gone.map(|r| r.high),
         hallucinations_per_image: figures.map(|f| f.hallucinations_per_image),
+        false_positives_per_image: figures.map(|f| f.false_positives_per_image),
         mean_confidence: figures.map(|f| f.mean_confidence),
         median_confidence: figures.map(|f| f.median_confidence),
         drop_ap50: drop.map(|d| d.ap50),

@@ -1,16 +1,16 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
 
 use super::evaluation::Evaluation;
-use super::{p_value, rounded};
+use super::{p_value, paired, rounded};
 use crate::score::{
-    BASE_VARIANT, Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, MATCH_IOU, Scores, Summary,
+    Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, Scores, Summary, disagreements,
 };
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
 pub(super) fn table(scores: &Scores) -> String {
     let mut lines = vec![
         comment(scores),
-        "\\begin{tabular}{llrrrrlrrr}".into(),
+        "\\begin{tabular}{llrrlrllrl}".into(),
         "\\toprule".into(),
     ];
     lines.push(row([
@@ -18,19 +18,19 @@ pub(super) fn table(scores: &Scores) -> String {
         "Texture",
         "Photos",
         "AP@0.5",
-        "Drop",
+        "Drop, 95\\,\\%",
         "Hits",
         "Hit rate, 95\\,\\%",
-        "Drop",
+        "Drop, 95\\,\\%",
         "Confidence",
-        "Drop",
+        "Drop, 95\\,\\%",
     ]
     .map(String::from)));
     for own in scores.summaries.chunk_by(|a, b| a.detector == b.detector) {
         lines.push("\\midrule".into());
         lines.extend(own.iter().enumerate().map(|(i, s)| {
             let title = if i == 0 { scores.title(&s.detector) } else { "" };
-            row(cells(title, s))
+            row(cells(scores, title, s))
         }));
     }
     lines.extend(["\\bottomrule".into(), "\\end{tabular}\n".into()]);
@@ -39,13 +39,24 @@ pub(super) fn table(scores: &Scores) -> String {
 
 fn comment(scores: &Scores) -> String {
     let criteria = &scores.criteria;
+    let sign = if criteria.sign() == ">" { ">" } else { ">=" };
+    let explained = disagreements(scores)
+        .into_iter()
+        .map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")));
+    let explained: String = explained.collect();
     format!(
-        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.\n\
-         % Hit: confidence >= {} and IoU >= {MATCH_IOU}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {BASE_VARIANT} minus texture.\n\
-         % Counts as the model: {}.",
+        "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
+         % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
+         % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown at 5 %; dagger: too few photos to tell;\n\
+         % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
+        criteria
+            .protocol
+            .map_or(String::new(), |p| format!(" Protocol: {}.", p.name())),
         criteria.hit_confidence,
+        criteria.match_iou(),
+        scores.base.replace(char::is_control, " "),
         commented(scores),
     )
 }
@@ -55,20 +66,25 @@ fn commented(scores: &Scores) -> String {
     super::counted(scores).replace(char::is_control, " ")
 }
 
-fn cells(title: &str, s: &Summary) -> [String; 10] {
+fn cells(scores: &Scores, title: &str, s: &Summary) -> [String; 10] {
     let (f, r) = (&s.overall, &s.overall.hit_rate);
-    let drop = |of: fn(&Drop) -> f64, digits| s.drop.map_or(String::new(), |d| number(of(&d), digits));
+    let compared = paired::compared(scores, &s.detector, &s.variant);
+    let drop = |overall: fn(&Drop) -> f64, of: fn(&Compared) -> &Difference| match (compared, s.drop) {
+        (Some(r), _) => drop_cell(of(r)),
+        (None, Some(drop)) => format!("{}$^\\ddagger$", number(overall(&drop), 2)),
+        (None, None) => String::new(),
+    };
     [
         escaped(title),
         escaped(&s.variant),
         f.photos.to_string(),
         number(f.ap50, 3),
-        drop(|d| d.ap50, 3),
+        drop(|d| d.ap50, |r| &r.ap50),
         format!("{}/{}", r.count, f.photos),
         format!("{} [{}, {}]", number(r.rate, 2), number(r.low, 2), number(r.high, 2)),
-        drop(|d| d.hit_rate, 2),
+        drop(|d| d.hit_rate, |r| &r.hit_rate.rate),
         number(f.mean_confidence, 2),
-        drop(|d| d.mean_confidence, 2),
+        drop(|d| d.mean_confidence, |r| &r.mean_confidence),
     ]
 }
 
@@ -80,9 +96,11 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         "Pairs",
         "AP@0.5",
         "Drop, 95\\,\\%",
+        "ASR, 95\\,\\%",
         "Hit rate",
         "Drop, 95\\,\\%",
         "$p$",
+        "ASR, 95\\,\\%",
         "Confidence",
         "Drop, 95\\,\\%",
     ];
@@ -90,15 +108,21 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         format!(
             "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
              % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
-             % dagger: too few photos to tell. Counts as the model: {}.",
+             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: from confidence {}{}. Counts as the model: {}.",
             env!("CARGO_PKG_VERSION"),
             comparison.ap_definition,
             comparison.base,
             comparison.bootstrap_draws,
             comparison.bootstrap_seed,
+            comparison.base,
+            scores.criteria.hit_confidence,
+            scores
+                .criteria
+                .protocol
+                .map_or(String::new(), |p| format!(", protocol {}", p.name())),
             commented(scores)
         ),
-        "\\begin{tabular}{llrrlrlrrl}".into(),
+        "\\begin{tabular}{llrrllrlrlrl}".into(),
         "\\toprule".into(),
         row(heads.map(String::from)),
         "\\midrule".into(),
@@ -108,7 +132,8 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
     lines.join("\n")
 }
 
-fn compared_cells(scores: &Scores, r: &Compared) -> [String; 10] {
+fn compared_cells(scores: &Scores, r: &Compared) -> [String; 12] {
+    let asr = |d: &Difference| paired::asr(d, |v| number(v, 2)).replace('–', "--");
     let both = |d: &Difference, digits| format!("{} / {}", number(d.base, digits), number(d.other, digits));
     [
         escaped(scores.title(&r.detector)),
@@ -116,9 +141,11 @@ fn compared_cells(scores: &Scores, r: &Compared) -> [String; 10] {
         r.pairs.to_string(),
         both(&r.ap50, 3),
         drop_cell(&r.ap50),
+        asr(&r.ap50),
         both(&r.hit_rate.rate, 2),
         drop_cell(&r.hit_rate.rate),
         p_value(r.hit_rate.mcnemar_p).replace("= ", "").replace("< ", "$<$"),
+        asr(&r.hit_rate.rate),
         both(&r.mean_confidence, 2),
         drop_cell(&r.mean_confidence),
     ]
@@ -201,7 +228,7 @@ fn tabular(numbers: usize, rows: Vec<String>, heading_rows: usize) -> Vec<String
     lines
 }
 
-fn row(cells: [String; 10]) -> String {
+fn row<const N: usize>(cells: [String; N]) -> String {
     format!("{} \\\\", cells.join(" & "))
 }
 
@@ -212,7 +239,7 @@ fn number(value: f64, digits: usize) -> String {
 }
 
 /// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut tex = String::new();
     for c in text.chars() {
         match c {

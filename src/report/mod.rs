@@ -7,9 +7,12 @@ mod csv;
 mod evaluation;
 mod evaluation_files;
 mod export;
+mod figures;
 mod figures_csv;
 mod html;
 mod latex;
+mod paired;
+mod protocol;
 mod provenance;
 mod summary_json;
 mod table;
@@ -21,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
+use crate::print::SheetError;
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 
 pub(crate) use comparison::{comparison_json, comparison_table, write_comparison};
@@ -44,6 +48,8 @@ pub enum ReportError {
     Json(#[from] serde_json::Error),
     #[error("the report could not be put together: {0}")]
     Csv(#[from] ::csv::Error),
+    #[error(transparent)]
+    Figure(#[from] SheetError),
 }
 
 /// A table with a header, for spreadsheets.
@@ -70,19 +76,22 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         ("table.tex".to_owned(), latex::table(scores)),
         ("report.html".to_owned(), html::render(scores, speeds)),
     ];
+    contents.extend(protocol::files(scores)?);
     let categories = coco::Categories::of(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
         let results = coco_results(photos, |label| categories.id(detector, label))?;
         contents.push((results_name(&detector.manifest.name), results));
     }
+    let figures = figures::of_report(scores, speeds)?;
+    let contents = contents.into_iter().map(|(name, text)| (name, text.into_bytes()));
     let files: Vec<_> = contents
-        .into_iter()
-        .map(|(name, content)| (folder.join(name), content.into_bytes()))
+        .chain(figures)
+        .map(|(name, content)| (folder.join(name), content))
         .collect();
-    let before = detectors_before(folder);
+    let before = Before::of(folder);
     files::replace_all_atomically(&files)?;
-    remove_stale(folder, &before, &scores.detectors)?;
+    remove_stale(folder, &before, scores, speeds)?;
     Ok(folder.join("report.html"))
 }
 
@@ -94,32 +103,46 @@ pub(crate) fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> Result<S
     Ok(summary_json::render(scores, speeds)?)
 }
 
-/// The detectors of the report that is in the folder, if one is.
-fn detectors_before(folder: &Path) -> Vec<String> {
-    #[derive(Deserialize)]
-    struct Before {
-        results: Vec<Reported>,
-    }
-    #[derive(Deserialize)]
-    struct Reported {
-        detector: String,
-    }
-    let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();
-    let before: Option<Before> = serde_json::from_str(&text).ok();
-    let names = before.map_or_else(Vec::new, |before| before.results);
-    names.into_iter().map(|result| result.detector).collect()
+/// What an earlier report in the folder was of.
+#[derive(Deserialize, Default)]
+struct Before {
+    results: Vec<Reported>,
+    #[serde(default)]
+    protocol: Option<serde::de::IgnoredAny>,
 }
 
-/// Removes the COCO results an earlier run left for detectors that are not in this one: their ids mean other photos now.
-fn remove_stale(folder: &Path, before: &[String], detectors: &[EvaluatedDetector]) -> Result<(), ReportError> {
+#[derive(Deserialize)]
+struct Reported {
+    detector: String,
+}
+
+impl Before {
+    fn of(folder: &Path) -> Before {
+        let text = files::read_text(&folder.join(SUMMARY)).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+}
+
+/// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the table of
+/// a protocol; and the chart of times that were given then.
+fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
+    figures::stale(speeds)
+        .iter()
+        .try_for_each(|name| files::remove(&folder.join(name)))?;
+    if before.protocol.is_some() && scores.criteria.protocol.is_none() {
+        protocol::NAMES
+            .iter()
+            .try_for_each(|name| files::remove(&folder.join(name)))?;
+    }
     let built_in = Manifest::all()
         .unwrap_or_default()
         .into_iter()
         .map(|manifest| manifest.name);
     // The summary may be somebody else's: only what can be a detector's name becomes part of a path.
-    let names = before.iter().filter(|name| Manifest::is_name(name)).cloned();
+    let names = before.results.iter().map(|result| result.detector.clone());
+    let names = names.filter(|name| Manifest::is_name(name));
     for name in built_in.chain(names) {
-        if detectors.iter().all(|c| c.manifest.name != name) {
+        if scores.detectors.iter().all(|c| c.manifest.name != name) {
             files::remove(&folder.join(results_name(&name)))?;
         }
     }

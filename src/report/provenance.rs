@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::counted;
 use crate::detect::SCORE_FLOOR;
-use crate::score::{DetectionSource, EvaluatedDetector, MATCH_IOU, Scores};
+use crate::score::{DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
 use crate::tags::TagDetectorChoice;
 
 #[derive(Serialize)]
@@ -16,11 +16,15 @@ pub(super) struct Provenance {
     pub tag_detector: String,
     /// How AP@0.5 is computed.
     pub ap_definition: &'static str,
+    /// Whose definitions and thresholds these are.
+    pub protocol: Option<&'static str>,
     pub match_iou: f64,
     pub hit_confidence: f64,
     pub score_floor: f64,
     pub detectors: Vec<DetectorProvenance>,
     pub sessions: Vec<SessionProvenance>,
+    /// Of the textures whose patterns are known.
+    pub patterns: Vec<WornPattern>,
 }
 
 #[derive(Serialize)]
@@ -64,11 +68,13 @@ pub(super) fn of(scores: &Scores) -> Provenance {
         onnx_runtime: scores.runtime.clone(),
         tag_detector: TagDetectorChoice::default().provenance(),
         ap_definition: scores.criteria.ap.name(),
-        match_iou: MATCH_IOU,
+        protocol: scores.criteria.protocol.map(Protocol::name),
+        match_iou: scores.criteria.match_iou(),
         hit_confidence: scores.criteria.hit_confidence,
         score_floor: SCORE_FLOOR,
         detectors: scores.detectors.iter().map(detector).collect(),
         sessions: (0..scores.sessions.len()).map(|i| session(scores, i)).collect(),
+        patterns: scores.patterns.clone(),
     }
 }
 

@@ -7,7 +7,10 @@ use serde::Serialize;
 use super::counted;
 use super::provenance::{self, Provenance};
 use crate::detect::Speeds;
-use crate::score::{NotScored, Reliability, Scores, Summary, TransferRow, reliability, transfer};
+use crate::score::{
+    Compared, Curves, NotScored, ProtocolTable, Reliability, Scores, Summary, TransferRow, curves, disagreements,
+    paired, protocol_table, reliability, transfer,
+};
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -17,8 +20,17 @@ struct Page<'a> {
     /// How the figures called `ap50` are computed.
     ap_definition: &'static str,
     hit_confidence: f64,
+    /// The variant that drops are measured from.
+    base: &'a str,
+    /// The protocol that is followed, with its source and table.
+    protocol: Option<ProtocolTable>,
     results: &'a [Summary],
+    /// Each variant against the base on paired photos, as in `comparison.json`.
+    paired: Vec<&'a Compared>,
+    /// Where AP and hit rate disagree, and why.
+    explanations: Vec<String>,
     transfer: Vec<TransferRow>,
+    curves: Vec<Curves>,
     reliability: Vec<Reliability>,
     /// Times of the detectors, where a file of them was given.
     speed: Option<&'a Speeds>,
@@ -34,8 +46,13 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Re
         classes: counted::classes(scores).labels(),
         ap_definition: scores.criteria.ap.name(),
         hit_confidence: scores.criteria.hit_confidence,
+        base: &scores.base,
+        protocol: protocol_table(scores),
         results: &scores.summaries,
+        paired: paired(scores).iter().flat_map(|c| &c.results).collect(),
+        explanations: disagreements(scores),
         transfer: transfer(&scores.summaries),
+        curves: curves(scores),
         reliability: reliability(&scores.photos, &scores.detectors),
         speed: speeds,
         cautions: &scores.cautions,

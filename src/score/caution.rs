@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BASE_VARIANT, EvaluatedDetector, NotScored, ScoredPhoto};
+use super::{EvaluatedDetector, NotScored, ScoredPhoto, Summary};
+use crate::scene::{Bin, Envelope};
 use crate::session::Session;
 use crate::spelling;
+use crate::statistics::FEWEST_CLUSTERS;
 
 /// Every caution of a run, as sentences.
 pub(super) fn cautions(
@@ -12,11 +14,17 @@ pub(super) fn cautions(
     not_scored: &[NotScored],
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
+    (base, summaries): (&str, &[Summary]),
 ) -> Vec<String> {
     let mut cautions = Vec::new();
-    cautions.extend(no_base(photos, BASE_VARIANT));
+    cautions.extend(no_base(photos, base));
+    cautions.extend(few_clusters(photos, base));
+    cautions.extend(few_places(photos));
+    cautions.extend(hardly_found(summaries, base));
+    cautions.extend(no_control(photos, base));
     cautions.extend(copies(photos));
-    cautions.extend(uneven_directions(photos, BASE_VARIANT));
+    cautions.extend(uneven_directions(photos, base));
+    cautions.extend(loose_boxes(photos, sessions));
     cautions.extend(left_out(not_scored));
     cautions.extend(unknown_classes(sessions, detectors));
     cautions.extend(
@@ -32,15 +40,105 @@ pub(super) fn cautions(
     cautions
 }
 
-/// Those that a comparison with `base` depends on.
-pub(super) fn about_base(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
-    let uneven = uneven_directions(photos, base);
-    no_base(photos, base).into_iter().chain(uneven).collect()
-}
-
 fn no_base(photos: &[ScoredPhoto], base: &str) -> Option<String> {
     let has_base = photos.iter().any(|p| p.variant == base);
     (!has_base).then(|| format!("no photo has the variant “{base}”, so no drop can be given"))
+}
+
+/// Directions and places that a variant shares with the base, by which photos pair: too few of them leave every drop open.
+fn few_clusters(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
+    let mut seen: BTreeMap<&str, BTreeSet<(Bin, &str)>> = BTreeMap::new();
+    for (photo, bin) in photos.iter().filter_map(|p| Some((p, p.bin?))) {
+        let place = photo.place.as_deref().unwrap_or_default();
+        seen.entry(&photo.variant).or_default().insert((bin, place));
+    }
+    let Some(own) = seen.get(base) else {
+        return Vec::new();
+    };
+    let others = seen.iter().filter(|(variant, _)| **variant != base);
+    let shared = others.map(|(variant, cells)| (variant, cells.intersection(own).count()));
+    shared
+        .filter(|(_, shared)| *shared < FEWEST_CLUSTERS)
+        .map(|(variant, shared)| {
+            format!(
+                "“{variant}” and “{base}” share {} of place × direction, fewer than the {FEWEST_CLUSTERS} from which on a drop can be shown: whatever \
+                 the drop, it may be chance",
+                spelling::count(shared, "cell")
+            )
+        })
+        .collect()
+}
+
+/// What was found at one place need not hold at another.
+fn few_places(photos: &[ScoredPhoto]) -> Option<String> {
+    let places: BTreeSet<Option<&str>> = photos.iter().map(|p| p.place.as_deref()).collect();
+    match places.len() {
+        0 => None,
+        1 => Some(
+            "all photos are of one place: what is found holds for this place, this print and this light".to_owned(),
+        ),
+        few if few < FEWEST_CLUSTERS => Some(format!(
+            "the photos are of {few} places, fewer than {FEWEST_CLUSTERS}: the intervals take the directions of one place as independent, and hold for \
+             these places"
+        )),
+        _ => None,
+    }
+}
+
+/// A model that is missed as it is leaves little to drop.
+fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
+    let own = summaries.iter().filter(|s| s.variant == base);
+    let rate = |s: &&Summary| s.overall.hit_rate.rate < HARDLY_FOUND;
+    own.filter(rate)
+        .map(|s| {
+            let f = &s.overall;
+            format!(
+                "{} finds “{base}” itself in {} of {} only: a drop can hardly show (floor effect)",
+                s.detector,
+                f.hit_rate.count,
+                spelling::count(f.photos, "photo")
+            )
+        })
+        .collect()
+}
+
+/// A plain model found in fewer photos than this leaves hardly anything to lose.
+const HARDLY_FOUND: f64 = 0.5;
+
+/// Any print of a pattern changes what detectors see; only a random one tells what the optimised one adds.
+fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
+    let others: BTreeSet<&str> = photos
+        .iter()
+        .map(|p| p.variant.as_str())
+        .filter(|v| *v != base)
+        .collect();
+    let is_control = |variant: &&str| {
+        let name = variant.to_lowercase();
+        CONTROLS.iter().any(|control| name.contains(control))
+    };
+    let lacks = !others.is_empty() && !others.iter().any(|v| is_control(&v));
+    lacks.then(|| {
+        "no variant is a random control (by its name): a drop may come from any print of such colours, and not from this pattern".to_owned()
+    })
+}
+
+/// What people call a pattern that was not optimised.
+const CONTROLS: [&str; 3] = ["random", "control", "noise"];
+
+/// A box around the model's size is looser than its outline, and so than a detector's box.
+fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
+    let is_loose = |p: &ScoredPhoto| {
+        let envelope = sessions.get(p.session).map(|s| &s.scene.model.envelope);
+        !p.truth_given && matches!(envelope, Some(Envelope::Box))
+    };
+    let count = photos.iter().filter(|p| is_loose(p)).count();
+    (count > 0).then(|| {
+        format!(
+            "{} drawn around the model's size, looser than its outline, so that good detections may stay below an IoU; a mesh or hull \
+             as the scene's truth is tighter",
+            spelling::choose(count, "1 truth box is", &format!("{count} truth boxes are"))
+        )
+    })
 }
 
 /// Copies are scored, but a copy is no second observation.

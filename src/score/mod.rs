@@ -4,14 +4,19 @@ mod cache;
 mod caution;
 mod compare;
 mod criteria;
+mod curves;
 mod decoded;
+mod disagreement;
 mod error;
 mod evaluated;
+mod grouping;
 mod labelled;
 mod observe;
 mod outcome;
 mod photo;
 mod preview;
+mod protocol;
+mod protocol_table;
 mod record;
 mod reliability;
 mod run;
@@ -19,6 +24,7 @@ mod scores;
 pub(crate) mod shard;
 mod summary;
 mod transfer;
+mod worn;
 
 pub use crate::ap::ApDefinition;
 pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
@@ -27,25 +33,35 @@ pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
 #[cfg(test)]
 pub(crate) use compare::power;
+pub(crate) use compare::{
+    ClusteredBy, Compared, Difference, Finding, compare_with, paired, pairs_needed, smallest_drop,
+};
 pub use compare::{CompareError, Comparison, compare};
-pub(crate) use compare::{Compared, Difference, Finding, compare_with, pairs_needed};
 pub use criteria::Criteria;
+pub(crate) use curves::{Curves, HitRateFrom, curves};
+pub(crate) use disagreement::disagreements;
 pub use error::ScoreError;
 pub(crate) use evaluated::{DetectionSource, evaluated_detectors, runtime};
 pub use evaluated::{EvaluatedDetector, EvaluatedDetectorError};
+pub(crate) use grouping::{GroupBy, GroupByError};
 pub(crate) use labelled::{Averages, LabelledError, LabelledPhotos, feedings};
 pub use observe::Options;
 pub(crate) use observe::{NotScoredReason, libraries};
-pub(crate) use outcome::{PhotoOutcome, Verdict};
+pub(crate) use outcome::{PhotoOutcome, Thresholds, Verdict};
 pub(crate) use photo::TagMark;
 pub use photo::{NotScored, ScoredPhoto};
+pub use protocol::Protocol;
+pub(crate) use protocol_table::{ProtocolTable, protocol_table};
+#[cfg(test)]
+pub(crate) use protocol_table::{apricot_ap, rates_as_armory};
 pub(crate) use record::{RecordError, check_recordings, record};
 pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
 pub use run::score;
 pub(crate) use run::{merge, observe};
 pub use scores::Scores;
-pub(crate) use summary::{BinFigures, CellFigures, Drop, Figures, Rate, Summary};
+pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
+pub(crate) use worn::WornPattern;
 
 /// A detection counts for the model when their boxes overlap by at least this much.
 pub(crate) const MATCH_IOU: f64 = 0.5;

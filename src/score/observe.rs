@@ -49,6 +49,9 @@ pub(crate) struct Observation {
     pub height: u32,
     /// How far EXIF turned the photo clockwise.
     pub turned_deg: u32,
+    /// When and how it was taken, as EXIF says.
+    pub taken: Option<String>,
+    pub exposure: Option<String>,
     /// Empty when the session says where the model is.
     pub tags: Vec<SeenTag>,
     /// One list per detector, best first.
@@ -215,11 +218,14 @@ impl<'a> Observer<'a> {
     /// Tags first: no detector looks at a photo that cannot be placed.
     fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
         let photo = Photo::open(&job.session.photo_path(job.entry))?;
+        let shot = photo.shot();
         let mut seen = Observation {
             sha256: photo.sha256.clone(),
             width: photo.width,
             height: photo.height,
             turned_deg: photo.turned_deg,
+            taken: shot.taken,
+            exposure: shot.exposure,
             tags: match job.needs_tags() {
                 true => self.tags(&photo)?,
                 false => Vec::new(),

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::MATCH_IOU;
 use crate::detect::Detection;
 use crate::geometry::BoxPx;
 
@@ -28,13 +27,24 @@ pub struct PhotoOutcome {
     pub verdict: Verdict,
     /// Detections of the class at hit confidence that lie elsewhere: their overlap with the truth is too small.
     pub hallucinations: usize,
+    /// The same and second boxes on the model: all but the one that finds it.
+    pub false_positives: usize,
+}
+
+/// From where on a detection counts.
+#[derive(Debug, Clone, Copy)]
+pub struct Thresholds {
+    pub confidence: f64,
+    /// Overlap with the truth box.
+    pub iou: f64,
 }
 
 impl PhotoOutcome {
-    /// Judges the detections of a photo against the model's truth box and the labels that count as it; those below `hit_confidence` only lend
-    /// the photo its confidence.
-    pub fn of(detections: &[Detection], truth: &BoxPx, counted: &[usize], hit_confidence: f64) -> PhotoOutcome {
-        let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= MATCH_IOU);
+    /// Judges the detections of a photo against the model's truth box and the labels that count as it; those of too little confidence only lend
+    /// the photo theirs.
+    pub fn of(detections: &[Detection], truth: &BoxPx, counted: &[usize], least: Thresholds) -> PhotoOutcome {
+        let hit_confidence = least.confidence;
+        let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= least.iou);
         let confidence = on_model()
             .filter(|d| counted.contains(&d.label))
             .map(|d| d.score)
@@ -48,14 +58,17 @@ impl PhotoOutcome {
             (true, true) => Verdict::FoundWithOther,
             (true, false) => Verdict::Found,
         };
-        let elsewhere = detections
-            .iter()
-            .filter(|d| counted.contains(&d.label) && d.score >= hit_confidence && d.box_px.iou(truth) < MATCH_IOU);
+        let strong = || {
+            detections
+                .iter()
+                .filter(|d| counted.contains(&d.label) && d.score >= hit_confidence)
+        };
         PhotoOutcome {
             confidence,
             other,
             verdict,
-            hallucinations: elsewhere.count(),
+            hallucinations: strong().filter(|d| d.box_px.iou(truth) < least.iou).count(),
+            false_positives: strong().count() - usize::from(confidence >= hit_confidence),
         }
     }
 
@@ -81,13 +94,17 @@ mod tests {
 
     const CAR: usize = 2;
     const TRUCK: usize = 7;
+    const LEAST: Thresholds = Thresholds {
+        confidence: 0.5,
+        iou: 0.5,
+    };
 
     fn outcome(detections: &[(usize, f64, f64)]) -> PhotoOutcome {
         let detections: Vec<_> = detections
             .iter()
             .map(|(label, score, x)| Detection::new(*label, *score, BoxPx::new(*x, 0.0, x + 100.0, 50.0)).unwrap())
             .collect();
-        PhotoOutcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], 0.5)
+        PhotoOutcome::of(&detections, &BoxPx::new(0.0, 0.0, 100.0, 50.0), &[CAR], LEAST)
     }
 
     #[test]
@@ -142,6 +159,6 @@ mod tests {
             (CAR, 0.4, 900.0),   // not confident enough
             (TRUCK, 0.9, 500.0), // perhaps a truck is there
         ]);
-        assert_eq!((o.hallucinations, o.is_hit()), (2, true));
+        assert_eq!((o.hallucinations, o.false_positives, o.is_hit()), (2, 3, true));
     }
 }

@@ -5,7 +5,9 @@ use serde::Serialize;
 use super::PhotoOutcome;
 use crate::detect::Detection;
 use crate::geometry::BoxPx;
+use crate::locate::Sigma;
 use crate::scene::{Bin, Viewpoint};
+use crate::session::Conditions;
 
 /// A photo that was scored.
 #[derive(Debug, Clone)]
@@ -22,6 +24,8 @@ pub struct ScoredPhoto {
     pub variant: String,
     /// Where it was taken.
     pub place: Option<String>,
+    /// As the session states them.
+    pub conditions: Conditions,
     /// Of the upright photo, px.
     pub width: u32,
     /// Of the upright photo, px.
@@ -36,6 +40,12 @@ pub struct ScoredPhoto {
     pub tag_marks: Vec<TagMark>,
     /// Reprojection error of the pose.
     pub rms_px: Option<f64>,
+    /// Standard deviations of the viewpoint, where it follows from the pose.
+    pub sigma: Option<Sigma>,
+    /// When it was taken, as the session or EXIF says.
+    pub taken: Option<String>,
+    /// Exposure time, aperture and sensitivity, as EXIF says.
+    pub exposure: Option<String>,
     /// The ground truth box.
     pub truth: BoxPx,
     /// True when the truth box came with the session instead of from the pose.

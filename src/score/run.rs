@@ -7,7 +7,7 @@ use super::evaluated::{EvaluatedDetector, runtime};
 use super::observe::{Observation, Observer, Options, PlacedModel, ScoringJob, place};
 use super::scores::Scores;
 use super::shard::{ShardId, ShardObservations};
-use super::{HIT_CONFIDENCE, NotScored, NotScoredReason, PhotoOutcome, ScoredPhoto, TagMark};
+use super::{Criteria, NotScored, NotScoredReason, PhotoOutcome, ScoredPhoto, TagMark};
 use crate::detect::Runtime;
 use crate::locate::Located;
 use crate::session::Session;
@@ -127,10 +127,11 @@ fn scored(
     observation: Observation,
     place: PlacedModel,
 ) -> ScoredPhoto {
+    let least = Criteria::default().thresholds();
     let outcomes = detectors
         .iter()
         .zip(&observation.detections)
-        .map(|(c, found)| PhotoOutcome::of(found, &place.truth, &c.counted, HIT_CONFIDENCE))
+        .map(|(c, found)| PhotoOutcome::of(found, &place.truth, &c.counted, least))
         .collect();
     let viewpoint = job.entry.viewpoint.or(place.located.as_ref().map(|l| l.viewpoint));
     ScoredPhoto {
@@ -140,6 +141,7 @@ fn scored(
         sha256: observation.sha256,
         variant: job.entry.variant.clone(),
         place: job.entry.place.clone(),
+        conditions: job.entry.conditions.clone(),
         width: observation.width,
         height: observation.height,
         viewpoint,
@@ -147,6 +149,9 @@ fn scored(
         tags: place.located.as_ref().map(|l| l.tags.clone()).unwrap_or_default(),
         tag_marks: marks(&observation.tags, place.located.as_ref()),
         rms_px: place.located.as_ref().map(|l| l.rms_px),
+        sigma: place.located.as_ref().map(|l| l.sigma),
+        taken: job.entry.taken.clone().or(observation.taken),
+        exposure: observation.exposure,
         truth: place.truth,
         truth_given: job.entry.box_xyxy_px.is_some(),
         detections: observation.detections,

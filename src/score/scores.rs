@@ -1,8 +1,12 @@
 //! The result of a run: what every photo showed, and the figures made of it.
 
+use std::sync::OnceLock;
+
 use super::error::ScoreError;
+use super::grouping::{GroupBy, GroupByError};
 use super::{
-    BASE_VARIANT, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, ScoredPhoto, Summary, caution, summary,
+    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, ScoredPhoto, Summary, WornPattern,
+    caution, summary,
 };
 use crate::session::Session;
 
@@ -19,12 +23,20 @@ pub struct Scores {
     pub not_scored: Vec<NotScored>,
     /// Per detector and variant, detectors first.
     pub summaries: Vec<Summary>,
+    /// The variant that drops are measured from.
+    pub base: String,
     /// What the figures depend on; see [`Scores::judged_by`].
     pub criteria: Criteria,
     /// What a reader must know before believing the figures, as sentences.
     pub cautions: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every detector was played back.
     pub runtime: Option<String>,
+    /// Of the textures whose patterns are known.
+    pub(crate) patterns: Vec<WornPattern>,
+    /// What the summaries group photos by, besides directions and places.
+    groups: Vec<GroupBy>,
+    /// Each variant against the base, once it is asked for.
+    pub(super) paired: OnceLock<Vec<Comparison>>,
 }
 
 impl Scores {
@@ -50,42 +62,72 @@ impl Scores {
                 reason,
             });
         }
-        let criteria = Criteria::default();
-        Ok(Scores {
-            cautions: caution::cautions(&photos, &not_scored, &sessions, &detectors),
-            summaries: summary::summaries(&photos, &detectors, &sessions[0].scene.bins, criteria.ap),
-            criteria,
+        let mut scores = Scores {
+            cautions: Vec::new(),
+            summaries: Vec::new(),
+            base: BASE_VARIANT.to_owned(),
+            criteria: Criteria::default(),
             runtime,
             sessions,
             detectors,
             photos,
             not_scored,
-        })
+            patterns: Vec::new(),
+            groups: Vec::new(),
+            paired: OnceLock::new(),
+        };
+        scores.sum_up();
+        Ok(scores)
+    }
+
+    fn sum_up(&mut self) {
+        let basis = summary::Basis {
+            bins: &self.sessions[0].scene.bins,
+            ap: self.criteria.ap,
+            base: &self.base,
+            groups: &self.groups,
+        };
+        self.summaries = summary::summaries(&self.photos, &self.detectors, basis);
+        self.cautions = caution::cautions(
+            &self.photos,
+            &self.not_scored,
+            &self.sessions,
+            &self.detectors,
+            (&self.base, &self.summaries),
+        );
+        self.paired = OnceLock::new();
     }
 
     /// The same photos and detections under other criteria; nothing is detected again.
     pub fn judged_by(mut self, criteria: Criteria) -> Scores {
+        let least = criteria.thresholds();
         for photo in &mut self.photos {
             let judged = self.detectors.iter().zip(&photo.detections);
-            let confidence = criteria.hit_confidence;
             photo.outcomes = judged
-                .map(|(c, found)| PhotoOutcome::of(found, &photo.truth, &c.counted, confidence))
+                .map(|(c, found)| PhotoOutcome::of(found, &photo.truth, &c.counted, least))
                 .collect();
         }
-        let bins = &self.sessions[0].scene.bins;
-        self.summaries = summary::summaries(&self.photos, &self.detectors, bins, criteria.ap);
         self.criteria = criteria;
+        self.sum_up();
         self
     }
 
-    /// The same run, whose cautions speak of drops from `base`.
+    /// The same run, whose drops and cautions are from `base`.
     pub fn against(mut self, base: &str) -> Scores {
-        if base != BASE_VARIANT {
-            let of_usual = caution::about_base(&self.photos, BASE_VARIANT);
-            self.cautions.retain(|caution| !of_usual.contains(caution));
-            self.cautions.splice(0..0, caution::about_base(&self.photos, base));
-        }
+        base.clone_into(&mut self.base);
+        self.sum_up();
         self
+    }
+
+    /// The same run with the figures of groups of photos.
+    ///
+    /// # Errors
+    /// A condition that no photo has, or that makes no table.
+    pub(crate) fn grouped_by(mut self, groups: &[GroupBy]) -> Result<Scores, GroupByError> {
+        groups.iter().try_for_each(|group| group.check(&self.photos))?;
+        self.groups = groups.to_vec();
+        self.sum_up();
+        Ok(self)
     }
 
     /// What people call a detector of this name.

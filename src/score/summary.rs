@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{
-    ApDefinition, BASE_VARIANT, EvaluatedDetector, ImageBoxes, MATCH_IOU, PhotoOutcome, ScoredPhoto,
-    average_precision_as,
-};
+use super::grouping::{GroupBy, in_order};
+use super::{ApDefinition, EvaluatedDetector, ImageBoxes, MATCH_IOU, PhotoOutcome, ScoredPhoto, average_precision_as};
+use crate::ap::over_ious;
 use crate::scene::{Bin, Bins};
 use crate::statistics::{median, wilson_95};
 
@@ -30,6 +29,12 @@ pub struct Figures {
     pub photos: usize,
     /// By the run's definition of AP.
     pub ap50: f64,
+    /// Mean of AP over IoU thresholds from 0.5 to 0.95.
+    pub ap50_95: f64,
+    /// Recall reached at IoU 0.5.
+    pub mar50: f64,
+    /// Mean of the recall reached over the same thresholds.
+    pub mar: f64,
     pub hit_rate: Rate,
     /// Found as another class only.
     pub misclassification_rate: Rate,
@@ -37,6 +42,8 @@ pub struct Figures {
     pub disappearance_rate: Rate,
     /// Detections of the class where the model is not.
     pub hallucinations_per_image: f64,
+    /// The same and second boxes on the model.
+    pub false_positives_per_image: f64,
     /// Misses count 0.
     pub mean_confidence: f64,
     /// Misses count 0; of an even number of photos the mean of the middle two.
@@ -50,6 +57,26 @@ pub struct Drop {
     pub hit_rate: f64,
     pub mean_confidence: f64,
     pub median_confidence: f64,
+}
+
+/// Attack success rates: 1 − these figures ÷ base figures; absent where the base's is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Asr {
+    pub ap50: Option<f64>,
+    pub mar50: Option<f64>,
+    pub hit_rate: Option<f64>,
+}
+
+/// The figures of the photos of one value of a condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConditionFigures {
+    pub condition: String,
+    pub value: String,
+    pub figures: Figures,
+    /// Absent when the base variant has no photo of this value.
+    pub drop: Option<Drop>,
+    /// Absent as the drop.
+    pub asr: Option<Asr>,
 }
 
 /// The figures of one azimuth bin, over all its pitches and distances.
@@ -89,36 +116,45 @@ pub struct Summary {
     pub overall: Figures,
     /// Absent for the base variant and when the run has none.
     pub drop: Option<Drop>,
+    /// Absent as the drop.
+    pub asr: Option<Asr>,
     /// All azimuth bins of the scene, from the front counter-clockwise.
     pub azimuth_bins: Vec<BinFigures>,
     /// The bins that have photos of this variant, by azimuth, pitch and distance.
     pub cells: Vec<CellFigures>,
     /// The places that have photos of this variant, by name.
     pub places: Vec<PlaceFigures>,
+    /// By the conditions that were asked for, in their order.
+    pub conditions: Vec<ConditionFigures>,
+}
+
+/// What summaries depend on besides photos and detectors.
+#[derive(Clone, Copy)]
+pub(super) struct Basis<'a> {
+    pub bins: &'a Bins,
+    pub ap: ApDefinition,
+    /// The variant that drops are measured from.
+    pub base: &'a str,
+    pub groups: &'a [GroupBy],
 }
 
 /// Figures of every detector on every variant, the base variant first, the others by name.
-pub(super) fn summaries(
-    photos: &[ScoredPhoto],
-    detectors: &[EvaluatedDetector],
-    bins: &Bins,
-    ap: ApDefinition,
-) -> Vec<Summary> {
+pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
     let mut summaries = Vec::new();
     for (index, detector) in detectors.iter().enumerate() {
         let side = Side {
             detector: index,
             counted: &detector.counted,
-            ap,
+            ap: basis.ap,
         };
-        let groups: Vec<Group> = variants(photos)
+        let groups: Vec<Group> = variants(photos, basis.base)
             .into_iter()
-            .filter_map(|v| Group::new(v, photos, side))
+            .filter_map(|v| Group::new(v, photos, side, basis.groups))
             .collect();
-        let base = groups.iter().find(|g| g.variant == BASE_VARIANT);
+        let base = groups.iter().find(|g| g.variant == basis.base);
         summaries.extend(groups.iter().map(|group| {
             let base = base.filter(|base| base.variant != group.variant);
-            group.summary(detector.manifest.name.clone(), base, bins)
+            group.summary(detector.manifest.name.clone(), base, basis.bins)
         }));
     }
     summaries
@@ -140,13 +176,16 @@ struct Group {
     by_azimuth: BTreeMap<i64, Figures>,
     by_cell: BTreeMap<Bin, Figures>,
     by_place: BTreeMap<Option<String>, Figures>,
+    /// (condition, value, figures), in the order of the conditions and then of their values.
+    by_condition: Vec<(String, String, Figures)>,
 }
 
 impl Group {
     /// `None` without a photo of the variant.
-    fn new(variant: String, photos: &[ScoredPhoto], side: Side) -> Option<Group> {
+    fn new(variant: String, photos: &[ScoredPhoto], side: Side, groups: &[GroupBy]) -> Option<Group> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
         Some(Group {
+            by_condition: groups.iter().flat_map(|g| by_condition(&photos, side, g)).collect(),
             overall: figures(&photos, side)?,
             by_azimuth: by(&photos, side, |p| p.bin.map(|b| thousandths(b.azimuth_deg))),
             by_cell: by(&photos, side, |p| p.bin),
@@ -182,14 +221,29 @@ impl Group {
                 drop: base.map(|base| drop(base, figures)),
             }
         };
+        let condition = |(condition, value, figures): &(String, String, Figures)| {
+            let own = |other: &&(String, String, Figures)| other.0 == *condition && other.1 == *value;
+            let base = base
+                .and_then(|b| b.by_condition.iter().find(own))
+                .map(|(.., figures)| figures);
+            ConditionFigures {
+                condition: condition.clone(),
+                value: value.clone(),
+                figures: *figures,
+                drop: base.map(|base| drop(base, figures)),
+                asr: base.map(|base| asr(base, figures)),
+            }
+        };
         Summary {
             detector,
             variant: self.variant.clone(),
             overall: self.overall,
             drop: base.map(|base| drop(&base.overall, &self.overall)),
+            asr: base.map(|base| asr(&base.overall, &self.overall)),
             azimuth_bins: bins.azimuth_centres().into_iter().map(azimuth_bin).collect(),
             cells: self.by_cell.iter().map(cell).collect(),
             places: self.by_place.iter().map(place).collect(),
+            conditions: self.by_condition.iter().map(condition).collect(),
         }
     }
 }
@@ -213,10 +267,20 @@ fn by<K: Ord>(photos: &[&ScoredPhoto], side: Side, key: impl Fn(&ScoredPhoto) ->
         .collect()
 }
 
+/// The figures of each value of a condition.
+fn by_condition(photos: &[&ScoredPhoto], side: Side, group: &GroupBy) -> Vec<(String, String, Figures)> {
+    let mut figures = by(photos, side, |p| group.of(p));
+    let values = in_order(figures.keys().cloned().collect());
+    values
+        .into_iter()
+        .filter_map(|value| Some((group.condition.clone(), value.clone(), figures.remove(&value)?)))
+        .collect()
+}
+
 /// The variants present, the base variant first.
-pub(super) fn variants(photos: &[ScoredPhoto]) -> Vec<String> {
+pub(super) fn variants(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
     let mut variants: Vec<String> = photos.iter().map(|p| p.variant.clone()).collect();
-    variants.sort_by_key(|v| (v != BASE_VARIANT, v.clone()));
+    variants.sort_by_key(|v| (v != base, v.clone()));
     variants.dedup();
     variants
 }
@@ -232,13 +296,21 @@ fn figures(photos: &[&ScoredPhoto], side: Side) -> Option<Figures> {
         let rate = count as f64 / photos.len() as f64;
         Some(Rate { count, rate, low, high })
     };
+    let (at_half, over) = (
+        average_precision_as(side.ap, &images, MATCH_IOU)?,
+        over_ious(side.ap, &images)?,
+    );
     Some(Figures {
         photos: photos.len(),
-        ap50: average_precision_as(side.ap, &images, MATCH_IOU)?.ap,
+        ap50: at_half.ap,
+        ap50_95: over.ap,
+        mar50: at_half.recall,
+        mar: over.recall,
         hit_rate: rate(PhotoOutcome::is_hit)?,
         misclassification_rate: rate(PhotoOutcome::is_misclassified)?,
         disappearance_rate: rate(PhotoOutcome::has_disappeared)?,
         hallucinations_per_image: mean(|o| o.hallucinations as f64),
+        false_positives_per_image: mean(|o| o.false_positives as f64),
         mean_confidence: mean(|o| o.confidence),
         median_confidence: median(&outcomes().map(|o| o.confidence).collect::<Vec<_>>())?,
     })
@@ -251,6 +323,15 @@ pub(super) fn boxes(photo: &ScoredPhoto, detector: usize, counted: &[usize]) -> 
         truths: vec![photo.truth],
         detections: detections.map(|d| (d.score, d.box_px)).collect(),
         ..ImageBoxes::default()
+    }
+}
+
+fn asr(base: &Figures, figures: &Figures) -> Asr {
+    let of = |base: f64, own: f64| (base > 0.0).then(|| 1.0 - own / base);
+    Asr {
+        ap50: of(base.ap50, figures.ap50),
+        mar50: of(base.mar50, figures.mar50),
+        hit_rate: of(base.hit_rate.rate, figures.hit_rate.rate),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::{PhotoEntry, Session, SessionError};
+use super::{Conditions, PhotoEntry, Session, SessionError};
 use crate::files::{self, FileError};
 use crate::photo;
 
@@ -130,6 +130,7 @@ pub(super) fn entry(variant: &str, place: &str) -> PhotoEntry {
         taken: None,
         box_xyxy_px: None,
         viewpoint: None,
+        conditions: Conditions::new(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
 
+mod conditions;
 mod contents;
 pub(crate) mod folders;
 pub(crate) mod import;
@@ -16,6 +17,7 @@ use crate::files::{self, FileError};
 use crate::geometry::BoxPx;
 use crate::scene::{Scene, Viewpoint};
 
+pub use conditions::Conditions;
 pub(crate) use contents::{Contents, Look};
 pub(crate) use new::{NewSession, NewSessionError, mesh_below};
 
@@ -77,6 +79,13 @@ pub struct PhotoEntry {
     /// Viewpoint known from elsewhere, instead of a pose from the tags.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viewpoint: Option<Viewpoint>,
+    /// Weather, light and whatever else photos may be grouped by.
+    #[serde(
+        default,
+        skip_serializing_if = "Conditions::is_empty",
+        deserialize_with = "conditions::read"
+    )]
+    pub conditions: Conditions,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -247,6 +256,11 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
                 "the {what} {name:?} of {file} has blanks around it or control characters: remove them"
             ));
         }
+    }
+    if let Some(name) = photo.conditions.keys().find(|name| !conditions::is_name(name)) {
+        return Err(format!(
+            "the condition {name:?} of {file} has a name that cannot be used: write letters, digits, blanks, `_`, `-` and `.`"
+        ));
     }
     if photo.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
         return Err(format!(

@@ -23,35 +23,55 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// 95 % interval of a figure over `clusters` clusters.
+/// 95 % intervals of figures over `clusters` clusters, all from the same draws.
 ///
-/// Clusters are drawn with replacement, and `figure` gets how often each was drawn: a cluster drawn twice counts twice (leaving
+/// Clusters are drawn with replacement, and `figures_of` gets how often each was drawn: a cluster drawn twice counts twice (leaving
 /// duplicates out makes the interval a quarter too narrow). The percentiles are widened for few clusters, as by
 /// Hesterberg, "What Teachers Should Know About the Bootstrap", The American Statistician 69 (2015), "expanded percentile interval".
 ///
-/// `None` when the clusters are fewer than six, or when every draw gave the same figure: then the data say nothing
-/// about how far off it is.
-pub(crate) fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<Interval> {
+/// A figure has none when the clusters are fewer than six, when too many draws leave it undefined, or when every draw gave the same: then
+/// the data say nothing about how far off it is.
+pub(crate) fn intervals_95<const N: usize>(
+    clusters: usize,
+    figures_of: impl Fn(&[u32]) -> [f64; N],
+) -> [Option<Interval>; N] {
     if clusters < FEWEST_CLUSTERS {
-        return None;
+        return [None; N];
     }
     let mut rng = Pcg64Mcg::seed_from_u64(SEED);
     let mut drawn = vec![0; clusters];
-    let mut figures: Vec<f64> = Vec::with_capacity(DRAWS);
+    let mut figures: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(DRAWS));
     for _ in 0..DRAWS {
         drawn.fill(0);
         for _ in 0..clusters {
             drawn[rng.random_range(0..clusters)] += 1;
         }
-        figures.push(figure(&drawn));
+        for (drawn, figure) in figures.iter_mut().zip(figures_of(&drawn)) {
+            drawn.push(figure);
+        }
     }
+    figures.map(|drawn| interval_of(drawn, clusters))
+}
+
+/// The interval of one figure.
+#[cfg(test)]
+pub(crate) fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<Interval> {
+    let [interval] = intervals_95(clusters, |drawn| [figure(drawn)]);
+    interval
+}
+
+/// The percentiles of what the draws gave. An undefined figure (NaN) may be anything, and so counts at both ends.
+fn interval_of(mut figures: Vec<f64>, clusters: usize) -> Option<Interval> {
+    figures.retain(|figure| !figure.is_nan());
+    let undefined = DRAWS - figures.len();
     figures.sort_by(f64::total_cmp);
     let tail = expanded_tail(clusters) * DRAWS as f64;
     // The outer of the two draws next to the percentile.
-    let from_end = (tail.floor() as usize).saturating_sub(1);
-    let (low, high) = (figures[from_end], figures[DRAWS - 1 - from_end]);
-    let alike = figures[DRAWS - 1] - figures[0] < 1e-12;
-    (!alike).then_some(Interval { low, high })
+    let from_end = (tail.floor() as usize).saturating_sub(1).checked_sub(undefined)?;
+    let last = figures.len().checked_sub(1)?;
+    let (low, high) = (figures[from_end], *figures.get(last.checked_sub(from_end)?)?);
+    let alike = figures[last] - figures[0] < 1e-12;
+    (!alike && low.is_finite() && high.is_finite()).then_some(Interval { low, high })
 }
 
 /// The share of draws beyond each end: that of a normal beyond t·√(n/(n−1)), with Student's t for n − 1 degrees of freedom.

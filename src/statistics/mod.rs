@@ -5,7 +5,9 @@ pub(crate) mod normal;
 mod paired;
 mod wilson;
 
-pub(crate) use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95};
+#[cfg(test)]
+pub(crate) use bootstrap::interval_95;
+pub(crate) use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, intervals_95};
 pub(crate) use paired::{holm, mcnemar_p};
 pub(crate) use wilson::wilson_95;
 

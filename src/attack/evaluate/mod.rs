@@ -17,7 +17,7 @@ use crate::frames::FramesError;
 use crate::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender};
 use crate::geometry::BoxPx;
 use crate::scene::{Classes, Viewpoint};
-use crate::session::{self, PhotoEntry, SessionError};
+use crate::session::{self, Conditions, PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]
@@ -125,6 +125,7 @@ impl RenderedSet {
             taken: None,
             box_xyxy_px: Some(photo.box_xyxy_px),
             viewpoint: Some(photo.viewpoint),
+            conditions: Conditions::new(),
         });
         let path = folder.join("session.json");
         let text = session::text(&path, "scene.toml", None, photos.collect())?;

@@ -10,11 +10,12 @@ use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
 use crate::cli::model::{Model, ModelArgs};
+use crate::cli::patterns;
 use crate::detect::Manifest;
 use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;
 use crate::scene::Classes;
-use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, compare_with, evaluated_detectors};
+use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, WornPattern, compare_with, evaluated_detectors};
 use crate::session::Session;
 use crate::{files, report};
 
@@ -84,6 +85,7 @@ pub(super) struct EvaluateArgs {
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let model = args.model.load()?;
     let paints = args.paints(&model)?;
+    let worn = args.worn(&paints)?;
     let variants: Vec<String> = paints.iter().map(|(name, _)| name.clone()).collect();
     let paints = paints.into_iter().map(|(_, paint)| paint).collect();
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
@@ -93,7 +95,8 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let folder = args.output.join("session");
     render(&evaluation, &folder)?;
     args.write_session(&evaluation, &folder)?;
-    let scores = args.scores(&folder, manifests)?;
+    let mut scores = args.scores(&folder, manifests)?;
+    scores.patterns = worn;
     let tables = report::Evaluation {
         comparisons: comparisons(&scores, &variants)?,
         scores: &scores,
@@ -140,11 +143,9 @@ impl EvaluateArgs {
         };
         let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
         for text in &self.patterns {
-            let (name, file) = text.split_once('=').ok_or_else(|| {
-                format!("the pattern '{text}' has no name; write NAME=FILE, as in random=random16.png")
-            })?;
+            let (name, file) = patterns::named(text)?;
             let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
-            let pattern = Pattern::load(Path::new(file))?;
+            let pattern = Pattern::load(file)?;
             paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
         }
         for text in &self.textures {
@@ -152,6 +153,25 @@ impl EvaluateArgs {
             paints.push((name.clone(), textured(name, path, model)?));
         }
         Ok(paints)
+    }
+
+    /// What the report shows of the paints that are patterns.
+    fn worn(&self, paints: &[(String, RenderPaint)]) -> Result<Vec<WornPattern>, Box<dyn Error>> {
+        let files = self.patterns.iter().map(|text| patterns::named(text));
+        let files: Vec<(&str, &Path)> = files.collect::<Result<_, _>>()?;
+        let file_of = |name: &str| {
+            files
+                .iter()
+                .find(|(own, _)| *own == name)
+                .map_or(Path::new(""), |(_, file)| file)
+        };
+        let worn = paints.iter().filter_map(|(name, paint)| match paint {
+            RenderPaint::Pattern(_, pattern, tile_mm) => {
+                Some(patterns::shown(name, file_of(name), pattern, Some(*tile_mm)))
+            }
+            _ => None,
+        });
+        worn.collect()
     }
 
     fn request(&self, model: Model, colours: Vec<RenderPaint>) -> Result<RenderRequest, Box<dyn Error>> {

@@ -1,5 +1,6 @@
 //! `scaleproof session import`: boxes and viewpoints from elsewhere become a session.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -50,15 +51,23 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     }
     let photos = &imported.session.photos;
     let variants = by_variant(photos);
+    let conditions: BTreeSet<&String> = photos.iter().flat_map(|photo| photo.conditions.keys()).collect();
     match args.json {
         true => {
             let made = serde_json::json!({
                 "session": args.photos, "file": imported.path, "photos": photos.len(), "variants": variants,
                 "without_box": imported.without_box,
+                "conditions": conditions,
             });
             writeln!(out, "{made}")?;
         }
-        false => writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?,
+        false => {
+            writeln!(out, "{}", in_words(&imported.path, photos, &args.photos))?;
+            if !conditions.is_empty() {
+                let names: Vec<&str> = conditions.iter().map(|name| name.as_str()).collect();
+                writeln!(out, "conditions kept, for --group-by: {}", names.join(", "))?;
+            }
+        }
     }
     Ok(Outcome::Done)
 }

@@ -31,7 +31,7 @@ pub(crate) fn embed(document: &mut Document) {
 }
 
 /// A simple TrueType font (ISO 32000-1, 9.6.3) and its descriptor (9.8).
-fn font(document: &mut Document) -> Dictionary {
+pub(crate) fn font(document: &mut Document) -> Dictionary {
     let length = Dictionary::from_iter([("Length1", Object::Integer(FILE.len() as i64))]);
     let file = document.add_object(Stream::new(length, FILE.to_vec()));
     // From the font's head, hhea and glyf tables, in thousandths of the em.

@@ -3,19 +3,26 @@
 use maud::{Markup, html};
 
 use super::{notes, number, round, shell};
-use crate::report::{counted, p_value};
-use crate::score::{Compared, Comparison, Difference, Finding, Scores, comparison_definitions};
+use crate::plot::Drawing;
+use crate::report::{counted, p_value, paired};
+use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
 
 const PLOT: f64 = 300.0;
 const LEFT: f64 = 200.0;
 const ROW: f64 = 22.0;
+const WIDTH: f64 = 1060.0;
 
 /// The whole page.
 pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
     let lead = format!(
-        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; counts as the model: {}.",
+        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit from confidence {}{}; counts as the model: {}.",
         comparison.base,
         comparison.ap_definition,
+        scores.criteria.hit_confidence,
+        scores
+            .criteria
+            .protocol
+            .map_or(String::new(), |p| format!("; protocol {}", p.name())),
         counted(scores)
     );
     let sections = [
@@ -32,21 +39,6 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
     shell(scores, &lead, &sections, html! {})
 }
 
-/// A finding as people say it.
-pub(in crate::report) fn in_words(finding: Finding) -> &'static str {
-    match finding {
-        Finding::Drop => "a drop",
-        Finding::Rise => "a rise",
-        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
-        Finding::TooFewPhotosToTell => "too few photos to tell",
-    }
-}
-
-/// The same without its explanation.
-fn briefly(finding: Finding) -> &'static str {
-    in_words(finding).split(',').next().unwrap_or_default()
-}
-
 /// Name of a figure and where it is.
 type Figure = (&'static str, fn(&Compared) -> &Difference);
 
@@ -61,43 +53,58 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
         (notes::cautions(scores))
         @for (name, of) in FIGURES {
             h3 { "Drop: " (name) }
-            div.scroll { (forest(scores, comparison, name, of)) }
+            div.scroll { (forest(scores, comparison, name, of).inline(Some("forest"))) }
+        }
+        @let open: Vec<(&Compared, String)> = comparison.results.iter().filter_map(|r| Some((r, paired::more_photos(r)?))).collect();
+        @if !open.is_empty() {
+            h3 { "How many more photos would tell" }
+            ul { @for (r, sentence) in open { li { (scores.title(&r.detector)) ", " (r.variant) ": hit rate, " (sentence) "." } } }
         }
         p.note {
             "Dot: the drop; line: its 95 % interval, absent with too few clusters or when all differ alike. Filled: a difference is shown at "
-            "5 %. Numbers: base → texture, drop [interval]; of the hit rate also McNemar's exact p. “No difference shown”: one of 0.2 is "
+            "5 %. Numbers: base → texture, drop [interval], attack success rate [interval]; of the hit rate also McNemar's exact p. “No difference shown”: one of 0.2 is "
             "excluded."
         }
     }
 }
 
+/// The chart of each figure, by its name.
+pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
+    let all = FIGURES.into_iter();
+    all.map(|(name, of)| (name, forest(scores, comparison, name, of)))
+        .collect()
+}
+
 /// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
-fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared) -> &Difference) -> Markup {
+fn forest(scores: &Scores, comparison: &Comparison, name: &str, of: fn(&Compared) -> &Difference) -> Drawing {
     let height = ROW * comparison.results.len() as f64;
     let x = |drop: f64| round(LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT);
-    html! {
-        svg.forest viewBox=(format!("0 -4 900 {}", height + 26.0)) role="img" aria-label=(format!("Drop: {name}")) {
-            @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-                line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
-                text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+    let marks = html! {
+        @for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            line x1=(x(tick)) x2=(x(tick)) y2=(height) stroke=(if tick == 0.0 { "#1b1f24" } else { "#d7dce2" }) {}
+            text x=(x(tick)) y=(height + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (number(tick, 1)) }
+        }
+        @for (i, r) in comparison.results.iter().enumerate() {
+            @let d = of(r);
+            @let y = ROW * (i as f64 + 0.5);
+            @let is_shown = paired::is_shown(d);
+            text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
+            g.drop {
+                title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
+                @if let Some(interval) = d.interval_95 {
+                    line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
+                }
+                circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
             }
-            @for (i, r) in comparison.results.iter().enumerate() {
-                @let d = of(r);
-                @let y = ROW * (i as f64 + 0.5);
-                @let is_shown = matches!(d.finding, Finding::Drop | Finding::Rise);
-                text x=(LEFT - 10.0) y=(y + 4.0) font-size="12" text-anchor="end" { (scores.title(&r.detector)) ", " (r.variant) }
-                g.drop {
-                    title { (scores.title(&r.detector)) ", " (r.variant) ": drop, " (name) ", " (format!("{:.3}", d.drop)) }
-                    @if let Some(interval) = d.interval_95 {
-                        line x1=(x(interval.low)) x2=(x(interval.high)) y1=(y) y2=(y) stroke="#1b1f24" stroke-width="1.6" {}
-                    }
-                    circle cx=(x(d.drop)) cy=(y) r="4.2" stroke="#1b1f24" stroke-width="1.4" fill=(if is_shown { "#1b1f24" } else { "#fff" }) {}
-                }
-                text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
-                    (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (briefly(d.finding))
-                }
+            text x=(LEFT + PLOT + 16.0) y=(y + 4.0) font-size="11.5" {
+                (numbers(d)) @if name == "hit rate" { ", p " (p_value(r.hit_rate.mcnemar_p)) } ": " (paired::briefly(d.finding))
             }
         }
+    };
+    Drawing {
+        area: [0.0, -4.0, WIDTH, height + 26.0],
+        label: format!("Drop: {name}"),
+        marks,
     }
 }
 
@@ -105,7 +112,13 @@ fn numbers(d: &Difference) -> String {
     let interval = d.interval_95.map_or(String::new(), |i| {
         format!(" [{}, {}]", number(i.low, 2), number(i.high, 2))
     });
-    format!("{:.2} → {:.2}, {}{interval}", d.base, d.other, number(d.drop, 2))
+    let asr = paired::asr(d, |v| number(v, 2));
+    format!(
+        "{:.2} → {:.2}, {}{interval}, ASR {asr}",
+        d.base,
+        d.other,
+        number(d.drop, 2)
+    )
 }
 
 fn by_azimuth(scores: &Scores, comparison: &Comparison) -> Markup {

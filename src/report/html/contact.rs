@@ -7,7 +7,7 @@ use maud::{Markup, PreEscaped, html};
 use super::{filters, side, variants};
 use crate::detect::Detection;
 use crate::report::other_label;
-use crate::score::{EvaluatedDetector, MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::score::{EvaluatedDetector, PhotoOutcome, ScoredPhoto, Scores, Verdict};
 
 /// More photos are not shown: the page would be too large to open.
 const MOST_PHOTOS: usize = 400;
@@ -120,10 +120,29 @@ fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
                 }
                 br; (p.variant) " · " (direction(p))
                 br; (detector.manifest.title)
-                br; small.note { (p.file) }
+                br; small.note { (p.file) @for fact in facts(p) { br; (fact) } }
             }
         }
     }
+}
+
+/// How well the photo is placed, and when and how it was taken, where that is known.
+fn facts(p: &ScoredPhoto) -> Vec<String> {
+    let quality = p.rms_px.zip(p.sigma).map(|(rms_px, sigma)| {
+        let [azimuth, pitch, distance] = [sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm].map(two_digits);
+        format!("pose: σ azimuth {azimuth}°, pitch {pitch}°, distance {distance} mm; rms {rms_px:.2} px")
+    });
+    quality
+        .into_iter()
+        .chain(p.taken.clone())
+        .chain(p.exposure.clone())
+        .collect()
+}
+
+/// A size with two digits that count, at most four behind the point.
+fn two_digits(size: f64) -> String {
+    let digits = (1.0 - size.max(1e-3).log10().floor()).clamp(0.0, 4.0) as usize;
+    format!("{size:.digits$}")
 }
 
 fn direction(p: &ScoredPhoto) -> String {
@@ -138,8 +157,9 @@ fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let threshold = scores.criteria.hit_confidence;
     let (strong, weak): (Vec<&Detection>, Vec<&Detection>) =
         p.detections[index].iter().partition(|d| d.score >= threshold);
-    let is_weak_find =
-        |d: &&&Detection| detector.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= MATCH_IOU;
+    let is_weak_find = |d: &&&Detection| {
+        detector.counts(d) && d.score >= WEAKEST_DRAWN && d.box_px.iou(&p.truth) >= scores.criteria.match_iou()
+    };
     let alt = format!("{}, {}, {}", p.file, p.variant, detector.manifest.title);
     html! {
         svg viewBox=(format!("0 0 {} {}", p.width, p.height)) role="img" aria-label=(alt) {

@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{notes, number, shell};
-use crate::report::counted;
-use crate::report::evaluation::{Evaluation, SCOPE, interval, is_shown};
-use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures};
+use super::{notes, number, patterns, shell};
+use crate::report::evaluation::{Evaluation, SCOPE};
+use crate::report::{counted, paired};
+use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures, Finding};
 use crate::spelling;
 
 /// The whole page.
@@ -22,7 +22,9 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
         counted(scores)
     );
     let others = evaluation.others();
-    let mut sections = vec![("table-1", "Table 1: AP@0.5 and mean confidence", table_1(evaluation))];
+    let looks = patterns::strips(scores, &evaluation.patterns);
+    let mut sections = vec![("patterns", "Patterns", looks)];
+    sections.push(("table-1", "Table 1: AP@0.5 and mean confidence", table_1(evaluation)));
     if !others.is_empty() {
         sections.push((
             "table-2",
@@ -39,79 +41,42 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     shell(scores, &lead, &sections, html! {})
 }
 
+/// So many columns are as wide as a laptop shows without scrolling.
+const ACROSS: usize = 8;
+
 fn table_1(evaluation: &Evaluation) -> Markup {
-    let targets = evaluation.targets();
     html! {
         (notes::cautions(evaluation.scores))
-        div.scroll {
-            table {
-                thead {
-                    tr { th rowspan="2" { "pattern" } @for c in &targets { th colspan="3" { (c.manifest.title) } } }
-                    tr { @for _ in &targets { th { "AP@0.5" } th.of { "drop" } th { "confidence" } } }
-                }
-                tbody {
-                    @for pattern in &evaluation.patterns {
-                        tr {
-                            td { (pattern) }
-                            @for c in &targets { (ap_cells(evaluation, pattern, c)) td { (figure(evaluation, pattern, c, |f| f.mean_confidence)) } }
-                        }
-                    }
-                }
-            }
+        (by_detector(evaluation, &evaluation.targets(), |f| format!("{} / {}", number(f.ap50, 2), number(f.mean_confidence, 2))))
+        p.note {
+            "AP@0.5 / mean confidence (misses count 0); below, the drop of AP@0.5 from " (BASE_VARIANT) ", red when it is shown at 5 %. " (SCOPE) "."
         }
-        p.note { "Drop: from " (BASE_VARIANT) ", bold when shown at 5 %. Confidence: mean, misses count 0. " (SCOPE) "." }
     }
 }
 
 fn table_2(evaluation: &Evaluation, others: &[&EvaluatedDetector]) -> Markup {
     html! {
-        div.scroll {
-            table {
-                thead { tr { th { "pattern" } @for c in others { th { (c.manifest.title) } th.of { "drop" } } } }
-                tbody {
-                    @for pattern in &evaluation.patterns {
-                        tr { td { (pattern) } @for c in others { (ap_cells(evaluation, pattern, c)) } }
-                    }
-                }
-            }
-        }
-        p.note { "AP@0.5 of detectors that the patterns were not made against, and its drop from " (BASE_VARIANT) "." }
+        (by_detector(evaluation, others, |f| number(f.ap50, 2)))
+        p.note { "AP@0.5 of detectors that the patterns were not made against; below, its drop from " (BASE_VARIANT) "." }
     }
 }
 
-/// AP@0.5 and its drop from the base.
-fn ap_cells(evaluation: &Evaluation, pattern: &str, detector: &EvaluatedDetector) -> Markup {
+/// A row for each pattern and a column for each detector, several tables where there are many detectors.
+fn by_detector(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: fn(&Figures) -> String) -> Markup {
     html! {
-        td { (figure(evaluation, pattern, detector, |f| f.ap50)) }
-        td.of { @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, detector) { (difference(d)) } }
-    }
-}
-
-fn figure(evaluation: &Evaluation, pattern: &str, detector: &EvaluatedDetector, of: fn(&Figures) -> f64) -> String {
-    let figures = evaluation.figures(pattern, detector);
-    figures.map_or("–".to_owned(), |f| number(of(f), 2))
-}
-
-fn difference(d: &Difference) -> Markup {
-    let text = interval(d).replace('-', "−");
-    html! { @if is_shown(d) { b { (text) } } @else { (text) } }
-}
-
-/// For each detector, the AP@0.5 of the row's pattern minus that of the column's.
-fn differences(evaluation: &Evaluation) -> Markup {
-    let patterns = &evaluation.patterns;
-    html! {
-        @for c in evaluation.targets().iter().chain(&evaluation.others()) {
-            h3 { (c.manifest.title) }
+        @for some in detectors.chunks(ACROSS) {
             div.scroll {
-                table {
-                    thead { tr { th { "AP@0.5 of … minus that of" } @for p in patterns.iter().skip(1) { th { (p) } } } }
+                table.cells {
+                    thead { tr { th { "pattern" } @for c in some { th { (c.manifest.title) } } } }
                     tbody {
-                        @for (i, base) in patterns.iter().enumerate().take(patterns.len().saturating_sub(1)) {
+                        @for pattern in &evaluation.patterns {
                             tr {
-                                td { (base) }
-                                @for (j, other) in patterns.iter().enumerate().skip(1) {
-                                    td { @if j > i { @if let Some(d) = evaluation.drop(base, other, c) { (difference(d)) } } }
+                                td { (pattern) }
+                                @for c in some {
+                                    td {
+                                        (evaluation.figures(pattern, c).map_or("–".to_owned(), cell))
+                                        @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, c) { br; (difference(d)) }
+                                    }
                                 }
                             }
                         }
@@ -119,6 +84,39 @@ fn differences(evaluation: &Evaluation) -> Markup {
                 }
             }
         }
-        p.note { "Above 0, the detector does worse with the column's pattern; bold when shown at 5 %. " (SCOPE) "." }
+    }
+}
+
+/// The difference, what it is known to, and whether it is shown.
+fn difference(d: &Difference) -> Markup {
+    html! {
+        span.down[d.finding == Finding::Drop] { (number(d.drop, 2)) }
+        small { @if let Some(interval) = paired::interval(d, |v| number(v, 2)) { " " (interval) } br; (paired::briefly(d.finding)) }
+    }
+}
+
+/// For each detector, the AP@0.5 of the row's pattern minus that of the column's.
+fn differences(evaluation: &Evaluation) -> Markup {
+    let (rows, columns) = (&evaluation.patterns, evaluation.patterns.get(1..).unwrap_or_default());
+    html! {
+        @for c in evaluation.targets().iter().chain(&evaluation.others()) {
+            h3 { (c.manifest.title) }
+            @for some in columns.chunks(ACROSS) {
+                div.scroll {
+                    table.cells {
+                        thead { tr { th { "AP@0.5 of … minus that of" } @for p in some { th { (p) } } } }
+                        tbody {
+                            @for base in rows.iter().take(columns.len()) {
+                                tr {
+                                    td { (base) }
+                                    @for other in some { td { @if let Some(d) = evaluation.drop(base, other, c) { (difference(d)) } } }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        p.note { "Above 0, the detector does worse with the column's pattern; red when that is shown at 5 %. " (SCOPE) "." }
     }
 }

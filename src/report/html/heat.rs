@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::shade::{ink, shade};
 use super::{number, side, summary, variants};
+use crate::plot::Drawing;
 use crate::scene::Bin;
 use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
 
@@ -19,10 +20,10 @@ const GAP: f64 = 7.0;
 
 /// A map for each detector, its textures below each other.
 pub(super) fn maps(scores: &Scores) -> Markup {
-    let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
-    let rows = rows(scores);
+    let is_wide = scores.sessions[0].scene.bins.azimuth_centres().len() > 12;
+    let maps = charts(scores);
     html! {
-        @if !rows.is_empty() {
+        @if !maps.is_empty() {
             h3 { "Azimuth × pitch × distance" }
             div.scale {
                 span { "mean confidence 0" }
@@ -30,11 +31,8 @@ pub(super) fn maps(scores: &Scores) -> Markup {
                 span { "1" }
             }
             div.maps {
-                @for c in &scores.detectors {
-                    figure.wide[azimuths.len() > 12] {
-                        figcaption { (c.manifest.title) }
-                        div.scroll { (map(scores, c, &azimuths, &rows)) }
-                    }
+                @for (title, map) in maps {
+                    figure.wide[is_wide] { figcaption { (title) } div.scroll { (map.inline(None)) } }
                 }
             }
             p.note {
@@ -43,6 +41,27 @@ pub(super) fn maps(scores: &Scores) -> Markup {
             }
         }
     }
+}
+
+/// The map of each detector, by its title; none where no photo is in a bin.
+pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
+    let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
+    let rows = rows(scores);
+    let all = scores.detectors.iter().filter(|_| !rows.is_empty());
+    all.map(|c| (c.manifest.title.as_str(), map(scores, c, &azimuths, &rows)))
+        .collect()
+}
+
+/// Some steps of the colour scale, with what they mean.
+pub(in crate::report) fn legend() -> Vec<(String, String)> {
+    let steps = [
+        ("mean confidence 0", 0.0),
+        ("0.25", 0.25),
+        ("0.5", 0.5),
+        ("0.75", 0.75),
+        ("1", 1.0),
+    ];
+    steps.map(|(name, share)| (shade(share), name.to_owned())).to_vec()
 }
 
 /// A row of the maps: a bin without its azimuth.
@@ -60,7 +79,7 @@ fn rows(scores: &Scores) -> Vec<Bin> {
     rows.into_iter().collect()
 }
 
-fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[Bin]) -> Markup {
+fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[Bin]) -> Drawing {
     let own = variants(scores).into_iter();
     let own: Vec<&Summary> = own
         .filter_map(|v| summary(scores, &detector.manifest.name, v))
@@ -71,29 +90,34 @@ fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64], rows: &[
         TOP + block * own.len() as f64,
     );
     let x = |column: usize| LEFT + CELL.0 * (column as f64 + 0.5);
-    html! {
-        svg viewBox=(format!("0 0 {width} {height}")) role="img" style=(format!("min-width:{}px", width.min(330.0)))
-            aria-label=(format!("Mean confidence by azimuth, pitch and distance, {}", detector.manifest.title)) {
-            @for (column, azimuth) in azimuths.iter().enumerate() {
-                text x=(x(column)) y="11" font-size="9.5" text-anchor="middle" { (azimuth) "°" }
-                @if azimuth % 90.0 == 0.0 {
-                    text x=(x(column)) y="21" font-size="8.5" text-anchor="middle" fill="#5b6573" { (side(*azimuth)) }
-                }
+    let marks = html! {
+        @for (column, azimuth) in azimuths.iter().enumerate() {
+            text x=(x(column)) y="11" font-size="9.5" text-anchor="middle" { (azimuth) "°" }
+            @if azimuth % 90.0 == 0.0 {
+                text x=(x(column)) y="21" font-size="8.5" text-anchor="middle" fill="#5b6573" { (side(*azimuth)) }
             }
-            @for (i, s) in own.iter().enumerate() {
-                @let top = TOP + block * i as f64;
-                text x="0" y=(top + 11.0) font-size="11" font-weight="600" { (s.variant) }
-                @for (j, row) in rows.iter().enumerate() {
-                    @let y = top + NAME + CELL.1 * j as f64;
-                    text x=(LEFT - 5.0) y=(y + 12.0) font-size="9.5" text-anchor="end" { (row.pitch_deg) "°" }
-                    text x=(LEFT - 5.0) y=(y + 22.0) font-size="8.5" text-anchor="end" fill="#5b6573" { (row.distance_mm) " mm" }
-                    @for (column, azimuth) in azimuths.iter().enumerate() {
-                        @let bin = Bin { azimuth_deg: *azimuth, ..*row };
-                        (cell(s, &bin, x(column), y))
-                    }
+        }
+        @for (i, s) in own.iter().enumerate() {
+            @let top = TOP + block * i as f64;
+            text x="0" y=(top + 11.0) font-size="11" font-weight="600" { (s.variant) }
+            @for (j, row) in rows.iter().enumerate() {
+                @let y = top + NAME + CELL.1 * j as f64;
+                text x=(LEFT - 5.0) y=(y + 12.0) font-size="9.5" text-anchor="end" { (row.pitch_deg) "°" }
+                text x=(LEFT - 5.0) y=(y + 22.0) font-size="8.5" text-anchor="end" fill="#5b6573" { (row.distance_mm) " mm" }
+                @for (column, azimuth) in azimuths.iter().enumerate() {
+                    @let bin = Bin { azimuth_deg: *azimuth, ..*row };
+                    (cell(s, &bin, x(column), y))
                 }
             }
         }
+    };
+    Drawing {
+        area: [0.0, 0.0, width, height],
+        label: format!(
+            "Mean confidence by azimuth, pitch and distance, {}",
+            detector.manifest.title
+        ),
+        marks,
     }
 }
 

@@ -4,7 +4,8 @@ use maud::{Markup, html};
 
 use super::shade::{ink, shade};
 use super::{number, summary, variants};
-use crate::score::{BASE_VARIANT, Figures, Scores, TransferDrop, transfer};
+use crate::report::paired;
+use crate::score::{Compared, Difference, Figures, Scores, TransferDrop, TransferRow, transfer};
 
 /// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {
@@ -62,27 +63,31 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
     let rows = transfer(&scores.summaries);
     html! {
         @if !rows.is_empty() {
-            h3 { "Transfer: drop from " (BASE_VARIANT) ", pattern × detector" }
+            h3 { "Transfer: drop from " (scores.base) ", pattern × detector" }
             div.scroll {
                 table.matrix {
                     thead { tr { th { "pattern" } @for c in &scores.detectors { th { (c.manifest.title) } } } }
                     tbody {
                         @for row in &rows {
-                            tr { td { (row.variant) } @for cell in &row.detectors { (transfer_cell(cell)) } }
+                            tr { td { (row.variant) } @for cell in &row.detectors { (transfer_cell(scores, row, cell)) } }
                         }
                     }
                 }
             }
-            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5." }
+            p.note { "Drop of AP@0.5, and of the hit rate in small. The darker, the larger the drop of AP@0.5; bold: shown at 5 % on paired photos." }
         }
     }
 }
 
-fn transfer_cell(cell: &TransferDrop) -> Markup {
+fn transfer_cell(scores: &Scores, row: &TransferRow, cell: &TransferDrop) -> Markup {
     let d = &cell.drop;
+    let compared = paired::compared(scores, &cell.detector, &row.variant);
+    let is_shown = |of: fn(&Compared) -> &Difference| compared.is_some_and(|r| paired::is_shown(of(r)));
+    let bold = |is_shown: bool, text: String| html! { @if is_shown { b { (text) } } @else { (text) } };
     html! {
         td style=(format!("background:{};color:{}", shade(d.ap50), ink(d.ap50))) {
-            (number(d.ap50, 3)) br; small { (number(d.hit_rate, 2)) }
+            (bold(is_shown(|r| &r.ap50), number(d.ap50, 3))) br;
+            small { (bold(is_shown(|r| &r.hit_rate.rate), number(d.hit_rate, 2))) }
         }
     }
 }

@@ -1,17 +1,20 @@
 //! `report.html` and `comparison.html`: self-contained pages without a link to anywhere. The one script filters and enlarges photos.
 
+mod comparable;
 pub(super) mod comparison;
 mod contact;
+pub(super) mod curves;
 pub(super) mod evaluation;
 mod figures;
 mod filters;
-mod heat;
+pub(super) mod heat;
 mod misses;
 mod notes;
-mod polar;
-mod reliability;
+mod patterns;
+pub(super) mod polar;
+pub(super) mod reliability;
 mod shade;
-mod speed;
+pub(super) mod speed;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -58,15 +61,27 @@ fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> Str
     .into_string()
 }
 
-fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 8] {
+fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
     let result = html! { (figures::headline(scores)) (notes::cautions(scores)) };
     let outcomes = html! { (misses::outcomes(scores)) (misses::transfer_matrix(scores)) };
     let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
-    [
+    let asked_for = [
+        ("patterns", "Patterns", patterns::cards(scores)),
+        ("protocol", "Protocol", comparable::protocol(scores)),
+        ("conditions", "By condition", comparable::groups(scores)),
+    ];
+    let asked_for = asked_for
+        .into_iter()
+        .filter_map(|(id, title, content)| Some((id, title, content?)));
+    let before = [
         ("result", "Result", result),
+        ("comparable", "For comparison with papers", comparable::figures(scores)),
+    ];
+    let after = [
         ("outcomes", "Hits and misses", outcomes),
         ("directions", "By viewing direction", directions),
+        ("curves", "Curves", curves::section(scores)),
         ("photos", "Photos", photos),
         (
             "reliability",
@@ -78,9 +93,10 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> [Section; 8] {
         (
             "provenance",
             "Provenance",
-            notes::provenance(scores, "no random numbers"),
+            notes::provenance(scores, "the bootstrap behind the intervals of drops has its own seed"),
         ),
-    ]
+    ];
+    before.into_iter().chain(asked_for).chain(after).collect()
 }
 
 fn title(scores: &Scores) -> String {
@@ -146,9 +162,16 @@ fn summary<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a 
         .find(|s| s.detector == detector && s.variant == variant)
 }
 
-/// Colours of the variants, in their order: the base variant grey. Told apart in grey print and by the colour-blind.
+/// What the colours of the variants mean.
+pub(super) fn legend(scores: &Scores) -> Vec<(String, String)> {
+    let all = variants(scores).into_iter().enumerate();
+    all.map(|(i, variant)| (colour(i).to_owned(), variant.to_owned()))
+        .collect()
+}
+
+/// Colours of the variants, in their order: the base variant grey. None is a colour that outcomes have.
 fn colour(index: usize) -> &'static str {
-    ["#5b6573", "#d1495b", "#1f77b4", "#b8860b", "#3a7d44", "#7b4fa0"][index % 6]
+    ["#5b6573", "#0f7f8c", "#1f4fb4", "#a0522d", "#b03a9b", "#4a4a9c"][index % 6]
 }
 
 fn number(value: f64, digits: usize) -> String {

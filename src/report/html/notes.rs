@@ -58,6 +58,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
                 "match IoU " (p.match_iou) ", hit confidence " (p.hit_confidence) ", candidates from confidence " (p.score_floor) " up, AP "
                 (p.ap_definition)
             }
+            @if let Some(protocol) = p.protocol { dt { "protocol" } dd { (protocol) } }
             @for s in &p.sessions { dt { "session " (s.folder) } dd { (s.model) ", 1:" (s.scale) ", truth envelope: " (s.truth_envelope) } }
             dt { "chance" } dd { (chance) "; the same input gives the same files, byte for byte" }
         }

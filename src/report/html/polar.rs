@@ -3,47 +3,60 @@
 use maud::{Markup, html};
 
 use super::{colour, round, summary, variants};
+use crate::plot::Drawing;
 use crate::score::{BinFigures, Scores};
 
 const RADIUS: f64 = 88.0;
 
+/// So many photos make a bin's mean more than one photo's chance.
+const SEVERAL: usize = 2;
+
 /// One chart per detector, with a legend.
 pub(super) fn row(scores: &Scores) -> Markup {
-    let variants = variants(scores);
     html! {
         ul.legend {
-            @for (i, variant) in variants.iter().enumerate() {
+            @for (i, variant) in variants(scores).iter().enumerate() {
                 li { i style=(format!("background:{}", colour(i))) {} (variant) }
             }
-            li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit" }
+            li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit; a line where every bin has several photos" }
         }
         div.small-charts.polars {
-            @for c in &scores.detectors {
-                figure {
-                    (chart(&c.manifest.title, &variants.iter().enumerate().filter_map(|(i, variant)| {
-                        Some((colour(i), summary(scores, &c.manifest.name, variant)?.azimuth_bins.as_slice()))
-                    }).collect::<Vec<_>>()))
-                    figcaption { (c.manifest.title) }
-                }
-            }
+            @for (title, chart) in charts(scores) { figure { (chart.inline(None)) figcaption { (title) } } }
         }
     }
 }
 
-fn chart(title: &str, series: &[(&str, &[BinFigures])]) -> Markup {
-    html! {
-        svg viewBox="-125 -116 250 232" role="img" aria-label=(format!("Mean confidence by azimuth, {title}")) {
-            @for ring in [0.5, 1.0] {
-                circle r=(RADIUS * ring) fill="none" stroke="#d7dce2" {}
-            }
-            text x="2" y=(-RADIUS / 2.0 - 2.0) font-size="8" fill="#5b6573" { "0.5" }
-            @for bin in series.first().map_or(&[][..], |s| s.1) {
-                @let [x, y] = at(bin.azimuth_deg, 1.0);
-                line x2=(round(x)) y2=(round(y)) stroke="#d7dce2" {}
-            }
-            (side_names())
-            @for (colour, bins) in series { (line(colour, bins)) }
+/// The chart of each detector, by its title.
+pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
+    let variants = variants(scores);
+    let all = scores.detectors.iter().map(|c| {
+        let series = variants.iter().enumerate().filter_map(|(i, variant)| {
+            let own = summary(scores, &c.manifest.name, variant)?;
+            Some((colour(i), own.azimuth_bins.as_slice()))
+        });
+        let title = c.manifest.title.as_str();
+        (title, chart(title, &series.collect::<Vec<_>>()))
+    });
+    all.collect()
+}
+
+fn chart(title: &str, series: &[(&str, &[BinFigures])]) -> Drawing {
+    let marks = html! {
+        @for ring in [0.5, 1.0] {
+            circle r=(RADIUS * ring) fill="none" stroke="#d7dce2" {}
         }
+        text x="2" y=(-RADIUS / 2.0 - 2.0) font-size="8" fill="#5b6573" { "0.5" }
+        @for bin in series.first().map_or(&[][..], |s| s.1) {
+            @let [x, y] = at(bin.azimuth_deg, 1.0);
+            line x2=(round(x)) y2=(round(y)) stroke="#d7dce2" {}
+        }
+        (side_names())
+        @for (colour, bins) in series { (line(colour, bins)) }
+    };
+    Drawing {
+        area: [-125.0, -116.0, 250.0, 232.0],
+        label: format!("Mean confidence by azimuth, {title}"),
+        marks,
     }
 }
 
@@ -61,12 +74,15 @@ fn side_names() -> Markup {
     }
 }
 
-/// The closed line of one variant. A bin without photos breaks it, so that no value is drawn where none was measured.
+/// The points of one variant, joined to a line only where each bin rests on several photos: a line between single photos would show a course that
+/// nothing tells. A bin without photos breaks it.
 fn line(colour: &str, bins: &[BinFigures]) -> Markup {
     let points: Vec<Option<[f64; 2]>> = bins
         .iter()
         .map(|b| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence)))
         .collect();
+    let counts = || bins.iter().filter_map(|b| Some(b.figures.as_ref()?.photos));
+    let is_joined = counts().all(|photos| photos >= SEVERAL);
     let whole = points.iter().all(Option::is_some);
     let list = |points: &[[f64; 2]]| {
         points
@@ -80,7 +96,7 @@ fn line(colour: &str, bins: &[BinFigures]) -> Markup {
         .split(Option::is_none)
         .map(|run| run.iter().flatten().copied().collect::<Vec<_>>());
     html! {
-        @if whole {
+        @if !is_joined {} @else if whole {
             polygon points=(list(&known)) fill=(colour) fill-opacity="0.12" stroke=(colour) stroke-width="2" {}
         } @else {
             @for run in runs { polyline points=(list(&run)) fill="none" stroke=(colour) stroke-width="2" {} }

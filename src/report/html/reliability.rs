@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::round;
+use crate::plot::Drawing;
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use crate::spelling;
 
@@ -15,8 +16,8 @@ pub(super) fn diagrams(scores: &Scores) -> Markup {
     let all = reliability(&scores.photos, &scores.detectors);
     html! {
         div.small-charts {
-            @for (c, r) in scores.detectors.iter().zip(&all) {
-                figure { (diagram(&c.manifest.title, r)) figcaption { (c.manifest.title) br; small { (verdict(r)) } } }
+            @for ((title, diagram), r) in charts(scores).iter().zip(&all) {
+                figure { (diagram.inline(None)) figcaption { (title) br; small { (verdict(r)) } } }
             }
         }
         p.note {
@@ -27,6 +28,13 @@ pub(super) fn diagrams(scores: &Scores) -> Markup {
             "background count as wrong: only the model is known to be there."
         }
     }
+}
+
+/// The diagram of each detector, by its title.
+pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
+    let all = reliability(&scores.photos, &scores.detectors);
+    let titles = scores.detectors.iter().map(|c| c.manifest.title.as_str());
+    titles.zip(&all).map(|(title, r)| (title, diagram(title, r))).collect()
 }
 
 fn verdict(r: &Reliability) -> String {
@@ -43,21 +51,24 @@ fn verdict(r: &Reliability) -> String {
     }
 }
 
-fn diagram(title: &str, r: &Reliability) -> Markup {
+fn diagram(title: &str, r: &Reliability) -> Drawing {
     let (x, y) = (|v: f64| round(v * SIDE), |v: f64| round((1.0 - v) * SIDE));
-    html! {
-        svg viewBox="-30 -8 222 232" role="img" aria-label=(format!("Share correct by confidence, {title}")) {
-            @for tick in [0.0, 0.5, 1.0] {
-                line x1=(x(tick)) x2=(x(tick)) y1=(y(1.0)) y2=(y(0.0)) stroke="#d7dce2" {}
-                line x1=(x(0.0)) x2=(x(1.0)) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
-                text x=(x(tick)) y=(y(0.0) + 24.0) font-size="9" text-anchor="middle" fill="#5b6573" { (tick) }
-                text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
-            }
-            @for bin in &r.bins { (bar(bin)) }
-            line x1=(x(0.0)) y1=(y(0.0)) x2=(x(1.0)) y2=(y(1.0)) stroke="#1b1f24" stroke-dasharray="4 3" {}
-            text x=(SIDE / 2.0) y=(SIDE + 38.0) font-size="10" text-anchor="middle" { "confidence" }
-            text transform=(format!("translate(-21 {}) rotate(-90)", SIDE / 2.0)) font-size="10" text-anchor="middle" { "share correct" }
+    let marks = html! {
+        @for tick in [0.0, 0.5, 1.0] {
+            line x1=(x(tick)) x2=(x(tick)) y1=(y(1.0)) y2=(y(0.0)) stroke="#d7dce2" {}
+            line x1=(x(0.0)) x2=(x(1.0)) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
+            text x=(x(tick)) y=(y(0.0) + 24.0) font-size="9" text-anchor="middle" fill="#5b6573" { (tick) }
+            text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
         }
+        @for bin in &r.bins { (bar(bin)) }
+        line x1=(x(0.0)) y1=(y(0.0)) x2=(x(1.0)) y2=(y(1.0)) stroke="#1b1f24" stroke-dasharray="4 3" {}
+        text x=(SIDE / 2.0) y=(SIDE + 38.0) font-size="10" text-anchor="middle" { "confidence" }
+        text transform=(format!("translate(-21 {}) rotate(-90)", SIDE / 2.0)) font-size="10" text-anchor="middle" { "share correct" }
+    };
+    Drawing {
+        area: [-30.0, -8.0, 222.0, 232.0],
+        label: format!("Share correct by confidence, {title}"),
+        marks,
     }
 }
 

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{colour, round, summary, variants};
 use crate::detect::{Speed, Speeds};
 use crate::geometry::BoxPx;
-use crate::plot::{PlotAxis, Scale, tick_label};
+use crate::plot::{Drawing, PlotAxis, Scale, tick_label};
 use crate::score::Scores;
 use crate::spelling;
 
@@ -22,19 +22,14 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
             }
         };
     };
-    let timed: Vec<&Speed> = scores
-        .detectors
-        .iter()
-        .filter_map(|c| speeds.of(&c.manifest.name))
-        .collect();
-    let untimed = scores.detectors.len() - timed.len();
+    let untimed = scores.detectors.len() - timed(scores, speeds).len();
     html! {
         ul.legend {
             @for (i, variant) in variants(scores).iter().enumerate() {
                 li { svg.mark viewBox="-7 -7 14 14" { (mark(0.0, 0.0, i)) } (variant) }
             }
         }
-        div.scroll { (plot(scores, &timed)) }
+        div.scroll { (plot(scores, speeds).inline(Some("speed"))) }
         p.note {
             "Median of " (spelling::count(speeds.photos, "photo")) " of " (speeds.megapixels) " megapixels, the fastest of " (speeds.rounds) " rounds each, from "
             "decoded photo to boxes; " (speeds.threads) " thread, " (speeds.machine) "; " (speeds.onnx_runtime) "."
@@ -43,25 +38,34 @@ pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
     }
 }
 
-fn plot(scores: &Scores, timed: &[&Speed]) -> Markup {
+fn timed<'a>(scores: &Scores, speeds: &'a Speeds) -> Vec<&'a Speed> {
+    let names = scores.detectors.iter().map(|c| c.manifest.name.as_str());
+    names.filter_map(|name| speeds.of(name)).collect()
+}
+
+pub(in crate::report) fn plot(scores: &Scores, speeds: &Speeds) -> Drawing {
+    let timed = timed(scores, speeds);
     let axis = PlotAxis::around("milliseconds a photo", Scale::Log, timed.iter().map(|s| s.ms_per_photo));
     let x = |ms: f64| round(axis.share(ms) * PLOT.0);
-    html! {
-        svg.speed viewBox=(format!("-42 -14 {} {}", PLOT.0 + 130.0, PLOT.1 + 62.0)) role="img" aria-label="AP at IoU 0.5 against milliseconds a photo" {
-            @for tick in axis.ticks() {
-                line x1=(x(tick)) x2=(x(tick)) y2=(PLOT.1) stroke="#d7dce2" {}
-                text x=(x(tick)) y=(PLOT.1 + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (tick_label(tick)) }
-            }
-            @for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                line x2=(PLOT.0) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
-                text x="-6" y=(y(tick) + 4.0) font-size="11" text-anchor="end" fill="#5b6573" { (tick) }
-            }
-            rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke="#5b6573" {}
-            text x=(PLOT.0 / 2.0) y=(PLOT.1 + 36.0) font-size="12" text-anchor="middle" { (axis.title) ", logarithmic" }
-            text transform=(format!("translate(-32 {}) rotate(-90)", PLOT.1 / 2.0)) font-size="12" text-anchor="middle" { "AP@0.5" }
-            @for speed in timed { (detector(scores, speed, x(speed.ms_per_photo))) }
-            (names(scores, timed, x))
+    let marks = html! {
+        @for tick in axis.ticks() {
+            line x1=(x(tick)) x2=(x(tick)) y2=(PLOT.1) stroke="#d7dce2" {}
+            text x=(x(tick)) y=(PLOT.1 + 15.0) font-size="11" text-anchor="middle" fill="#5b6573" { (tick_label(tick)) }
         }
+        @for tick in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            line x2=(PLOT.0) y1=(y(tick)) y2=(y(tick)) stroke="#d7dce2" {}
+            text x="-6" y=(y(tick) + 4.0) font-size="11" text-anchor="end" fill="#5b6573" { (tick) }
+        }
+        rect width=(PLOT.0) height=(PLOT.1) fill="none" stroke="#5b6573" {}
+        text x=(PLOT.0 / 2.0) y=(PLOT.1 + 36.0) font-size="12" text-anchor="middle" { (axis.title) ", logarithmic" }
+        text transform=(format!("translate(-32 {}) rotate(-90)", PLOT.1 / 2.0)) font-size="12" text-anchor="middle" { "AP@0.5" }
+        @for speed in &timed { (detector(scores, speed, x(speed.ms_per_photo))) }
+        (names(scores, &timed, x))
+    };
+    Drawing {
+        area: [-42.0, -14.0, PLOT.0 + 130.0, PLOT.1 + 62.0],
+        label: "AP at IoU 0.5 against milliseconds a photo".to_owned(),
+        marks,
     }
 }
 

@@ -2,105 +2,27 @@
 
 mod pairs;
 mod plan;
+mod result;
 
-use serde::Serialize;
+use std::collections::BTreeSet;
 
-pub(crate) use pairs::Unpaired;
-pub(crate) use plan::pairs_needed;
 #[cfg(test)]
 pub(crate) use plan::power;
+pub(crate) use plan::{pairs_needed, smallest_drop};
+pub use result::Comparison;
+pub(crate) use result::{BinHits, ClusteredBy, Compared, Difference, Finding, Hits};
 
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores};
 use crate::ap::{ApDefinition, Ranked};
-use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, interval_95, mcnemar_p};
-use pairs::{Cluster, pair};
+use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
+use pairs::{Cell, Cluster, clustered_by, clusters, pair};
 
 /// A difference of this size must be excluded before "no difference shown" may be said.
 pub(super) const TELLING_DIFFERENCE: f64 = 0.2;
 
 /// So many clusters without any difference exclude that a fifth of all clusters differ (0.8¹⁴ < 0.05).
 const CLUSTERS_ALL_ALIKE: usize = 14;
-
-/// What the photos can tell of a difference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Finding {
-    /// The base is better, at the level of 5 %.
-    Drop,
-    /// The base is worse, at the level of 5 %.
-    Rise,
-    /// None shown, and one of 0.2 or more is excluded.
-    NoDifferenceShown,
-    TooFewPhotosToTell,
-}
-
-/// One figure on both sides of the pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Difference {
-    pub base: f64,
-    pub other: f64,
-    /// `base` minus `other`.
-    pub drop: f64,
-    /// Of the drop; absent with too few clusters, and when all clusters differ alike.
-    pub interval_95: Option<Interval>,
-    pub finding: Finding,
-}
-
-/// Hits on both sides of the pairs, and the exact test of their difference.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Hits {
-    #[serde(flatten)]
-    pub rate: Difference,
-    /// Pairs hit on the base side alone.
-    pub base_alone: usize,
-    /// Pairs hit on the other side alone.
-    pub other_alone: usize,
-    /// McNemar's exact p, two-sided.
-    pub mcnemar_p: f64,
-}
-
-/// The hits of one azimuth bin.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BinHits {
-    pub azimuth_deg: f64,
-    pub pairs: usize,
-    pub clusters: usize,
-    pub hits: Hits,
-    /// p corrected over the bins that have enough clusters; absent in the others.
-    pub holm_p: Option<f64>,
-}
-
-/// One detector on one variant, against the base.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Compared {
-    pub detector: String,
-    pub variant: String,
-    pub pairs: usize,
-    /// Places × bins that have pairs.
-    pub clusters: usize,
-    pub hit_rate: Hits,
-    pub mean_confidence: Difference,
-    pub ap50: Difference,
-    pub azimuth_bins: Vec<BinHits>,
-}
-
-/// Every variant of a run against its base.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// The variant that the others are compared with.
-    pub base: String,
-    /// Name of the definition of average precision.
-    pub ap_definition: &'static str,
-    /// Resamples behind each interval.
-    pub bootstrap_draws: usize,
-    /// Seed of the resampling.
-    pub bootstrap_seed: u64,
-    /// One for each detector and other variant.
-    pub results: Vec<Compared>,
-    /// Scored photos that are in no difference.
-    pub unpaired: Vec<Unpaired>,
-}
 
 /// Why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
@@ -119,7 +41,7 @@ pub enum CompareError {
 
 /// Compares every variant of a run with `base`.
 pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<Comparison, CompareError> {
-    let all = variants(&scores.photos);
+    let all = variants(&scores.photos, base);
     if all.iter().all(|v| v != base) {
         return Err(CompareError::NoBase {
             base: base.into(),
@@ -130,38 +52,56 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
     if others.is_empty() {
         return Err(CompareError::NothingElse { base: base.into() });
     }
-    compare_with(scores, base, &others, definition)
+    compared_by(scores, base, &others, definition, clustered_by)
 }
 
-/// Compares these variants with `base`.
+/// What a run says of its variants against its base, for as many as can be paired; computed once.
+pub(crate) fn paired(scores: &Scores) -> &[Comparison] {
+    scores.paired.get_or_init(|| {
+        let others = variants(&scores.photos, &scores.base);
+        let others = others.iter().filter(|v| **v != scores.base);
+        let ap = scores.criteria.ap;
+        others
+            .filter_map(|other| compared_by(scores, &scores.base, &[other], ap, clustered_by).ok())
+            .collect()
+    })
+}
+
+/// Compares these variants with `base`; places and bins are what is drawn, so that the intervals hold for these places.
 pub(crate) fn compare_with(
     scores: &Scores,
     base: &str,
     others: &[&str],
     definition: ApDefinition,
 ) -> Result<Comparison, CompareError> {
+    compared_by(scores, base, others, definition, |_| ClusteredBy::PlaceAndBin)
+}
+
+fn compared_by(
+    scores: &Scores,
+    base: &str,
+    others: &[&str],
+    definition: ApDefinition,
+    clustered_by: fn(&[Cell]) -> ClusteredBy,
+) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
     for variant in others {
-        let (clusters, left_over) = pair(scores, base, variant);
-        if clusters.is_empty() {
+        let (cells, left_over) = pair(scores, base, variant);
+        if cells.is_empty() {
             return Err(CompareError::NoPair {
                 base: base.into(),
                 variant: (*variant).to_owned(),
             });
         }
         unpaired.extend(left_over);
+        let by = clustered_by(&cells);
         for (index, detector) in scores.detectors.iter().enumerate() {
             let side = Side {
                 detector: index,
                 counted: &detector.counted,
             };
-            results.push(compared(
-                detector.manifest.name.clone(),
-                variant,
-                &clusters,
-                side,
-                definition,
-            ));
+            let name = detector.manifest.name.clone();
+            results.push(compared(name, variant, (&cells, by), side, definition));
         }
     }
     Ok(Comparison {
@@ -191,36 +131,45 @@ impl Side<'_> {
     }
 }
 
-fn compared(detector: String, variant: &str, clusters: &[Cluster], side: Side, definition: ApDefinition) -> Compared {
-    let all: Vec<&Cluster> = clusters.iter().collect();
+fn compared(
+    detector: String,
+    variant: &str,
+    (cells, by): (&[Cell], ClusteredBy),
+    side: Side,
+    definition: ApDefinition,
+) -> Compared {
+    let all = clusters(&cells.iter().collect::<Vec<_>>(), by);
     let hit_rate = hits(&all, side);
     Compared {
         detector,
         variant: variant.to_owned(),
         pairs: pairs_in(&all),
-        clusters: clusters.len(),
+        clustered_by: by,
+        clusters: all.len(),
+        places: cells.iter().map(|c| c.place).collect::<BTreeSet<_>>().len(),
+        bins: cells.iter().map(|c| c.bin).collect::<BTreeSet<_>>().len(),
         hit_rate: Hits {
-            rate: tested(hit_rate.rate, clusters.len(), hit_rate.mcnemar_p),
+            rate: tested(hit_rate.rate, all.len(), hit_rate.mcnemar_p),
             ..hit_rate
         },
         mean_confidence: of_means(&all, |photo| side.outcome(photo).confidence),
-        ap50: of_ap(clusters, side, definition),
-        azimuth_bins: by_azimuth(clusters, side),
+        ap50: of_ap(&all, side, definition),
+        azimuth_bins: by_azimuth(cells, by, side),
     }
 }
 
 /// The hits of each azimuth bin, tested together.
-fn by_azimuth(clusters: &[Cluster], side: Side) -> Vec<BinHits> {
-    // Clusters come in the order of their bins, azimuth first.
-    let groups = clusters.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
+fn by_azimuth(cells: &[Cell], by: ClusteredBy, side: Side) -> Vec<BinHits> {
+    // Cells come in the order of their bins, azimuth first.
+    let groups = cells.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
     let mut bins: Vec<BinHits> = groups
         .map(|group| {
-            let group: Vec<&Cluster> = group.iter().collect();
+            let own = clusters(&group.iter().collect::<Vec<_>>(), by);
             BinHits {
                 azimuth_deg: group[0].bin.azimuth_deg,
-                pairs: pairs_in(&group),
-                clusters: group.len(),
-                hits: hits(&group, side),
+                pairs: pairs_in(&own),
+                clusters: own.len(),
+                hits: hits(&own, side),
                 holm_p: None,
             }
         })
@@ -234,17 +183,17 @@ fn by_azimuth(clusters: &[Cluster], side: Side) -> Vec<BinHits> {
     bins
 }
 
-fn pairs_in(clusters: &[&Cluster]) -> usize {
+fn pairs_in(clusters: &[Cluster]) -> usize {
     clusters.iter().map(|c| c.pairs.len()).sum()
 }
 
-fn hits(clusters: &[&Cluster], side: Side) -> Hits {
+fn hits(clusters: &[Cluster], side: Side) -> Hits {
     let alone = |one: fn(bool, bool) -> bool| {
         let pairs = clusters.iter().flat_map(|c| &c.pairs);
         let is_hit = |photo| side.outcome(photo).is_hit();
         pairs.filter(|(base, other)| one(is_hit(base), is_hit(other))).count()
     };
-    let difference = |c: &&Cluster| c.pairs.iter().map(|(b, o)| (side.hit(b) - side.hit(o)) as i64).sum();
+    let difference = |c: &Cluster| c.pairs.iter().map(|(b, o)| (side.hit(b) - side.hit(o)) as i64).sum();
     Hits {
         rate: of_means(clusters, |photo| side.hit(photo)),
         base_alone: alone(|base, other| base && !other),
@@ -254,7 +203,7 @@ fn hits(clusters: &[&Cluster], side: Side) -> Hits {
 }
 
 /// The difference of a figure that is a mean over photos.
-fn of_means(clusters: &[&Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Difference {
+fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Difference {
     let sums: Vec<(f64, f64, f64)> = clusters
         .iter()
         .map(|c| {
@@ -301,9 +250,9 @@ fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Differen
 /// The difference of a figure, given as (base, other) when each cluster counts so many times.
 fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
     let (base, other) = figures(&vec![1; clusters]);
-    let interval = interval_95(clusters, |drawn| {
+    let [interval, asr_interval_95] = intervals_95(clusters, |drawn| {
         let (base, other) = figures(drawn);
-        base - other
+        [base - other, 1.0 - other / base]
     });
     let drop = base - other;
     Difference {
@@ -317,6 +266,8 @@ fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Differ
             interval,
             interval.is_some_and(|i| i.low > 0.0 || i.high < 0.0),
         ),
+        asr: (base > 0.0).then(|| 1.0 - other / base),
+        asr_interval_95,
     }
 }
 

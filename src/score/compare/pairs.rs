@@ -1,32 +1,31 @@
 //! Which photo of one texture is held against which of the other.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use serde::Serialize;
-
+use super::result::{ClusteredBy, Unpaired};
 use crate::scene::Bin;
 use crate::score::{ScoredPhoto, Scores};
+use crate::statistics::FEWEST_CLUSTERS;
 
-/// A scored photo that has no partner, and why.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Unpaired {
-    pub session: String,
-    pub file: String,
-    pub variant: String,
-    /// A sentence.
-    pub reason: String,
+/// (base, other).
+pub(super) type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
+
+/// The pairs of one place and bin.
+pub(super) struct Cell<'a> {
+    pub bin: Bin,
+    pub place: &'a str,
+    pub pairs: Vec<Pair<'a>>,
 }
 
-/// The pairs of one place and bin, which are not independent of each other: (base, other).
+/// Pairs that are not independent of each other.
 pub(super) struct Cluster<'a> {
-    pub bin: Bin,
-    pub pairs: Vec<(&'a ScoredPhoto, &'a ScoredPhoto)>,
+    pub pairs: Vec<Pair<'a>>,
 }
 
 /// Pairs the photos of two variants by place and bin, in the order of the sessions; photos left over are returned too.
 ///
 /// A photo without a place is in the one unnamed place, so that two sessions pair when neither names any.
-pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cluster<'a>>, Vec<Unpaired>) {
+pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<Unpaired>) {
     let mut sides: BTreeMap<_, [Vec<&ScoredPhoto>; 2]> = BTreeMap::new();
     let mut unpaired = Vec::new();
     for photo in &scores.photos {
@@ -43,7 +42,7 @@ pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cl
             None => unpaired.push(left_over(scores, photo, "its viewpoint is not known".into())),
         }
     }
-    let mut clusters = Vec::new();
+    let mut cells = Vec::new();
     for ((bin, place), [bases, others]) in sides {
         let pairs: Vec<_> = bases.iter().copied().zip(others.iter().copied()).collect();
         for (photo, missing) in bases[pairs.len()..]
@@ -59,10 +58,37 @@ pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cl
             unpaired.push(left_over(scores, photo, reason));
         }
         if !pairs.is_empty() {
-            clusters.push(Cluster { bin, pairs });
+            cells.push(Cell { bin, place, pairs });
         }
     }
-    (clusters, unpaired)
+    (cells, unpaired)
+}
+
+/// By place where there are enough places: the photos of one place share its light and background in every direction.
+pub(super) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
+    let places: BTreeSet<&str> = cells.iter().map(|cell| cell.place).collect();
+    match places.len() >= FEWEST_CLUSTERS {
+        true => ClusteredBy::Place,
+        false => ClusteredBy::PlaceAndBin,
+    }
+}
+
+/// The clusters of some cells, in their order.
+pub(super) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<'a>> {
+    let mut clusters: Vec<(&str, Cluster)> = Vec::new();
+    for cell in cells {
+        let same = |(place, _): &&mut (&str, Cluster)| by == ClusteredBy::Place && *place == cell.place;
+        match clusters.iter_mut().find(same) {
+            Some((_, cluster)) => cluster.pairs.extend(&cell.pairs),
+            None => clusters.push((
+                cell.place,
+                Cluster {
+                    pairs: cell.pairs.clone(),
+                },
+            )),
+        }
+    }
+    clusters.into_iter().map(|(_, cluster)| cluster).collect()
 }
 
 fn direction(photo: &ScoredPhoto) -> String {

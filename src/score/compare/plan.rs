@@ -28,6 +28,16 @@ pub(crate) fn power(pairs: usize, base_rate: f64, drop: f64, alpha: f64) -> f64 
     Tails::new(pairs, base_rate, drop, alpha).power(pairs)
 }
 
+/// The smallest drop, in steps of 0.01, that so many pairs show with the chance asked for; `None` when not even the largest is.
+pub(crate) fn smallest_drop(pairs: usize, base_rate: f64, target: f64, alpha: f64) -> Option<f64> {
+    let steps = (base_rate * 100.0 + 1e-9).floor() as u32;
+    let shows = |step: &u32| Tails::new(pairs, base_rate, f64::from(*step) / 100.0, alpha).power(pairs) >= target;
+    let steps: Vec<u32> = (1..=steps).collect();
+    // The larger the drop, the surer it is shown.
+    let first = steps.partition_point(|step| !shows(step));
+    steps.get(first).map(|step| f64::from(*step) / 100.0)
+}
+
 /// The fewest pairs from which on the power is reached (it falls back a little at single numbers, which are passed over).
 pub(crate) fn pairs_needed(base_rate: f64, drop: f64, target: f64, alpha: f64) -> Result<usize, PlanError> {
     if !(base_rate > 0.0 && base_rate <= 1.0) {

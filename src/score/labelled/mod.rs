@@ -6,15 +6,12 @@ mod feeding;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
-
 use crate::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, over_ious};
 use crate::detect::{DetectError, Detection, Detector, Labels, Manifest, Runtime};
 use crate::files::FileError;
 use crate::geometry::BoxPx;
 use crate::photo::{Photo, PhotoError};
-use crate::workers;
+use crate::{statistics, workers};
 
 pub(crate) use feeding::feedings;
 
@@ -137,8 +134,8 @@ impl LabelledPhotos {
         })
     }
 
-    /// What a change gains in AP@0.5 at least, beyond the chance by which these photos and no others were taken: the 1st percentile of resamples of
-    /// the photos, since the change was picked as the best of several.
+    /// What a change gains in AP@0.5 at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
+    /// interval over photos.
     pub(crate) fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> f64 {
         let labels: BTreeSet<usize> = self
             .photos
@@ -155,20 +152,15 @@ impl LabelledPhotos {
             .iter()
             .map(|label| [ranked(before, *label, 0), ranked(after, *label, shift)])
             .collect();
-        let mut rng = Pcg64Mcg::seed_from_u64(1);
-        let mut gains: Vec<f64> = (0..RESAMPLES)
-            .map(|_| {
-                let mut times = vec![0; self.photos.len()];
-                (0..times.len()).for_each(|_| times[rng.random_range(0..self.photos.len())] += 1);
-                gain(&sides, &times)
-            })
-            .collect();
-        gains.sort_by(f64::total_cmp);
-        gains[RESAMPLES / 100]
+        let [interval] = statistics::intervals_95(self.photos.len(), |times| [gain(&sides, times)]);
+        match interval {
+            Some(interval) => interval.low,
+            // Every draw gained the same.
+            None if self.photos.len() >= statistics::FEWEST_CLUSTERS => gain(&sides, &vec![1; self.photos.len()]),
+            None => f64::NEG_INFINITY,
+        }
     }
 }
-
-const RESAMPLES: usize = 400;
 
 /// The mean difference over the labels that have an object in the resample.
 fn gain(sides: &[[Ranked; 2]], times: &[u32]) -> f64 {

@@ -3,10 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::{ImportFault, ImportedPhoto, viewpoint};
 use crate::geometry::BoxPx;
 use crate::scene::Classes;
+use crate::session::conditions::{is_name, scalar};
 use crate::session::{PhotoEntry, words};
 
 /// Other keys are passed over.
@@ -25,6 +27,8 @@ struct Image {
     height: Option<u32>,
     #[serde(flatten)]
     about: About,
+    #[serde(flatten)]
+    other: BTreeMap<String, Value>,
 }
 
 #[derive(Deserialize)]
@@ -33,7 +37,15 @@ struct Annotation {
     category_id: u64,
     /// x, y, width, height in px.
     bbox: [f64; 4],
-    attributes: Option<About>,
+    attributes: Option<Attributes>,
+}
+
+#[derive(Deserialize, Default)]
+struct Attributes {
+    #[serde(flatten)]
+    about: About,
+    #[serde(flatten)]
+    other: BTreeMap<String, Value>,
 }
 
 #[derive(Deserialize)]
@@ -41,6 +53,9 @@ struct Category {
     id: u64,
     name: String,
 }
+
+/// Keys of COCO's images, and of this program's exports, that say nothing of the scene.
+const NO_CONDITIONS: [&str; 5] = ["license", "flickr_url", "coco_url", "date_captured", "session"];
 
 /// What COCO has no word for.
 #[derive(Deserialize, Default, Clone)]
@@ -127,7 +142,11 @@ fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
             annotation.bbox
         ));
     }
-    let (own, other) = (&image.about, annotation.attributes.clone().unwrap_or_default());
+    let own = &image.about;
+    let attributes = annotation.attributes.as_ref();
+    let other = attributes.map(|a| a.about.clone()).unwrap_or_default();
+    let kept = attributes.into_iter().flat_map(|a| &a.other).chain(&image.other);
+    let kept = kept.filter(|(name, _)| is_name(name) && !NO_CONDITIONS.contains(&name.as_str()));
     Ok(PhotoEntry {
         file: image.file_name.clone(),
         variant: own.variant.clone().or(other.variant).unwrap_or_default(),
@@ -139,5 +158,8 @@ fn entry(image: &Image, annotation: &Annotation) -> Result<PhotoEntry, String> {
             own.pitch_deg.or(other.pitch_deg),
             own.distance_mm.or(other.distance_mm),
         ])?,
+        conditions: kept
+            .filter_map(|(name, value)| Some((name.clone(), scalar(value)?)))
+            .collect(),
     })
 }

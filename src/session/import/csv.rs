@@ -5,8 +5,10 @@ use csv::{Position, ReaderBuilder, StringRecord};
 use super::{ImportFault, ImportedPhoto, viewpoint};
 use crate::geometry::BoxPx;
 use crate::session::PhotoEntry;
+use crate::session::conditions::is_name;
+use crate::spelling;
 
-/// The columns, in any order; those after the seventh may be left out or empty, and so may `variant` and `place`.
+/// The columns, in any order, all others being conditions; those after the seventh may be left out or empty, and so may `variant` and `place`.
 const COLUMNS: [&str; 10] = [
     "file",
     "variant",
@@ -28,6 +30,11 @@ pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| fault(e, text))?.clone();
     let columns = columns(&header)?;
+    let conditions: Vec<(usize, &str)> = header
+        .iter()
+        .enumerate()
+        .filter(|(_, name)| !COLUMNS.contains(name))
+        .collect();
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| fault(e, text))?;
@@ -35,7 +42,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
         let at = |message: String| ImportFault::at(format!("line {line}"), message);
         rows.push(ImportedPhoto {
             place: format!("line {line}"),
-            entry: entry(&record, &columns).map_err(at)?,
+            entry: entry(&record, &columns, &conditions).map_err(at)?,
             size: None,
         });
     }
@@ -46,8 +53,10 @@ pub(super) fn parse(text: &str) -> Result<Vec<ImportedPhoto>, ImportFault> {
 fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
     let wanted = COLUMNS.join(",");
     for (i, name) in header.iter().enumerate() {
-        if !COLUMNS.contains(&name) {
-            let message = format!("`{name}` is no column this program reads: the header is {wanted}");
+        if !COLUMNS.contains(&name) && !is_condition(name) {
+            let message = format!(
+                "`{name}` is no column this program reads: the header is {wanted}, and conditions by other names"
+            );
             return Err(ImportFault::at("line 1", message));
         }
         if header.iter().take(i).any(|other| other == name) {
@@ -61,7 +70,17 @@ fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
     Ok(COLUMNS.map(|name| header.iter().position(|h| h == name)))
 }
 
-fn entry(record: &StringRecord, columns: &[Option<usize>; 10]) -> Result<PhotoEntry, String> {
+/// Whether a column that is none of [`COLUMNS`] can be a condition, and not one of them misspelt.
+fn is_condition(name: &str) -> bool {
+    let is_near = |known: &&str| 3 * spelling::edits(&name.to_lowercase(), known) <= name.chars().count();
+    is_name(name) && !COLUMNS.iter().any(|known| is_near(&known))
+}
+
+fn entry(
+    record: &StringRecord,
+    columns: &[Option<usize>; 10],
+    conditions: &[(usize, &str)],
+) -> Result<PhotoEntry, String> {
     let text = |i: usize| columns[i].and_then(|c| record.get(c)).filter(|t| !t.is_empty());
     let number = |i: usize| match text(i) {
         None => Ok(None),
@@ -78,6 +97,11 @@ fn entry(record: &StringRecord, columns: &[Option<usize>; 10]) -> Result<PhotoEn
         taken: None,
         box_xyxy_px: Some(BoxPx::new(needed(3)?, needed(4)?, needed(5)?, needed(6)?)),
         viewpoint: viewpoint([number(7)?, number(8)?, number(9)?])?,
+        conditions: conditions
+            .iter()
+            .filter_map(|(column, name)| Some(((*name).to_owned(), record.get(*column)?.to_owned())))
+            .filter(|(_, value)| !value.is_empty())
+            .collect(),
     })
 }
 

@@ -1,0 +1,92 @@
+//! What figures mean, as `score`, `merge` and `compare` are told: definitions, thresholds, protocols, the base and groups.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+
+use crate::detect::SCORE_FLOOR;
+use crate::score::{self, ApDefinition, CompareError, Criteria, GroupBy, GroupByError, Protocol, Scores};
+use crate::session::Session;
+
+/// The definition of AP and the threshold of a hit, by themselves or as a protocol has them.
+#[derive(clap::Args)]
+pub(super) struct Reading {
+    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
+    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name, conflicts_with = "protocol")]
+    ap: ApDefinition,
+    /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
+    #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE, conflicts_with = "protocol")]
+    confidence: f64,
+    /// Definition, thresholds and table of a paper or benchmark: dta, active, padetbench, armory or apricot.
+    #[arg(long, value_name = "NAME", value_parser = Protocol::from_name)]
+    protocol: Option<Protocol>,
+}
+
+impl Reading {
+    pub(super) fn criteria(&self) -> Result<Criteria, String> {
+        if let Some(protocol) = self.protocol {
+            return Ok(Criteria::of(protocol));
+        }
+        if !(SCORE_FLOOR..=1.0).contains(&self.confidence) {
+            let confidence = self.confidence;
+            return Err(format!(
+                "--confidence is {confidence}: give a number from {SCORE_FLOOR} to 1"
+            ));
+        }
+        Ok(Criteria {
+            ap: self.ap,
+            hit_confidence: self.confidence,
+            protocol: None,
+        })
+    }
+}
+
+/// What drops are measured from, and which groups of photos get figures of their own.
+#[derive(clap::Args)]
+pub(super) struct Tables {
+    /// The variant that drops are measured from.
+    #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
+    base: String,
+    /// Figures for each value of these conditions, such as weather,distance,theta,phi,lux:100 (steps of 100); a condition is a column of imported
+    /// photos, or place, azimuth, pitch, distance, theta or phi.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    group_by: Vec<GroupBy>,
+}
+
+impl Tables {
+    /// Finds out before a run that some photo has the base that was named, and the conditions.
+    pub(super) fn check(&self, sessions: &[Session]) -> super::Result<()> {
+        self.group_by
+            .iter()
+            .try_for_each(|group| group.check_sessions(sessions))?;
+        let variants: BTreeSet<&str> = sessions
+            .iter()
+            .flat_map(|s| s.photos.iter().map(|p| p.variant.as_str()))
+            .collect();
+        match self.base == score::BASE_VARIANT || variants.contains(self.base.as_str()) {
+            true => Ok(()),
+            false => Err(CompareError::NoBase {
+                base: self.base.clone(),
+                variants: variants.into_iter().collect::<Vec<_>>().join(", "),
+            }
+            .into()),
+        }
+    }
+
+    /// The run under these criteria, with these drops and groups.
+    pub(super) fn made(&self, scores: Scores, criteria: Criteria) -> Result<Scores, GroupByError> {
+        scores
+            .judged_by(criteria)
+            .against(&self.base)
+            .grouped_by(&self.group_by)
+    }
+}
+
+/// What to do about an error of the library.
+pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+    match error.downcast_ref()? {
+        GroupByError::Unknown { hint, .. } if hint.is_empty() => Some(
+            "`session import` keeps the columns of a table, and session.json has `conditions` for each photo".into(),
+        ),
+        _ => None,
+    }
+}

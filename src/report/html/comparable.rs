@@ -1,0 +1,141 @@
+//! The figures that papers compare: AP over IoUs, recall, false positives and attack success rates; the groups that were asked for; a protocol's table.
+
+use maud::{Markup, html};
+
+use super::{number, summary, variants};
+use crate::report::paired;
+use crate::score::{ConditionFigures, Scores, Summary, protocol_table};
+
+/// A row for each detector and texture.
+pub(super) fn figures(scores: &Scores) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                thead {
+                    tr {
+                        th { "detector" } th.text { "texture" } th { "AP@[.5:.95]" } th { "mAR" } th { "mAR 50" } th { "FPPI" }
+                        th { "ASR of AP@0.5" br; small { "95 % interval" } } th { "ASR of the hit rate" br; small { "95 % interval" } }
+                    }
+                }
+                tbody {
+                    @for c in &scores.detectors {
+                        @for (i, variant) in variants(scores).iter().enumerate() {
+                            @if let Some(s) = summary(scores, &c.manifest.name, variant) {
+                                tr.first[i == 0] { td { @if i == 0 { (c.manifest.title) } } td.text { (variant) } (cells(scores, s)) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        p.note {
+            "ASR: attack success rate, 1 − this texture ÷ " (scores.base) ", on paired photos where there are pairs; its interval is of the same bootstrap "
+            "as the drop's, and absent with too few clusters, where all draws agree, and where " (scores.base) " is hardly found."
+        }
+    }
+}
+
+fn cells(scores: &Scores, s: &Summary) -> Markup {
+    let f = &s.overall;
+    let two = |v: f64| number(v, 2);
+    let rates = match (paired::compared(scores, &s.detector, &s.variant), s.asr) {
+        (Some(r), _) => [paired::asr(&r.ap50, two), paired::asr(&r.hit_rate.rate, two)],
+        (None, Some(asr)) => [asr.ap50, asr.hit_rate].map(|asr| asr.map_or("–".to_owned(), two)),
+        (None, None) => [String::new(), String::new()],
+    };
+    html! {
+        td { (number(f.ap50_95, 3)) } td { (number(f.mar, 3)) } td { (number(f.mar50, 3)) }
+        td { (number(f.false_positives_per_image, 2)) }
+        @for rate in rates {
+            @match rate.split_once(' ') {
+                Some((value, interval)) => { td { (value) " " small { (interval) } } }
+                None => { td { (rate) } }
+            }
+        }
+    }
+}
+
+/// A table for each condition that photos were grouped by; nothing when none was asked for.
+pub(super) fn groups(scores: &Scores) -> Option<Markup> {
+    let mut conditions: Vec<&str> = Vec::new();
+    for c in scores.summaries.iter().flat_map(|s| &s.conditions) {
+        if !conditions.contains(&c.condition.as_str()) {
+            conditions.push(&c.condition);
+        }
+    }
+    (!conditions.is_empty()).then(|| {
+        html! {
+            @for condition in conditions { h3 { (condition) } (group(scores, condition)) }
+            p.note { "AP@0.5, hits / photos below, and the attack success rate of the hit rate. “–”: no photo." }
+        }
+    })
+}
+
+/// Values across, detectors and textures down.
+fn group(scores: &Scores, condition: &str) -> Markup {
+    let mut values: Vec<&str> = Vec::new();
+    let own = |s: &Summary| {
+        s.conditions
+            .iter()
+            .filter(|c| c.condition == condition)
+            .cloned()
+            .collect::<Vec<_>>()
+    };
+    for c in scores
+        .summaries
+        .iter()
+        .flat_map(|s| &s.conditions)
+        .filter(|c| c.condition == condition)
+    {
+        if !values.contains(&c.value.as_str()) {
+            values.push(&c.value);
+        }
+    }
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "detector" } th.text { "texture" } @for value in &values { th { (value) } } } }
+                tbody {
+                    @for s in &scores.summaries {
+                        @let first = s.variant == scores.base;
+                        tr.first[first] {
+                            td { (scores.title(&s.detector)) } td.text { (s.variant) }
+                            @for value in &values { (group_cell(own(s).iter().find(|c| c.value == *value))) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn group_cell(found: Option<&ConditionFigures>) -> Markup {
+    html! {
+        td {
+            @match found {
+                Some(c) => {
+                    (number(c.figures.ap50, 2)) br;
+                    small {
+                        (c.figures.hit_rate.count) "/" (c.figures.photos)
+                        @if let Some(asr) = c.asr.and_then(|a| a.hit_rate) { ", ASR " (number(asr, 2)) }
+                    }
+                }
+                None => { "–" }
+            }
+        }
+    }
+}
+
+/// The table of the protocol that is followed; nothing when none is.
+pub(super) fn protocol(scores: &Scores) -> Option<Markup> {
+    let table = protocol_table(scores)?;
+    Some(html! {
+        p.note { b { (table.name) } ": " (table.source) "." }
+        div.scroll {
+            table {
+                thead { tr { @for column in &table.columns { th { (column) } } } }
+                tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
+            }
+        }
+    })
+}

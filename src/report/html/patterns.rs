@@ -1,0 +1,79 @@
+//! The patterns of a run's textures: what was on the model, to the cell.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{Markup, html};
+
+use super::variants;
+use crate::score::{ScoredPhoto, Scores, WornPattern};
+
+/// So many of a texture's photos show what it looks like on the model.
+const STRIP: usize = 8;
+
+/// Each pattern that is known, and which textures it is not known of; nothing for a run of the plain model alone.
+pub(super) fn cards(scores: &Scores) -> Option<Markup> {
+    let variants = variants(scores);
+    let textures = || variants.iter().filter(|v| **v != scores.base);
+    let unknown: Vec<&str> = textures().filter(|v| of(scores, v).is_none()).copied().collect();
+    textures().next()?;
+    Some(html! {
+        @if !scores.patterns.is_empty() {
+            div.patterns { @for pattern in &scores.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) } } } }
+        }
+        @if !unknown.is_empty() {
+            p.note {
+                "Not given: the pattern of " (unknown.join(", ")) ". " code { "score --pattern NAME=FILE" }
+                " shows it, with its hash and tile size; without it, this report does not say what was printed."
+            }
+        }
+    })
+}
+
+/// Each texture with its pattern, where it has one, and some of its photos.
+pub(super) fn strips(scores: &Scores, textures: &[String]) -> Markup {
+    html! {
+        @for texture in textures {
+            h3 { (texture) }
+            @if let Some(pattern) = of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) } } } }
+            div.strip {
+                @for photo in spread(scores, texture) {
+                    img alt=(photo.file) title=(photo.file) src=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&photo.preview_jpeg)));
+                }
+            }
+        }
+        p.note { "The same viewpoints in each row, spread over all; hover for a photo's name. All are in the folder session." }
+    }
+}
+
+fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a WornPattern> {
+    scores.patterns.iter().find(|p| p.variant == variant)
+}
+
+/// Photos of a texture, evenly spread over those that have a preview.
+fn spread<'a>(scores: &'a Scores, variant: &str) -> Vec<&'a ScoredPhoto> {
+    let own = scores
+        .photos
+        .iter()
+        .filter(|p| p.variant == variant && !p.preview_jpeg.is_empty());
+    let own: Vec<&ScoredPhoto> = own.collect();
+    let count = own.len().min(STRIP);
+    (0..count)
+        .filter_map(|i| own.get(i * own.len() / count).copied())
+        .collect()
+}
+
+fn image(pattern: &WornPattern) -> Markup {
+    let source = format!("data:image/png;base64,{}", STANDARD.encode(&pattern.png));
+    html! { img alt=(format!("The pattern of {}", pattern.variant)) src=(source); }
+}
+
+fn facts(pattern: &WornPattern) -> Markup {
+    let [columns, rows] = pattern.cells;
+    html! {
+        b { (pattern.variant) } ", " (pattern.file) ": " (columns) " × " (rows) " cells, a repeat "
+        @match pattern.tile_mm { Some(mm) => { (mm) " mm wide on the model" } None => { "of unknown width" } }
+        ", print "
+        @match pattern.print_delta_e { Some(off) => { "off by ΔE2000 " (format!("{off:.1}")) " (mean over cells)" } None => { "not measured" } }
+        "." br; small { "SHA-256 " (pattern.sha256) }
+    }
+}

@@ -1,0 +1,85 @@
+//! What the paired photos say of a drop, in words: it stands beside every drop.
+
+use crate::score::{ClusteredBy, Compared, Difference, Finding, Scores, paired, pairs_needed};
+use crate::spelling;
+
+/// What the pairs of a variant and the base say of one detector; none where no photos pair.
+pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Compared> {
+    let mut results = paired(scores).iter().flat_map(|c| &c.results);
+    results.find(|r| r.detector == detector && r.variant == variant)
+}
+
+/// A finding as people say it.
+pub(super) fn in_words(finding: Finding) -> &'static str {
+    match finding {
+        Finding::Drop => "a drop",
+        Finding::Rise => "a rise",
+        Finding::NoDifferenceShown => "no difference shown, one of 0.2 is excluded",
+        Finding::TooFewPhotosToTell => "too few photos to tell",
+    }
+}
+
+/// The same without its explanation.
+pub(super) fn briefly(finding: Finding) -> &'static str {
+    in_words(finding).split(',').next().unwrap_or_default()
+}
+
+/// Whether a difference is shown at 5 %.
+pub(super) fn is_shown(d: &Difference) -> bool {
+    matches!(d.finding, Finding::Drop | Finding::Rise)
+}
+
+/// `[0.38, 1.00]` of the drop, by what writes its numbers.
+pub(super) fn interval(d: &Difference, number: impl Fn(f64) -> String) -> Option<String> {
+    d.interval_95
+        .map(|i| format!("[{}, {}]", number(i.low), number(i.high)))
+}
+
+/// `0.33 [−0.10, 0.60]`: the attack success rate; `–` where the base's figure is 0.
+pub(super) fn asr(d: &Difference, number: impl Fn(f64) -> String) -> String {
+    let interval = d
+        .asr_interval_95
+        .map(|i| format!(" [{}, {}]", number(i.low), number(i.high)));
+    d.asr
+        .map_or("–".to_owned(), |asr| number(asr) + &interval.unwrap_or_default())
+}
+
+/// `8 pairs from 1 place × 8 bins`, and how many clusters they are where that is not the product.
+pub(super) fn basis(r: &Compared) -> String {
+    let grid = format!(
+        "{} from {} × {}",
+        spelling::count(r.pairs, "pair"),
+        spelling::count(r.places, "place"),
+        spelling::count(r.bins, "bin")
+    );
+    match r.clustered_by {
+        ClusteredBy::Place => format!("{grid}, clustered by place"),
+        ClusteredBy::PlaceAndBin if r.clusters == r.places * r.bins => grid,
+        ClusteredBy::PlaceAndBin => format!("{grid}, {} of them taken", r.clusters),
+    }
+}
+
+/// How many more pairs would show the drop of the hit rate that was seen, if it is the true one; none where it is shown already or there is none.
+pub(super) fn more_photos(r: &Compared) -> Option<String> {
+    let d = &r.hit_rate.rate;
+    if is_shown(d) || d.drop <= 0.0 {
+        return None;
+    }
+    let needed = pairs_needed(d.base, d.drop.min(d.base), POWER, 0.05).ok();
+    Some(match needed.map(|needed| (needed, needed.saturating_sub(r.pairs))) {
+        None => format!("a drop as small as {:.2} is beyond what photos can show", d.drop),
+        Some((needed, 0)) => format!(
+            "{needed} pairs show a drop of {:.2} with a chance of {POWER}: these happened not to",
+            d.drop
+        ),
+        Some((needed, more)) => format!(
+            "if the true drop is the {:.2} seen, {needed} pairs show it with a chance of {POWER}: {} more, {} photos, best at other places",
+            d.drop,
+            spelling::count(more, "pair"),
+            2 * more
+        ),
+    })
+}
+
+/// How often a drop shall be shown.
+const POWER: f64 = 0.8;

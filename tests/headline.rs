@@ -1,0 +1,316 @@
+//! A headline that cannot mislead: intervals beside drops, red only for what is shown, cautions, another base, and plans by place.
+
+use crate::tests::common;
+
+use std::path::Path;
+use std::process::Output;
+
+use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
+use scaleproof::score::{pairs_needed, power, smallest_drop};
+use serde_json::Value;
+
+fn score(session: &Path, out: &Path, more: &[&str]) -> Output {
+    let mut program = program();
+    program.arg("score").arg(session).args(["--recorded", "--out"]).arg(out);
+    program.args(more).output().unwrap()
+}
+
+fn scored(session: &Path, more: &[&str]) -> (tempfile::TempDir, Value, Output) {
+    let out = tempfile::tempdir().unwrap();
+    let output = score(session, out.path(), more);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let summary = read_json(&out.path().join("summary.json"));
+    (out, summary, output)
+}
+
+/// The stored session with its photos changed.
+fn changed(change: impl Fn(&mut Vec<Value>)) -> tempfile::TempDir {
+    let session = copy_of_skyline();
+    let path = session.path().join("session.json");
+    let mut file = read_json(&path);
+    change(file["photos"].as_array_mut().unwrap());
+    std::fs::write(&path, file.to_string()).unwrap();
+    session
+}
+
+#[test]
+fn a_drop_is_red_when_it_is_shown_and_not_before() {
+    let (out, summary, output) = scored(&skyline(), &[]);
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    let findings: Vec<&str> = summary["paired"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|r| {
+            [
+                &r["ap50"]["finding"],
+                &r["hit_rate"]["finding"],
+                &r["mean_confidence"]["finding"],
+            ]
+        })
+        .map(|finding| finding.as_str().unwrap())
+        .collect();
+    let shown = findings.iter().filter(|f| **f == "drop").count();
+    assert!(shown > 0 && shown < findings.len(), "{findings:?}");
+    assert_eq!(page.matches("class=\"down\"").count(), shown);
+    // nanodet_m: 5 of 8 hits against 2 of 8, a drop of 0.38 that eight photos cannot tell.
+    let cell = page.split("<span class=\"\">0.38</span>").nth(1).unwrap();
+    assert!(
+        cell.starts_with("<br><small>[")
+            && cell
+                .split("</small>")
+                .next()
+                .unwrap()
+                .ends_with("too few photos to tell")
+    );
+    let text = stdout(&output);
+    let line = text
+        .lines()
+        .find(|line| line.contains("hit rate  0.750 [0.38, 1.00]: a drop"))
+        .unwrap();
+    assert!(line.contains("ASR"), "{line}");
+    assert!(text.contains("8 pairs from 1 place × 8 bins"), "{text}");
+    let tex = std::fs::read_to_string(out.path().join("table.tex")).unwrap();
+    assert!(
+        tex.contains("\\textbf{0.75} [0.38, 1.00]") && tex.contains("0.38$^\\dagger$ ["),
+        "{tex}"
+    );
+}
+
+#[test]
+fn ap_and_hit_rate_that_disagree_are_explained_beside_each_other() {
+    let (out, summary, output) = scored(&skyline(), &[]);
+    // deimv2_atto on random: AP 0.87, one hit of eight, and seven weak finds.
+    let wanted =
+        "AP@0.5 is 0.87 beside 1 of 8 photos hit, since 7 more photos show the model at a confidence below 0.5";
+    let explained = summary["explanations"].as_array().unwrap();
+    assert!(
+        explained.iter().any(|e| e.as_str().unwrap().contains(wanted)),
+        "{explained:?}"
+    );
+    assert!(stdout(&output).contains(wanted));
+    for (file, mark) in [("report.html", "class=\"explained\""), ("table.tex", "% DEIMv2-Atto")] {
+        let text = std::fs::read_to_string(out.path().join(file)).unwrap();
+        assert!(text.contains(wanted) && text.contains(mark), "{file}");
+    }
+    // 6 of 8 hits beside AP 0.87 needs no word.
+    assert!(!explained.iter().any(|e| e.as_str().unwrap().contains("YOLOX")));
+}
+
+#[test]
+fn what_a_reviewer_asks_for_first_is_cautioned() {
+    let cautions = |session: &Path, more: &[&str]| scored(session, more).1["cautions"].to_string();
+    let usual = cautions(&skyline(), &[]);
+    assert!(
+        usual.contains("all photos are of one place") && usual.contains("looser than its outline"),
+        "{usual}"
+    );
+    for absent in ["share", "random control", "floor effect"] {
+        assert!(!usual.contains(absent), "{absent}: {usual}");
+    }
+    let few = changed(|photos| {
+        photos
+            .retain(|p| !["random_013.jpg", "random_014.jpg", "random_015.jpg"].contains(&p["file"].as_str().unwrap()))
+    });
+    assert!(
+        cautions(few.path(), &[])
+            .contains("“random” and “normal” share 5 cells of place × direction, fewer than the 6")
+    );
+    let two = changed(|photos| photos[0]["place"] = "garage".into());
+    assert!(cautions(two.path(), &[]).contains("the photos are of 2 places"));
+    let named = changed(|photos| photos.iter_mut().skip(8).for_each(|p| p["variant"] = "dta".into()));
+    assert!(cautions(named.path(), &[]).contains("no variant is a random control"));
+    // With the patterned photos as base, most detectors hardly find it.
+    let floor = cautions(&skyline(), &["--base", "random"]);
+    assert!(
+        floor.contains("deimv2_femto finds “random” itself in 0 of 8 photos only") && floor.contains("floor effect"),
+        "{floor}"
+    );
+}
+
+#[test]
+fn drops_are_measured_from_the_base_that_is_named() {
+    let (out, summary, output) = scored(&skyline(), &["--base", "random"]);
+    let (_, usual, _) = scored(&skyline(), &[]);
+    let drop = |summary: &Value, variant: &str| {
+        let own = |r: &&Value| r["detector"] == "yolox_nano" && r["variant"] == variant;
+        summary["results"].as_array().unwrap().iter().find(own).unwrap()["drop"]["hit_rate"].clone()
+    };
+    assert_eq!(
+        drop(&summary, "normal").as_f64(),
+        drop(&usual, "random").as_f64().map(|d| -d)
+    );
+    assert!(drop(&summary, "random").is_null() && summary["base"] == "random");
+    assert_eq!(summary["results"][0]["variant"], "random", "the base is listed first");
+    assert!(stdout(&output).contains("drop from random to normal"));
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert!(page.contains("Drop: random minus this texture"));
+}
+
+#[test]
+fn compare_takes_the_confidence_of_a_hit() {
+    let out = tempfile::tempdir().unwrap();
+    let compared = program()
+        .arg("compare")
+        .arg(skyline())
+        .args(["--recorded", "--confidence", "0.25", "--out"])
+        .arg(out.path())
+        .output()
+        .unwrap();
+    assert!(compared.status.success(), "{}", stderr(&compared));
+    let page = read_json(&out.path().join("comparison.json"));
+    let (_, summary, _) = scored(&skyline(), &["--confidence", "0.25"]);
+    assert_eq!(page["provenance"]["hit_confidence"], 0.25);
+    assert_eq!(page["results"], summary["paired"]);
+    let (_, usual, _) = scored(&skyline(), &[]);
+    assert_ne!(page["results"], usual["paired"], "a lower threshold finds more");
+    let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
+    assert!(html.contains("a hit from confidence 0.25"));
+}
+
+/// Six places: the eight directions of one place are one cluster, and a difference in all of them is six discordant clusters: p = 2 / 2⁶.
+#[test]
+fn the_photos_of_one_place_are_one_cluster_where_there_are_six() {
+    let sessions: Vec<tempfile::TempDir> = (0..6)
+        .map(|i| changed(|photos| photos.iter_mut().for_each(|p| p["place"] = format!("place {i}").into())))
+        .collect();
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command
+        .arg("compare")
+        .args(sessions.iter().map(tempfile::TempDir::path));
+    command
+        .args(["--recorded", "--detector", "deimv2_femto", "--out"])
+        .arg(out.path());
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = read_json(&out.path().join("comparison.json"));
+    let r = &page["results"][0];
+    assert_eq!(
+        [&r["clusters"], &r["places"], &r["bins"], &r["pairs"]].map(Value::as_u64),
+        [6, 6, 8, 48].map(Some)
+    );
+    assert_eq!(r["clustered_by"], "place");
+    assert_eq!(r["hit_rate"]["mcnemar_p"], 2.0 / 64.0);
+    assert!(
+        stdout(&output).contains("48 pairs from 6 places × 8 bins, clustered by place"),
+        "{}",
+        stdout(&output)
+    );
+}
+
+#[test]
+fn the_comparison_says_how_many_more_photos_would_tell() {
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command
+        .arg("compare")
+        .arg(skyline())
+        .args(["--recorded", "--out"])
+        .arg(out.path());
+    assert!(command.output().unwrap().status.success());
+    let page = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
+    // yolox_nano: 6 of 8 against 4 of 8.
+    let needed = pairs_needed(0.75, 0.25, 0.8, 0.05).unwrap();
+    let wanted = format!(
+        "if the true drop is the 0.25 seen, {needed} pairs show it with a chance of 0.8: {} pairs more, {} photos",
+        needed - 8,
+        2 * (needed - 8)
+    );
+    assert!(page.contains(&wanted), "{wanted}");
+    assert!(page.contains("How many more photos would tell"));
+}
+
+#[test]
+fn a_plan_by_places_is_a_table() {
+    let scene = skyline().join("scene.toml");
+    let plan = |more: &[&str]| {
+        program()
+            .args(["plan", "--scene"])
+            .arg(&scene)
+            .args(more)
+            .output()
+            .unwrap()
+    };
+    let output = plan(&["--places", "3", "--drop", "0.2", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let plan_json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&plan_json["bins"], &plan_json["planned_places"]),
+        (&8.into(), &3.into())
+    );
+    let needed = pairs_needed(0.9, 0.2, 0.8, 0.05).unwrap();
+    assert_eq!(plan_json["places_needed"], needed.div_ceil(8));
+    for row in plan_json["table"].as_array().unwrap() {
+        let number = |key: &str| row[key].as_u64().unwrap() as usize;
+        assert_eq!(
+            (number("pairs"), number("photos")),
+            (8 * number("places"), 16 * number("places"))
+        );
+        // The smallest drop is shown as often as asked, and one of 0.01 less is not.
+        if let Some(drop) = row["smallest_drop"].as_f64() {
+            let pairs = number("pairs");
+            assert!(
+                power(pairs, 0.9, drop, 0.05) >= 0.8 && power(pairs, 0.9, drop - 0.01, 0.05) < 0.8,
+                "{row}"
+            );
+        }
+    }
+    let text = stdout(&plan(&["--places", "3"]));
+    let planned = text.lines().find(|line| line.contains("← planned")).unwrap();
+    assert!(
+        planned.starts_with("3 ") && planned.contains("24") && planned.contains("48"),
+        "{text}"
+    );
+    // Six certain pairs are the fewest that show anything.
+    assert_eq!(
+        (smallest_drop(5, 1.0, 0.8, 0.05), smallest_drop(6, 1.0, 0.8, 0.05)),
+        (None, Some(0.97))
+    );
+    assert_refused(&plan(&["--bins", "3"]), &["--bins"]);
+    assert_refused(
+        &program().args(["plan", "--places", "3"]).output().unwrap(),
+        &["--drop"],
+    );
+    assert_refused(&plan(&["--base-rate", "1.5"]), &["base", "1.5"]);
+}
+
+/// Single photos of a direction are dots: a line would claim a course between them.
+#[test]
+fn points_of_a_polar_chart_are_joined_where_bins_have_several_photos() {
+    let joined = |session: &Path| {
+        let (out, ..) = scored(session, &["--detector", "yolox_nano"]);
+        let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+        let chart = page
+            .split("Mean confidence by azimuth, YOLOX")
+            .nth(1)
+            .unwrap()
+            .split("</svg>")
+            .next()
+            .unwrap()
+            .to_owned();
+        chart.contains("<poly")
+    };
+    assert!(!joined(&skyline()));
+    let doubled = copy_of_skyline();
+    let path = doubled.path().join("session.json");
+    let mut file = read_json(&path);
+    let photos = file["photos"].as_array_mut().unwrap();
+    for mut photo in photos.clone() {
+        let name = photo["file"].as_str().unwrap().to_owned();
+        std::fs::copy(doubled.path().join(&name), doubled.path().join(format!("again_{name}"))).unwrap();
+        photo["file"] = format!("again_{name}").into();
+        photos.push(photo);
+    }
+    std::fs::write(&path, file.to_string()).unwrap();
+    assert!(joined(doubled.path()));
+}
+
+/// Each photo's card says how well it is placed.
+#[test]
+fn a_photo_shows_the_quality_of_its_pose() {
+    let (out, ..) = scored(&skyline(), &["--detector", "yolox_nano"]);
+    let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+    assert_eq!(page.matches("pose: σ ").count(), 16);
+    assert!(page.contains(" px</small>"), "rms in pixels");
+}
