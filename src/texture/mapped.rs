@@ -160,6 +160,35 @@ impl MappedImages {
         }
     }
 
+    /// Where a triangle's corners lie in its image, in texels.
+    pub(super) fn in_cells(&self, triangle: usize) -> [[f64; 2]; 3] {
+        match self.in_image(triangle) {
+            Some((map, corners)) => {
+                corners.map(|[u, v]| [u * f64::from(map.image.width()), v * f64::from(map.image.height())])
+            }
+            None => [[0.0; 2]; 3],
+        }
+    }
+
+    /// The colour at a place in a triangle's image, in texels.
+    pub(super) fn cell(&self, triangle: usize, [across, up]: [f64; 2]) -> [u8; 3] {
+        match (self.in_image(triangle), self.places.get(triangle)) {
+            (Some((map, _)), _) => map.texel([
+                across / f64::from(map.image.width()),
+                up / f64::from(map.image.height()),
+            ]),
+            (None, Some(Place::Plain(rgb))) => *rgb,
+            _ => PAPER,
+        }
+    }
+
+    fn in_image(&self, triangle: usize) -> Option<(&Map, TextureCoordinates)> {
+        match self.places.get(triangle)? {
+            Place::In { map, at } => Some((self.maps.get(*map)?, *at)),
+            _ => None,
+        }
+    }
+
     /// The one image of these triangles; `None` where they have several, or a plain colour.
     pub(crate) fn only_image(&self, triangles: &[usize]) -> Option<OnlyImage> {
         let mut only: Option<(Arc<RgbImage>, Wrap)> = None;
@@ -185,12 +214,10 @@ impl MappedImages {
 
     /// The area of a triangle in its image, in texels; `None` without an image.
     pub(super) fn texels(&self, triangle: usize) -> Option<f64> {
-        let Some(Place::In { map, at: [a, b, c] }) = self.places.get(triangle) else {
-            return None;
-        };
+        self.in_image(triangle)?;
+        let [a, b, c] = self.in_cells(triangle);
         let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        let (width, height) = self.maps.get(*map)?.image.dimensions();
-        Some(0.5 * doubled.abs() * f64::from(width) * f64::from(height))
+        Some(0.5 * doubled.abs())
     }
 }
 

@@ -109,6 +109,27 @@ impl Texture {
         }
     }
 
+    /// Where a triangle's corners lie in a grid of cells of one colour each, as column and row; `None` where its colours lie in no such grid.
+    pub(crate) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> Option<[[f64; 2]; 3]> {
+        match self {
+            Self::Flat(_) => Some([[0.0; 2]; 3]),
+            Self::Tile(tile) => Some(tile.in_cells(mesh, triangle)),
+            Self::Images(images) => Some(images.in_cells(triangle)),
+            Self::Faces(_) | Self::Patches(..) => None,
+        }
+    }
+
+    /// The colour of a cell of a triangle.
+    pub(crate) fn cell(&self, triangle: usize, cell: [i64; 2]) -> [u8; 3] {
+        let middle = cell.map(|number| number as f64 + 0.5);
+        match self {
+            Self::Flat(rgb) => *rgb,
+            Self::Tile(tile) => tile.cell(middle),
+            Self::Images(images) => images.cell(triangle, middle),
+            Self::Faces(_) | Self::Patches(..) => [255; 3],
+        }
+    }
+
     /// About how long a side of a texel is on a triangle's surface, mm: how finely the texture is to be sampled there. `None` where the
     /// triangle has one colour.
     pub(crate) fn texel_mm(&self, mesh: &Mesh, triangle: usize) -> Option<f64> {
