@@ -53,6 +53,17 @@ impl Buckets {
         (((p[axis] - self.low[axis]) / self.step[axis]).max(0.0) as usize).min(count - 1)
     }
 
+    /// All that may touch a box, rising.
+    pub(crate) fn over(&self, (from, to): (Point, Point)) -> Vec<usize> {
+        let rows = self.index(from, 1)..=self.index(to, 1);
+        let columns = || self.index(from, 0)..=self.index(to, 0);
+        let cells = rows.flat_map(|row| columns().map(move |column| row * self.columns + column));
+        let mut found: Vec<usize> = cells.flat_map(|i| &self.lists[i]).map(|i| *i as usize).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// What is near a place; `None` outside of all.
     pub(crate) fn at(&self, p: Point) -> Option<&[u32]> {
         let reach = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;

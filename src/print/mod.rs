@@ -20,6 +20,7 @@ pub(crate) mod paper;
 pub(crate) mod patch;
 pub(crate) mod pdf;
 pub(crate) mod pieces;
+mod polygon;
 pub(crate) mod printer;
 pub(crate) mod raster;
 pub(crate) mod ruler;

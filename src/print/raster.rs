@@ -1,9 +1,10 @@
 //! A painted surface as pixels of a page: each pixel is the mean of the colours on its area as light adds them, and the colours of the nearest
-//! place run on over the cut.
+//! place run on over the cut. Where colours lie in cells, each counts by the area it has in the pixel; elsewhere samples are taken.
 
 use image::{Rgb, RgbImage};
 
 use super::buckets::{Buckets, bounds};
+use super::polygon::{Affine, area, slices, within};
 use super::sheet::RectMm;
 use super::wrap::{Point, Region};
 use crate::geometry::length::shown;
@@ -14,6 +15,8 @@ use crate::texture::{SurfacePoint, Texture};
 /// Samples of a pixel, as squares: first few, then many where these differ; of fine textures more, up to the most.
 const SAMPLES: [usize; 2] = [2, 6];
 const MOST_SAMPLES: usize = 12;
+/// Of more cells in a pixel, samples are as good.
+const MOST_CELLS: i64 = 4096;
 /// From a border into the surface beside it, to see its colour.
 const INTO_MM: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 /// Share of a pixel: a PDF's numbers are good to 0.35 µm.
@@ -34,6 +37,13 @@ pub(crate) struct FlatTriangle {
     pub triangle: usize,
     /// The barycentric place of each corner in that triangle.
     pub weights: [[f64; 3]; 3],
+}
+
+impl FlatTriangle {
+    /// Whether nothing lies over or under it.
+    fn is_alone(&self) -> bool {
+        self.height_mm == [0.0; 3]
+    }
 }
 
 /// A turn about the origin, then a move: from a plane to a page.
@@ -125,6 +135,8 @@ pub(crate) struct FlatPaint<'a> {
     mesh: &'a Mesh,
     texture: &'a Texture,
     triangles: &'a [FlatTriangle],
+    /// Column and row of each triangle's cells; `None` where colours lie in no cells, or layers over each other.
+    cells: Vec<Option<[Affine; 2]>>,
     outline: &'a Region,
     faces: Buckets,
     borders: Buckets,
@@ -145,10 +157,17 @@ impl<'a> FlatPaint<'a> {
         let beside = 1.5 * bleed_mm + 0.1;
         let low_out = low.map(|mm| mm - beside);
         let high_out = high.map(|mm| mm + beside);
+        let cells = |flat: &FlatTriangle| {
+            let corners = texture.in_cells(mesh, flat.triangle)?;
+            let at = |axis: usize| flat.weights.map(|w| (0..3).map(|k| w[k] * corners[k][axis]).sum());
+            let [across, up] = [0, 1].map(|axis| Affine::through(&flat.flat_mm, at(axis)));
+            Some([across?, up?]).filter(|_| flat.is_alone())
+        };
         Self {
             mesh,
             texture,
             triangles,
+            cells: triangles.iter().map(cells).collect(),
             outline,
             faces: Buckets::new(low, high, triangles.iter().map(|t| bounds(&t.flat_mm, 0.0))),
             borders: Buckets::new(low_out, high_out, ends.iter().map(|e| bounds(e, beside))),
@@ -195,41 +214,76 @@ impl<'a> FlatPaint<'a> {
 
     /// The mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
     fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
-        let samples = |count: usize, last: &mut usize| {
-            let mut found = Found::default();
-            for [across, down] in spread(count * count) {
-                let (x, y) = (corner[0] + across, corner[1] + down);
-                if let Some(point) = self.locate(pose.back(grid.place(x, y)), last) {
-                    found.add(self.texture.colour(self.mesh, &point));
-                }
+        let place = |[across, down]: Point| pose.back(grid.place(corner[0] + across, corner[1] + down));
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
+        let found = self.by_area(&square, last).unwrap_or_else(|| {
+            let [few, many] = SAMPLES;
+            let found = self.sampled(place, few, last);
+            if found.alike || found.first.is_none() {
+                return found;
             }
-            found
-        };
-        let [few, many] = SAMPLES;
-        let found = samples(few, last);
-        match found.first {
-            None => {
-                let middle = pose.back(grid.place(corner[0] + 0.5, corner[1] + 0.5));
-                let point = self.nearest(middle, last)?;
-                Some(self.texture.colour(self.mesh, &point))
-            }
-            Some(rgb) if found.alike => Some(rgb),
-            Some(rgb) => {
-                let texel_mm = self.texture.texel_mm(self.mesh, self.triangles[*last].triangle);
-                let texels = texel_mm.map_or(0.0, |mm| grid.pixel_mm / mm);
-                let count = ((2.0 * texels).ceil() as usize).clamp(many, MOST_SAMPLES);
-                Some(samples(count, last).mean().unwrap_or(rgb))
+            let texel_mm = self.texture.texel_mm(self.mesh, self.triangles[*last].triangle);
+            let texels = texel_mm.map_or(0.0, |mm| grid.pixel_mm / mm);
+            let count = ((2.0 * texels).ceil() as usize).clamp(many, MOST_SAMPLES);
+            self.sampled(place, count, last)
+        });
+        found.mean().or_else(|| {
+            let point = self.nearest(place([0.5; 2]), last)?;
+            Some(self.texture.colour(self.mesh, &point))
+        })
+    }
+
+    fn sampled(&self, place: impl Fn(Point) -> Point, count: usize, last: &mut usize) -> Found {
+        let mut found = Found::default();
+        for at in spread(count * count) {
+            if let Some(point) = self.locate(place(at), last) {
+                found.add(self.texture.colour(self.mesh, &point), 1.0);
             }
         }
+        found
+    }
+
+    /// The colours of all cells in a convex polygon by their areas; `None` where some of it is not in cells.
+    fn by_area(&self, polygon: &[Point], last: &mut usize) -> Option<Found> {
+        let mut found = Found::default();
+        let is_in = |t: &FlatTriangle| polygon.iter().all(|p| inside(&t.flat_mm, *p).is_some());
+        if self.triangles.get(*last).is_some_and(is_in) {
+            self.add_cells(*last, polygon, &mut found)?;
+            return Some(found);
+        }
+        for i in self.faces.over(bounds(polygon, 0.0)) {
+            let part = within(polygon, &self.triangles[i].flat_mm);
+            if part.len() > 2 {
+                self.add_cells(i, &part, &mut found)?;
+                *last = i;
+            }
+        }
+        Some(found)
+    }
+
+    /// Adds the cells of a triangle in a convex polygon on it.
+    fn add_cells(&self, i: usize, polygon: &[Point], found: &mut Found) -> Option<()> {
+        let [across, up] = self.cells[i]?;
+        let (columns, rows) = (across.cells(polygon), up.cells(polygon));
+        let count = |cells: &std::ops::RangeInclusive<i64>| cells.end() - cells.start() + 1;
+        if count(&columns).saturating_mul(count(&rows)) > MOST_CELLS {
+            return None;
+        }
+        for (column, strip) in slices(polygon, &across, columns) {
+            for (row, cell) in slices(&strip, &up, rows.clone()) {
+                let colour = self.texture.cell(self.triangles[i].triangle, [column, row]);
+                found.add(colour, area(&cell));
+            }
+        }
+        Some(())
     }
 
     /// The outermost surface over a place of the plane.
     pub(crate) fn locate(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
         let bucket = self.faces.at(p)?;
         // Most neighbours lie in the same triangle; where layers lie over each other, the outermost counts.
-        let alone = |i: usize| self.triangles[i].height_mm == [0.0; 3];
         if let Some(weights) = self.triangles.get(*last).and_then(|t| inside(&t.flat_mm, p))
-            && alone(*last)
+            && self.triangles[*last].is_alone()
         {
             return Some(self.surface_point(*last, weights));
         }
@@ -294,29 +348,38 @@ fn spread(count: usize) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Colours of a pixel's samples.
+/// Colours of a pixel, each with its weight.
 #[derive(Default)]
 struct Found {
     first: Option<[u8; 3]>,
     alike: bool,
     linear: [f64; 3],
-    count: f64,
+    weight: f64,
 }
 
 impl Found {
-    fn add(&mut self, rgb: [u8; 3]) {
+    fn add(&mut self, rgb: [u8; 3], weight: f64) {
+        if weight <= 0.0 {
+            return;
+        }
         self.alike = match self.first {
             Some(first) => self.alike && first == rgb,
             None => true,
         };
         self.first.get_or_insert(rgb);
         let linear = LINEAR.with(|table| rgb.map(|v| table[usize::from(v)]));
-        (0..3).for_each(|c| self.linear[c] += linear[c]);
-        self.count += 1.0;
+        (0..3).for_each(|c| self.linear[c] += weight * linear[c]);
+        self.weight += weight;
     }
 
+    /// `None` of nothing.
     fn mean(&self) -> Option<[u8; 3]> {
-        (self.count > 0.0).then(|| light::rgb_of(self.linear.map(|sum| sum / self.count)))
+        match self.alike {
+            true => self.first,
+            false => self
+                .first
+                .map(|_| light::rgb_of(self.linear.map(|sum| sum / self.weight))),
+        }
     }
 }
 

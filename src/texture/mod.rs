@@ -3,7 +3,6 @@
 
 mod face_texels;
 mod mapped;
-mod open;
 mod patches;
 mod same_shape;
 mod tile;
@@ -20,6 +19,7 @@ use nalgebra::Point3;
 
 use crate::files::FileError;
 use crate::mesh::{Mesh, doubled_area};
+use crate::pattern::picture::PictureError;
 
 /// Why there is no texture. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +27,8 @@ use crate::mesh::{Mesh, doubled_area};
 pub(crate) enum TextureError {
     #[error(transparent)]
     File(#[from] FileError),
+    #[error(transparent)]
+    Image(#[from] PictureError),
     #[error("the texture {path} cannot be used: {reason}", path = path.display())]
     Unusable { path: PathBuf, reason: String },
     #[error("the mesh's material '{material}' cannot be painted: {reason}")]
@@ -106,6 +108,27 @@ impl Texture {
                 let on_top = patches.iter().rev().find_map(|patch| patch.colour(mesh, at));
                 on_top.unwrap_or_else(|| below.colour(mesh, at))
             }
+        }
+    }
+
+    /// Where a triangle's corners lie in a grid of cells of one colour each, as column and row; `None` where its colours lie in no such grid.
+    pub(crate) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> Option<[[f64; 2]; 3]> {
+        match self {
+            Self::Flat(_) => Some([[0.0; 2]; 3]),
+            Self::Tile(tile) => Some(tile.in_cells(mesh, triangle)),
+            Self::Images(images) => Some(images.in_cells(triangle)),
+            Self::Faces(_) | Self::Patches(..) => None,
+        }
+    }
+
+    /// The colour of a cell of a triangle.
+    pub(crate) fn cell(&self, triangle: usize, cell: [i64; 2]) -> [u8; 3] {
+        let middle = cell.map(|number| number as f64 + 0.5);
+        match self {
+            Self::Flat(rgb) => *rgb,
+            Self::Tile(tile) => tile.cell(middle),
+            Self::Images(images) => images.cell(triangle, middle),
+            Self::Faces(_) | Self::Patches(..) => [255; 3],
         }
     }
 

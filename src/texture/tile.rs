@@ -26,11 +26,30 @@ impl Tile {
     }
 
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
-        let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));
-        let mapped = WorldAligned {
+        let place = side(mesh, at.triangle).project(&at.place_mm(mesh));
+        self.mapped().colour_at(place)
+    }
+
+    /// Where a triangle's corners lie among the cells.
+    pub(super) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
+        let corners = mesh.corners_mm(&mesh.triangles()[triangle]);
+        let side = side(mesh, triangle);
+        corners.map(|p| side.project(&p).map(|mm| mm / self.cell_mm))
+    }
+
+    /// The colour at a place among the cells.
+    pub(super) fn cell(&self, place: [f64; 2]) -> [u8; 3] {
+        self.mapped().colour_at(place.map(|cells| cells * self.cell_mm))
+    }
+
+    fn mapped(&self) -> WorldAligned<'_> {
+        WorldAligned {
             pattern: &self.pattern,
             cell_mm: self.cell_mm,
-        };
-        mapped.colour_at(Side::of(&normal).project(&at.place_mm(mesh)))
+        }
     }
+}
+
+fn side(mesh: &Mesh, triangle: usize) -> Side {
+    Side::of(&doubled_area(&mesh.corners_mm(&mesh.triangles()[triangle])))
 }
