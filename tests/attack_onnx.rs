@@ -76,7 +76,7 @@ fn best_predictions(confidences: &[f64], count: usize) -> Vec<f64> {
     weights
 }
 
-fn loss(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], weights: &[f64]) -> f64 {
+fn loss(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], weights: &[f64]) -> f64 {
     let predictions = detector.predictions(picture, size).unwrap();
     predictions
         .iter()
@@ -94,7 +94,7 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 
 /// By how much directional derivatives of the three best predictions' losses differ from central differences, relatively; the worst of some
 /// directions.
-fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> f64 {
+fn worst_derivative(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> f64 {
     let look = detector.forward(picture, size).unwrap();
     let confidences: Vec<f64> = look.predictions().iter().map(|c| c.confidence).collect();
     let weights = best_predictions(&confidences, 3);
