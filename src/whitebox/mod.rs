@@ -71,8 +71,9 @@ pub enum WhiteBoxError {
         "{name} takes photos as files, and here are images that lie in none: let the input of its hello be \"rgb\""
     )]
     NoPixels { name: String },
-    #[error("{name} cannot be followed: {fault}")]
-    Gradient { name: String, fault: String },
+    /// What is wrong with the gradient of a program.
+    #[error("{0}")]
+    Gradient(String),
 }
 
 /// What one anchor of a detector says about the classes that count as the model.

@@ -109,10 +109,7 @@ impl WhiteBox for ProgramWhiteBox {
         {
             let look = |image: &[[f64; 3]]| self.asked(image, size_px, outline);
             if let Some(fault) = fault(image, first, look)? {
-                return Err(WhiteBoxError::Gradient {
-                    name: self.name().to_owned(),
-                    fault,
-                });
+                return Err(WhiteBoxError::Gradient(fault));
             }
             self.is_checked.set(true);
         }
