@@ -78,7 +78,7 @@ fn best_predictions(confidences: &[f64], count: usize) -> Vec<f64> {
 
 /// Σ weight · loss of some predictions, each met again in another image by its place in the list or, in lists that are sorted by
 /// confidence, as the one that is nearest.
-fn loss(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], known: &[Prediction], weights: &[f64]) -> f64 {
+fn loss(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], known: &[Prediction], weights: &[f64]) -> f64 {
     let predictions = detector.predictions(picture, size).unwrap();
     let is_sorted = detector.name().starts_with("deim");
     let again = |i: usize| match is_sorted {
@@ -109,7 +109,7 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 /// directions, and in how many the loss jumps.
 ///
 /// Networks that choose queries choose others a little further on: the loss has a jump there, and the derivatives from both sides disagree.
-fn worst_derivative(detector: &dyn WhiteBox, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> (f64, usize) {
+fn worst_derivative(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> (f64, usize) {
     let look = detector.forward(picture, size).unwrap();
     let known = look.predictions().to_vec();
     let confidences: Vec<f64> = known.iter().map(|c| c.confidence).collect();

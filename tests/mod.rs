@@ -51,6 +51,7 @@ mod print_tags;
 mod print_template;
 mod print_wrap;
 mod program_detectors;
+mod program_gradients;
 mod protocols;
 mod report;
 mod results_outside;

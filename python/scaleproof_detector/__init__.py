@@ -28,6 +28,7 @@ def run(
     files=(),
     deterministic=False,
     workers=1,
+    loss_and_gradient=None,
     title=None,
     licence=None,
     origin=None,
@@ -42,6 +43,11 @@ def run(
     labels is "coco80", "coco91" (numbers are COCO's category ids), "voc20" or a list of names. version is a line for the report. files are those
     that the answers depend on, such as weights; their hashes are kept. With deterministic=True answers are kept from run to run. workers is
     how many of this program may run side by side.
+
+    loss_and_gradient(image, box, labels, least_iou) lets patterns be made against the detector. image has height × width × 3 numbers of 32 bits from
+    0 to 1, red first. Of the boxes that overlap box (left, top, right, bottom) with an IoU of least_iou or more, before any suppression, the one with
+    the highest confidence C of a label among labels (numbers from 0) counts: it returns −ln(1 − C) and its derivative by each number of the image, an
+    array of the image's shape; or None where no box overlaps so much.
     """
     hello = {
         "scaleproof_detector": PROTOCOL,
@@ -51,6 +57,7 @@ def run(
         "input": input,
         "files": [os.fspath(file) for file in files],
         "deterministic": deterministic,
+        "gradients": loss_and_gradient is not None,
         "workers": workers,
     }
     about = {"title": title, "licence": licence, "origin": origin}
@@ -58,19 +65,34 @@ def run(
     requests = sys.stdin.buffer
     for line in iter(requests.readline, b""):
         request = json.loads(line)
-        image = _pixels(request, requests) if "bytes" in request else request["path"]
+        differentiates = request["task"] == "loss_and_gradient"
+        image = _pixels(request, requests, "<f4" if differentiates else "u1") if "bytes" in request else request["path"]
+        data = b""
         try:
-            answer = {"detections": [_plain(*found) for found in detect(image)]}
+            if differentiates:
+                answer, data = _loss(loss_and_gradient(image, request["box"], request["labels"], request["least_iou"]))
+            else:
+                answer = {"detections": [_plain(*found) for found in detect(image)]}
         except Exception as error:
             answer = {"error": f"{type(error).__name__}: {error}"}
-        _say({"id": request["id"], **answer})
+        _say({"id": request["id"], **answer}, data)
 
 
-def _pixels(request, requests):
+def _pixels(request, requests, kind):
     import numpy
 
     data = requests.read(request["bytes"])
-    return numpy.frombuffer(data, numpy.uint8).reshape(request["height"], request["width"], 3)
+    return numpy.frombuffer(data, kind).reshape(request["height"], request["width"], 3)
+
+
+def _loss(found):
+    import numpy
+
+    if found is None:
+        return {"loss": None}, b""
+    loss, gradient = found
+    gradient = numpy.ascontiguousarray(gradient, "<f4")
+    return {"loss": float(loss), "shape": gradient.shape}, gradient.tobytes()
 
 
 def _plain(label, score, box):
@@ -82,6 +104,6 @@ def _plain(label, score, box):
     return {"label": label, "score": numbers[0], "box": numbers[1:]}
 
 
-def _say(message):
-    _answers.write(json.dumps(message).encode() + b"\n")
+def _say(message, data=b""):
+    _answers.write(json.dumps(message).encode() + b"\n" + data)
     _answers.flush()

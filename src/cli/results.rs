@@ -26,21 +26,34 @@ pub(super) struct Results {
     /// when left out.
     #[arg(long, value_name = "FILE", requires = "results")]
     categories: Option<PathBuf>,
-    /// With --detector exec:PROGRAM, or the manifest of a program: the seconds it gets to start, and for each photo.
-    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..=604_800))]
+    #[command(flatten)]
+    programs: Programs,
+}
+
+/// Detectors that are programs.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Programs {
+    /// With --detector exec:PROGRAM, or the manifest of a program: the seconds it gets to start, and for each answer.
+    #[arg(long, value_name = "SECONDS", default_value_t = DETECTOR_TIMEOUT_S, value_parser = clap::value_parser!(u64).range(1..=604_800))]
     detector_timeout: u64,
+}
+
+const DETECTOR_TIMEOUT_S: u64 = 600;
+
+impl Default for Programs {
+    fn default() -> Programs {
+        Programs {
+            detector_timeout: DETECTOR_TIMEOUT_S,
+        }
+    }
 }
 
 /// Names of networks, and the programs among the names.
 type NetworksAndPrograms = (Vec<String>, Vec<ProgramSpec>);
 
-impl Results {
-    pub(super) fn are_given(&self) -> bool {
-        !self.results.is_empty()
-    }
-
+impl Programs {
     /// Parts the names of detectors from programs.
-    pub(super) fn programs(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
+    pub(super) fn among(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
         let (mut networks, mut programs) = (Vec::new(), Vec::new());
         for name in names {
             match ProgramSpec::named(name)? {
@@ -51,7 +64,29 @@ impl Results {
         Ok((networks, programs))
     }
 
-    /// Starts the programs. From then on an interruption ends them before it ends this program.
+    /// Starts them. From then on an interruption ends them before it ends this program.
+    pub(super) fn started(&self, programs: Vec<ProgramSpec>) -> Result<Vec<ProgramDetector>, ProgramError> {
+        if !programs.is_empty() {
+            interrupt::end_programs_first();
+        }
+        let limit = Duration::from_secs(self.detector_timeout);
+        programs
+            .into_iter()
+            .map(|spec| ProgramDetector::open(spec, limit))
+            .collect()
+    }
+}
+
+impl Results {
+    pub(super) fn are_given(&self) -> bool {
+        !self.results.is_empty()
+    }
+
+    pub(super) fn programs(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
+        self.programs.among(names)
+    }
+
+    /// Starts the programs for the photos of some sessions.
     pub(super) fn start(
         &self,
         programs: Vec<ProgramSpec>,
@@ -60,15 +95,10 @@ impl Results {
         let Some(class) = sessions.first().map(|s| &s.scene.model.class) else {
             return Ok(Vec::new());
         };
-        if !programs.is_empty() {
-            interrupt::end_programs_first();
-        }
-        let limit = Duration::from_secs(self.detector_timeout);
-        let started = programs.into_iter().map(|spec| {
-            let program = ProgramDetector::open(spec, limit)?;
-            Ok(EvaluatedDetector::program(program, class)?)
-        });
-        started.collect()
+        let started = self.programs.started(programs)?.into_iter();
+        started
+            .map(|program| Ok(EvaluatedDetector::program(program, class)?))
+            .collect()
     }
 
     /// Reads all of them, for the photos of some sessions.

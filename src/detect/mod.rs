@@ -45,7 +45,9 @@ pub(crate) use nms::{CandidateBox, suppress};
 pub(crate) use outside::{OutsideError, OutsideResults, PhotoName, ResultsRequest, flat_name};
 #[cfg(any(test, fuzzing))]
 pub(crate) use program::read_as_a_programs;
-pub(crate) use program::{ProgramDetector, ProgramError, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs};
+pub(crate) use program::{
+    ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs,
+};
 #[cfg(test)]
 pub(crate) use propose::Proposal;
 #[cfg(test)]

@@ -8,7 +8,8 @@ use super::onnx::{NetworkPass, OnnxNetwork, Output};
 use super::resample::Resampler;
 use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size};
 use crate::files;
-use crate::whitebox::{ForwardPass, Prediction, WhiteBox, WhiteBoxError};
+use crate::geometry::BoxPx;
+use crate::whitebox::{ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 
 /// A network with its manifest and the labels that count as the model.
 pub struct OnnxDetector {
@@ -83,8 +84,13 @@ impl WhiteBox for OnnxDetector {
         self.manifest.head.nms_iou().unwrap_or(1.0)
     }
 
-    fn forward(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError> {
-        Ok(Box::new(self.seen(image, size_px, true)?))
+    fn loss_and_gradient(
+        &self,
+        image: &[[f64; 3]],
+        size_px: [u32; 2],
+        outline: &BoxPx,
+    ) -> Result<Option<ImageLoss>, WhiteBoxError> {
+        Ok(ImageLoss::of(self.forward(image, size_px)?, outline))
     }
 
     /// Without the autodiff graph, which the framework keeps until its backward pass.
@@ -94,6 +100,15 @@ impl WhiteBox for OnnxDetector {
 }
 
 impl OnnxDetector {
+    /// All anchors, and the way back from them.
+    pub(crate) fn forward(
+        &self,
+        image: &[[f64; 3]],
+        size_px: [u32; 2],
+    ) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError> {
+        Ok(Box::new(self.seen(image, size_px, true)?))
+    }
+
     fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], requires_grad: bool) -> Result<Seen, WhiteBoxError> {
         let [width, height] = size_px;
         if width == 0 || height == 0 || image.len() != width as usize * height as usize {

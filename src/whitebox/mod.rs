@@ -1,29 +1,35 @@
 //! Differentiable detectors: the predictions of a detector for an image, and their derivatives by its pixels.
 //!
 //! - [`WhiteBox`]: what an attack asks of a detector;
+//! - [`program`]: a program as a [`WhiteBox`], whose derivatives are held against differences first;
 //! - [`detector`] (Cargo feature `attack`): a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs;
 //! - [`onnx`] (Cargo feature `attack`): ONNX files on tensors with gradients;
 //! - [`device`]: what the networks run on.
 //!
 //! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
 
+mod derivative;
 #[cfg(feature = "attack")]
 pub(crate) mod detector;
 pub(crate) mod device;
 mod fault;
 #[cfg(feature = "attack")]
 pub(crate) mod onnx;
+pub(crate) mod program;
 #[cfg(feature = "attack")]
 mod quietly;
 #[cfg(feature = "attack")]
 mod resample;
 pub(crate) mod separable;
+mod strongest;
 
 #[cfg(feature = "attack")]
 pub(crate) use quietly::is_refusing;
 
 pub(crate) use fault::NetworkFault;
+pub(crate) use strongest::{MEETS_IOU, strongest};
 
+use crate::detect::ProgramError;
 use crate::files::FileError;
 use crate::geometry::BoxPx;
 
@@ -59,6 +65,17 @@ pub enum WhiteBoxError {
     Probabilities,
     #[error("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")]
     ChosenBoxes,
+    #[error(transparent)]
+    Program(#[from] ProgramError),
+    #[error("{name} gives no gradients, and this differentiates it: let its hello have \"gradients\": true")]
+    NoGradients { name: String },
+    #[error(
+        "{name} takes photos as files, and here are images that lie in none: let the input of its hello be \"rgb\""
+    )]
+    NoPixels { name: String },
+    /// What is wrong with the gradient of a program.
+    #[error("{0}")]
+    Gradient(String),
 }
 
 /// What one anchor of a detector says about the classes that count as the model.
@@ -80,23 +97,37 @@ pub trait WhiteBox {
     /// The overlap above which a better box hides another in scoring.
     fn nms_iou(&self) -> f64;
 
-    /// All anchors, without suppression of neighbours and without a floor.
+    /// All anchors, without suppression of neighbours and without a floor; of a program those that it keeps.
     ///
     /// # Errors
-    /// What the network cannot do with this image.
-    fn forward(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Box<dyn ForwardPass + '_>, WhiteBoxError>;
+    /// What the detector cannot do with this image.
+    fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError>;
 
-    /// The predictions alone, where no derivative is required.
+    /// The loss of the strongest prediction that meets `outline`, the box around the model; `None` where none does.
     ///
     /// # Errors
-    /// Those of [`WhiteBox::forward`].
-    fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
-        Ok(self.forward(image, size_px)?.predictions().to_vec())
-    }
+    /// Those of [`WhiteBox::predictions`].
+    fn loss_and_gradient(
+        &self,
+        image: &[[f64; 3]],
+        size_px: [u32; 2],
+        outline: &BoxPx,
+    ) -> Result<Option<ImageLoss>, WhiteBoxError>;
+}
+
+/// What an attack moves an image against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImageLoss {
+    /// `−ln(1 − C)`.
+    pub loss: f64,
+    /// C.
+    pub confidence: f64,
+    /// Derivative of the loss with respect to each value of the image.
+    pub gradient: Vec<[f64; 3]>,
 }
 
 /// A detector's answer about one image.
-pub trait ForwardPass {
+pub(crate) trait ForwardPass {
     fn predictions(&self) -> &[Prediction];
 
     /// The derivative of `Σ weight · loss` with respect to each value of the image; one weight a prediction.

@@ -20,10 +20,9 @@ use super::run::augmentation::{Augmentation, Eot};
 use super::run::checkpoint::{self, Checkpoint};
 use super::run::history::Entry;
 use super::run::judge::{confidence, judge};
-use super::run::loss::MEETS_IOU;
 use super::run::view_set::{TextureMapping, ViewSet};
 use super::run::{Rgb, RunError};
-use crate::whitebox::WhiteBox;
+use crate::whitebox::{MEETS_IOU, WhiteBox};
 
 /// Everything a search depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,13 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::loss::{HIT_CONFIDENCE, HIT_IOU, strongest};
+use super::loss::{HIT_CONFIDENCE, HIT_IOU};
 use super::view_set::ViewSet;
 use super::{Augmentation, Rgb, RunError};
 use crate::ap::{ImageBoxes, average_precision};
 use crate::detect::{CandidateBox, SCORE_FLOOR, suppress};
 use crate::geometry::BoxPx;
-use crate::whitebox::{Prediction, WhiteBox};
+use crate::whitebox::{Prediction, WhiteBox, strongest};
 
 /// Means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

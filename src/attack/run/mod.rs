@@ -318,37 +318,32 @@ pub(crate) fn loss_and_gradient(
     let mut on_image: Option<Vec<Rgb>> = None;
     let (mut loss, mut confidence) = (0.0, 0.0);
     for detector in detectors {
-        let pass = detector.forward(&textured.augmented.image, view_set.list.size_px);
-        let pass = pass.map_err(|reason| RunError::ForwardPass {
+        let found = detector.loss_and_gradient(&textured.augmented.image, view_set.list.size_px, &textured.outline);
+        let found = found.map_err(|reason| RunError::ForwardPass {
             detector: detector.name().to_owned(),
             view: name(),
             reason: Box::new(reason),
         })?;
-        let Some(worst) = loss::strongest(pass.predictions(), &textured.outline, loss::MEETS_IOU) else {
+        let Some(found) = found else {
             continue;
         };
-        let not_a_number = || RunError::NotANumber {
-            detector: detector.name().to_owned(),
-            view: name(),
-            step: step + 1,
-        };
-        let prediction = pass.predictions()[worst];
-        if !prediction.loss.is_finite() || !prediction.confidence.is_finite() {
-            return Err(not_a_number());
+        let numbers = [found.loss, found.confidence];
+        if numbers
+            .iter()
+            .chain(found.gradient.iter().flatten())
+            .any(|v| !v.is_finite())
+        {
+            return Err(RunError::NotANumber {
+                detector: detector.name().to_owned(),
+                view: name(),
+                step: step + 1,
+            });
         }
-        let (value, derivative) = loss::from_floor(prediction.loss, floor);
+        let (value, derivative) = loss::from_floor(found.loss, floor);
         loss += value;
-        confidence += prediction.confidence;
-        let mut weights = vec![0.0; pass.predictions().len()];
-        weights[worst] = derivative;
-        let gradient = pass.vjp(&weights);
-        if gradient.iter().flatten().any(|v| !v.is_finite()) {
-            return Err(not_a_number());
-        }
-        match &mut on_image {
-            Some(sum) => add(sum, &gradient, 1.0),
-            None => on_image = Some(gradient),
-        }
+        confidence += found.confidence;
+        let on_image = on_image.get_or_insert_with(|| vec![[0.0; 3]; found.gradient.len()]);
+        add(on_image, &found.gradient, derivative);
     }
     let gradient = match on_image {
         Some(gradient) => textured.vjp(gradient, cells),

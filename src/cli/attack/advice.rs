@@ -4,11 +4,13 @@ use std::error::Error;
 
 use crate::attack::evaluate::EvaluateError;
 use crate::attack::run::RunError;
+use crate::cli::results;
 use crate::frames::render::RenderError;
 use crate::surrogate::additive::AdditiveError;
 use crate::surrogate::chart::SurrogateChartError;
 #[cfg(feature = "attack")]
 use crate::surrogate::dtn::DtnError;
+use crate::whitebox::WhiteBoxError;
 use crate::whitebox::device::DeviceError;
 
 /// The option that helps.
@@ -21,7 +23,10 @@ pub(crate) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().and_then(of_run));
     #[cfg(feature = "attack")]
     let fixed = fixed.or_else(|| error.downcast_ref().and_then(of_training));
-    fixed.map(str::to_owned).or_else(|| error.downcast_ref().map(of_device))
+    fixed
+        .map(str::to_owned)
+        .or_else(|| error.downcast_ref().map(of_device))
+        .or_else(|| error.downcast_ref().and_then(of_program))
 }
 
 fn of_device(error: &DeviceError) -> String {
@@ -63,6 +68,16 @@ fn of_training(error: &DtnError) -> Option<&'static str> {
         DtnError::NoViews { .. } => Some(" (attack render --flat, --reference)"),
         DtnError::Width { .. } => Some(" (--width-px)"),
         DtnError::NotFinite { .. } => Some(" (--seed)"),
+        _ => None,
+    }
+}
+
+fn of_program(error: &RunError) -> Option<String> {
+    match error {
+        RunError::ForwardPass { reason, .. } => match reason.as_ref() {
+            WhiteBoxError::Program(error) => results::advice(error),
+            _ => None,
+        },
         _ => None,
     }
 }

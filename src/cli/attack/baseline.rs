@@ -115,7 +115,7 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
 /// A pattern that needs no search.
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
     refuse_other_results(on)?;
-    let setup = on.open()?;
+    let setup = on.open(false)?;
     let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
     on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
     Ok(Outcome::Done)
@@ -147,7 +147,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     if method == "camou" && on.cells < 6 {
         return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
     }
-    let setup = on.open()?;
+    let setup = on.open(false)?;
     let config = baseline::SearchConfig {
         method,
         cells: on.cells,
@@ -188,7 +188,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let base = hex(&args.flat)?;
     let patches = placed(&args.places)?;
     refuse_other_results(&args.on)?;
-    let setup = args.on.open()?;
+    let setup = args.on.open(false)?;
     check_seen(&setup, &patches)?;
     let image = |view: usize| painted(&setup, view, &patches, base);
     let judgement = judge_images(&setup.view_set, &setup.detectors, image)?;

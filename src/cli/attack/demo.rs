@@ -15,6 +15,7 @@ use crate::attack::run::{ColourPenalty, Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
+use crate::cli::results::Programs;
 use crate::pattern::Pattern;
 
 const FRAMES: &str = "captures/skyline_attack";
@@ -38,6 +39,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         frames: home().join(FRAMES),
         detector: vec![DETECTOR.to_owned()],
         folder: args.folder.clone(),
+        programs: Programs::default(),
         class: "car".parse()?,
         cells: CELLS,
         tile_mm: TILE_MM,
@@ -47,7 +49,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         seed: 1,
         output: args.output.clone(),
     };
-    let setup = on.open()?;
+    let setup = on.open(true)?;
     let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,

@@ -17,6 +17,8 @@ use crate::attack::setup::Setup;
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
+use crate::cli::results::Programs;
+use crate::detect::{Manifest, ProgramDetector};
 use crate::files;
 use crate::frames::{FrameSet, views};
 use crate::pattern::{MAX_CELLS, Pattern};
@@ -26,13 +28,14 @@ use crate::whitebox::WhiteBox;
 #[cfg(feature = "attack")]
 use crate::whitebox::detector::OnnxDetector;
 use crate::whitebox::device::DeviceKind;
+use crate::whitebox::program::ProgramWhiteBox;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct OnFrames {
     /// A folder of frames, each view in three flat colours or more
     #[arg(value_name = "FRAMES")]
     pub frames: PathBuf,
-    /// The detectors to be misled; several at once as in yolox_nano,nanodet_m
+    /// The detectors to be misled; several at once as in yolox_nano,nanodet_m; a program as in 'exec:python3 mine.py'
     #[arg(
         long = "detector",
         value_name = "NAME",
@@ -42,6 +45,8 @@ pub(super) struct OnFrames {
     pub detector: Vec<String>,
     #[command(flatten)]
     pub folder: Folder,
+    #[command(flatten)]
+    pub programs: Programs,
     /// The label that counts as the model, or several, as in car,truck
     #[arg(long, value_name = "LABEL,…", default_value = "car")]
     pub class: Classes,
@@ -75,9 +80,19 @@ fn texture_mapping() -> impl TypedValueParser<Value = TextureMapping> {
 }
 
 impl OnFrames {
-    pub(super) fn open(&self) -> Result<Setup, Box<dyn Error>> {
+    /// `differentiates`: the detectors must give gradients.
+    pub(super) fn open(&self, differentiates: bool) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
-        let detectors = white_boxes(&self.detector, &self.folder, &self.class, self.device.device)?;
+        let (networks, programs) = self.programs.among(&self.detector)?;
+        let mut detectors = match (networks.is_empty(), programs.is_empty()) {
+            (true, false) => WhiteBoxes::default(),
+            _ => white_boxes(&networks, &self.folder, &self.class, self.device.device)?,
+        };
+        for program in self.programs.started(programs)? {
+            let (name, detector) = program_box(program, &self.class, differentiates)?;
+            detectors.0.push(detector);
+            detectors.1.push(name);
+        }
         let frames = FrameSet::open(&self.frames)?;
         files::check_writable(&self.output)?;
         let texture = (self.cells, self.tile_mm, self.mapping);
@@ -190,7 +205,26 @@ pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
 
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
-/// The differentiable detectors, with their names and hashes.
+/// A program, and its name and hash.
+fn program_box(
+    program: ProgramDetector,
+    class: &Classes,
+    differentiates: bool,
+) -> Result<(String, Box<dyn WhiteBox>), Box<dyn Error>> {
+    let manifest = Manifest::of_foreign(program.card());
+    if let Some(fault) = manifest.class_map_fault() {
+        return Err(format!("the manifest of {} is not valid: {fault}", manifest.name).into());
+    }
+    let labels = manifest.counted(class.labels())?;
+    let sha256: String = manifest.weights.sha256.chars().take(12).collect();
+    let name = format!("{} {sha256}", manifest.name);
+    Ok((
+        name,
+        Box::new(ProgramWhiteBox::open(program, manifest, labels, differentiates)?),
+    ))
+}
+
+/// The networks, with their names and hashes.
 #[cfg(feature = "attack")]
 pub(super) fn white_boxes(
     names: &[String],

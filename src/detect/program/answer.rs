@@ -67,12 +67,7 @@ pub(super) fn parse(line: &str, asked: &Asked) -> Result<Verdict, String> {
         ));
     }
     if let Some(sentence) = answer.error {
-        let one_line: String = sentence
-            .chars()
-            .map(|c| if c.is_control() { ' ' } else { c })
-            .take(500)
-            .collect();
-        return Ok(Verdict::Declined(one_line));
+        return Ok(Verdict::Declined(one_line(&sentence)));
     }
     let [width, height] = asked.size;
     if let Some((w, h)) = answer.width.zip(answer.height).filter(|size| *size != (width, height)) {
@@ -128,8 +123,17 @@ fn label(given: &Label, labels: Labels) -> Result<usize, String> {
     }
 }
 
+/// The beginning of a program's sentence.
+pub(super) fn one_line(sentence: &str) -> String {
+    sentence
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .take(500)
+        .collect()
+}
+
 /// What stands in place of JSON.
-fn garbage(line: &str, e: &serde_json::Error) -> String {
+pub(super) fn garbage(line: &str, e: &serde_json::Error) -> String {
     let start: String = line.trim().chars().take(60).collect();
     let number = ["NaN", "Infinity"]
         .into_iter()

@@ -24,9 +24,16 @@ pub(super) enum Silence {
     NoText,
 }
 
-/// What the thread that listens has heard.
+/// What the thread that listens is to read.
+enum Wanted {
+    Line,
+    /// So many bytes.
+    Bytes(usize),
+}
+
+/// What it has read.
 enum Heard {
-    Line(Vec<u8>),
+    Whole(Vec<u8>),
     HugeLine,
 }
 
@@ -36,6 +43,7 @@ pub(super) struct Child {
     process: Process,
     /// Dropped first: the end of its input tells a program to end.
     to: Option<SyncSender<Vec<u8>>>,
+    wanted: SyncSender<Wanted>,
     from: Receiver<Heard>,
     words: Receiver<String>,
     group: Group,
@@ -57,13 +65,14 @@ impl Child {
         Group::prepare(&mut starting);
         let mut process = starting.spawn()?;
         let group = Group::of(&process);
-        let (to, from, words) = match (process.stdin.take(), process.stdout.take(), process.stderr.take()) {
+        let (to, (wanted, from), words) = match (process.stdin.take(), process.stdout.take(), process.stderr.take()) {
             (Some(stdin), Some(stdout), Some(stderr)) => (writer(stdin), reader(stdout), listener(stderr)),
             _ => return Err(std::io::ErrorKind::BrokenPipe.into()),
         };
         Ok(Child {
             process,
             to: Some(to),
+            wanted,
             from,
             words,
             group,
@@ -79,8 +88,18 @@ impl Child {
 
     /// The next line, waited for.
     pub(super) fn line(&mut self, limit: Duration) -> Result<String, Silence> {
+        String::from_utf8(self.read(Wanted::Line, limit)?).map_err(|_| Silence::NoText)
+    }
+
+    /// So many bytes behind a line, waited for.
+    pub(super) fn bytes(&mut self, count: usize, limit: Duration) -> Result<Vec<u8>, Silence> {
+        self.read(Wanted::Bytes(count), limit)
+    }
+
+    fn read(&mut self, wanted: Wanted, limit: Duration) -> Result<Vec<u8>, Silence> {
+        let _ = self.wanted.send(wanted);
         match self.from.recv_timeout(limit) {
-            Ok(Heard::Line(bytes)) => String::from_utf8(bytes).map_err(|_| Silence::NoText),
+            Ok(Heard::Whole(bytes)) => Ok(bytes),
             Ok(Heard::HugeLine) => Err(Silence::HugeLine),
             Err(RecvTimeoutError::Timeout) => Err(Silence::TooLong),
             Err(RecvTimeoutError::Disconnected) => Err(Silence::Ended),
@@ -132,25 +151,37 @@ fn writer(mut stdin: ChildStdin) -> SyncSender<Vec<u8>> {
     to
 }
 
-/// One line waits, one is being read, and what the program writes besides waits in its pipe.
-fn reader(stdout: impl Read + Send + 'static) -> Receiver<Heard> {
-    let (tell, heard) = sync_channel(1);
+/// Reads what is wanted and no more: whatever else the program writes waits in its pipe.
+fn reader(stdout: impl Read + Send + 'static) -> (SyncSender<Wanted>, Receiver<Heard>) {
+    let ((want, wanted), (tell, heard)) = (sync_channel(1), sync_channel(1));
     std::thread::spawn(move || {
         let mut stdout = BufReader::new(stdout);
-        loop {
-            let mut line = Vec::new();
-            let read = (&mut stdout).take(LONGEST_LINE + 1).read_until(b'\n', &mut line);
-            let told = match read {
-                Ok(0) | Err(_) => return,
-                Ok(count) if count as u64 > LONGEST_LINE => tell.send(Heard::HugeLine),
-                Ok(_) => tell.send(Heard::Line(line)),
+        for wanted in wanted {
+            let Ok(read) = heard_in(&mut stdout, &wanted) else {
+                return;
             };
-            if told.is_err() {
+            if tell.send(read).is_err() {
                 return;
             }
         }
     });
-    heard
+    (want, heard)
+}
+
+fn heard_in(stdout: &mut impl BufRead, wanted: &Wanted) -> std::io::Result<Heard> {
+    let mut read = Vec::new();
+    match wanted {
+        Wanted::Bytes(count) => {
+            read.resize(*count, 0);
+            stdout.read_exact(&mut read)?;
+        }
+        Wanted::Line => match stdout.take(LONGEST_LINE + 1).read_until(b'\n', &mut read)? {
+            0 => return Err(std::io::ErrorKind::UnexpectedEof.into()),
+            count if count as u64 > LONGEST_LINE => return Ok(Heard::HugeLine),
+            _ => {}
+        },
+    }
+    Ok(Heard::Whole(read))
 }
 
 /// Reads standard error to its end, and then says its last line that is not empty.

@@ -32,6 +32,9 @@ pub(super) struct Hello {
     /// Whether the same photo always gets the same answer, so that answers may be kept.
     #[serde(default)]
     pub deterministic: bool,
+    /// Whether it gives the loss of an image and its derivative by each pixel, too.
+    #[serde(default)]
+    pub gradients: bool,
     /// So many may run side by side.
     #[serde(default = "one")]
     pub workers: usize,
@@ -100,6 +103,9 @@ impl Hello {
         }
         if self.labels.count() > MOST_LABELS || self.files.len() > MOST_FILES {
             return Err(format!("it has more than {MOST_LABELS} labels or {MOST_FILES} files"));
+        }
+        if self.gradients && self.input != InputRule::Rgb {
+            return Err("gradients need pixels: its input must be \"rgb\"".to_owned());
         }
         match (1..=MOST_WORKERS).contains(&self.workers) {
             true => Ok(()),

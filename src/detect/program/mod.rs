@@ -3,6 +3,7 @@
 
 mod answer;
 mod child;
+mod gradient;
 mod groups;
 mod hello;
 mod spec;
@@ -16,8 +17,10 @@ use image::RgbImage;
 
 use super::{Detection, ForeignCard, ForeignKind};
 use crate::files::{self, FileError};
+use crate::geometry::BoxPx;
 use answer::{Asked, Verdict};
 use child::{Child, Silence};
+use gradient::Head;
 use hello::{Hello, InputRule};
 
 pub(crate) use groups::kill_programs;
@@ -79,6 +82,27 @@ pub(crate) struct ProgramPhoto<'a> {
     pub pixels: Option<&'a RgbImage>,
 }
 
+/// An image whose loss a program is to differentiate.
+pub(crate) struct ProgramImage<'a> {
+    /// sRGB, 0 to 1, row by row.
+    pub pixels: &'a [[f64; 3]],
+    /// Width, height, px.
+    pub size: [u32; 2],
+    /// Where the model is.
+    pub model: BoxPx,
+    /// Boxes that overlap it less do not meet it.
+    pub least_iou: f64,
+    /// The labels that count as the model.
+    pub labels: &'a [usize],
+}
+
+/// The loss of an image, and its derivative by each value.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ProgramLoss {
+    pub loss: f64,
+    pub gradient: Vec<[f64; 3]>,
+}
+
 /// A program that answers with boxes, and as many of it as may run side by side.
 #[derive(Debug)]
 pub struct ProgramDetector {
@@ -90,11 +114,17 @@ pub struct ProgramDetector {
     freed: Condvar,
 }
 
+/// Why an answer is not taken.
+enum Distrust {
+    Silence(Silence),
+    Fault(String),
+}
+
 #[derive(Debug, Default)]
 struct Pool {
     idle: Vec<Child>,
     running: usize,
-    /// The number of the last photo that was asked about.
+    /// The number of the last request.
     asked: u64,
     /// Why no photo is looked at any more.
     failed: Option<Arc<ProgramError>>,
@@ -134,57 +164,115 @@ impl ProgramDetector {
         self.hello.input == InputRule::Rgb
     }
 
+    /// Whether it can be asked for [`ProgramDetector::loss_and_gradient`].
+    pub(crate) fn gives_gradients(&self) -> bool {
+        self.hello.gradients
+    }
+
     /// What the program finds in a photo, best first.
     ///
     /// # Errors
     /// [`ProgramError::Declined`] concerns this photo; all others the program.
     pub(crate) fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
-        let (mut child, id) = self.lease()?;
-        child.send(self.request(id, photo)?);
-        let when = || format!("before it answered about {}", photo.file);
-        let line = match child.line(self.limit) {
-            Ok(line) => line,
-            Err(silence) => return Err(self.lost(explained(&self.spec, child, silence, self.limit, when()))),
-        };
-        let asked = Asked {
-            id,
-            size: photo.size,
-            labels: self.hello.labels,
-        };
-        match answer::parse(&line, &asked) {
-            Ok(verdict) => {
-                self.pool().idle.push(child);
-                self.freed.notify_one();
-                match verdict {
-                    Verdict::Detections(found) => Ok(found),
-                    Verdict::Declined(sentence) => Err(ProgramError::Declined {
-                        detector: self.card.name.clone(),
-                        sentence,
-                    }),
-                }
-            }
-            Err(fault) => {
-                drop(child.post_mortem());
-                Err(self.lost(ProgramError::Answer {
-                    detector: self.card.name.clone(),
-                    file: photo.file.to_owned(),
-                    fault,
-                }))
-            }
+        let id = self.next_id();
+        let verdict = self.ask(photo.file, self.request(id, photo)?, |line, _| {
+            let asked = Asked {
+                id,
+                size: photo.size,
+                labels: self.hello.labels,
+            };
+            answer::parse(line, &asked).map_err(Distrust::Fault)
+        })?;
+        match verdict {
+            Verdict::Detections(found) => Ok(found),
+            Verdict::Declined(sentence) => Err(self.declined(sentence)),
         }
     }
 
-    /// A program that has nothing to do, and the number of the next photo.
-    fn lease(&self) -> Result<(Child, u64), ProgramError> {
+    /// The loss `−ln(1 − C)` of the surest box that meets the model in an image, and its derivative; `None` where none meets it.
+    ///
+    /// # Errors
+    /// Those of [`ProgramDetector::detect`].
+    pub(crate) fn loss_and_gradient(&self, image: &ProgramImage) -> Result<Option<ProgramLoss>, ProgramError> {
+        let (id, [width, height]) = (self.next_id(), image.size);
+        let pixels = gradient::bytes(image.pixels);
+        let count = pixels.len();
+        let line = serde_json::json!({
+            "id": id, "task": "loss_and_gradient", "width": width, "height": height, "bytes": count,
+            "box": <[f64; 4]>::from(image.model), "least_iou": image.least_iou, "labels": image.labels,
+        });
+        let message = [line.to_string().as_bytes(), b"\n", &pixels].concat();
+        let answer = self.ask("an image", message, |line, child| {
+            let head = gradient::parse(line, id, image.size).map_err(Distrust::Fault)?;
+            let gradient = match head {
+                Head::Loss(_) => {
+                    let bytes = child.bytes(count, self.limit).map_err(Distrust::Silence)?;
+                    gradient::derivatives(&bytes, width).map_err(Distrust::Fault)?
+                }
+                Head::Nothing | Head::Declined(_) => Vec::new(),
+            };
+            Ok((head, gradient))
+        })?;
+        match answer {
+            (Head::Loss(loss), gradient) => Ok(Some(ProgramLoss { loss, gradient })),
+            (Head::Nothing, _) => Ok(None),
+            (Head::Declined(sentence), _) => Err(self.declined(sentence)),
+        }
+    }
+
+    fn declined(&self, sentence: String) -> ProgramError {
+        let detector = self.card.name.clone();
+        ProgramError::Declined { detector, sentence }
+    }
+
+    /// The number of the next request.
+    fn next_id(&self) -> u64 {
         let mut pool = self.pool();
         pool.asked += 1;
-        let id = pool.asked;
+        pool.asked
+    }
+
+    /// Sends a request about something to a program that has nothing to do, and reads its answer.
+    fn ask<T>(
+        &self,
+        about: &str,
+        request: Vec<u8>,
+        read: impl FnOnce(&str, &mut Child) -> Result<T, Distrust>,
+    ) -> Result<T, ProgramError> {
+        let mut child = self.lease()?;
+        child.send(request);
+        let line = child.line(self.limit).map_err(Distrust::Silence);
+        let fault = match line.and_then(|line| read(&line, &mut child)) {
+            Ok(answer) => {
+                self.pool().idle.push(child);
+                self.freed.notify_one();
+                return Ok(answer);
+            }
+            Err(Distrust::Silence(silence)) => {
+                let when = format!("before it answered about {about}");
+                explained(&self.spec, child, silence, self.limit, when)
+            }
+            Err(Distrust::Fault(fault)) => {
+                drop(child.post_mortem());
+                ProgramError::Answer {
+                    detector: self.card.name.clone(),
+                    file: about.to_owned(),
+                    fault,
+                }
+            }
+        };
+        Err(self.lost(fault))
+    }
+
+    /// A program that has nothing to do.
+    fn lease(&self) -> Result<Child, ProgramError> {
+        let mut pool = self.pool();
         loop {
             if let Some(error) = &pool.failed {
                 return Err(ProgramError::Lost(Arc::clone(error)));
             }
             if let Some(child) = pool.idle.pop() {
-                return Ok((child, id));
+                return Ok(child);
             }
             if pool.running < self.hello.workers {
                 pool.running += 1;
@@ -194,7 +282,7 @@ impl ProgramDetector {
         }
         drop(pool);
         match start(&self.spec, self.limit) {
-            Ok((child, hello)) if hello == self.hello => Ok((child, id)),
+            Ok((child, hello)) if hello == self.hello => Ok(child),
             Ok(_) => Err(self.lost(ProgramError::Changed {
                 detector: self.card.name.clone(),
             })),
@@ -338,5 +426,8 @@ pub(crate) fn read_as_a_programs(text: &str) {
                     .all(|d| d.box_px.is_solid() && labels.name(d.label).is_some())
         );
         assert!(found.is_sorted_by(|a, b| a.score >= b.score));
+    }
+    if let Ok(Head::Loss(loss)) = gradient::parse(text, id, size) {
+        assert!(loss >= 0.0);
     }
 }
