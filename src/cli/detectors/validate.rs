@@ -164,7 +164,7 @@ fn text(validated: &Validated) -> String {
         ..
     } = validated;
     let mut lines = vec![
-        format!("{detector} on {photos} photos with {boxes} boxes of {labels} labels"),
+        format!("{detector}: {photos} photos, {boxes} boxes, different labels: {labels}"),
         format!("AP@[.5:.95] {:.3}, AP@0.5 {:.3}", averages.ap_50_95, averages.ap_50),
     ];
     if let Some(published) = validated.published_ap {
