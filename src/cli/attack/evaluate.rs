@@ -9,6 +9,7 @@ use super::render::{azimuths, cache, hex, named, size, textured, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
+use crate::cli::enlarged::note_enlarged;
 use crate::cli::model::{Model, ModelArgs};
 use crate::detect::Manifest;
 use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
@@ -145,6 +146,7 @@ impl EvaluateArgs {
             })?;
             let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
             let pattern = Pattern::load(Path::new(file))?;
+            note_enlarged(Path::new(file), &pattern);
             paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
         }
         for text in &self.textures {

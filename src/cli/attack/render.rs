@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::{CommandResult, progress};
 use crate::bake::TriangleImage;
+use crate::cli::enlarged::note_enlarged;
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::texture::load_texture;
 use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
@@ -130,7 +131,9 @@ impl RenderArgs {
                 .file_stem()
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default();
-            colours.push(RenderPaint::Pattern(name, Pattern::load(path)?, tile_mm));
+            let pattern = Pattern::load(path)?;
+            note_enlarged(path, &pattern);
+            colours.push(RenderPaint::Pattern(name, pattern, tile_mm));
         }
         for text in &self.texture {
             let (name, path) = named(text);
