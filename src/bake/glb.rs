@@ -32,7 +32,8 @@ pub(crate) fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> 
         if skin.image.is_some() {
             look["baseColorTexture"] = json!({"index": texture.next()});
         }
-        materials.push(json!({"name": skin.name, "pbrMetallicRoughness": look}));
+        // A shell is seen from both sides, as in the previews.
+        materials.push(json!({"name": skin.name, "pbrMetallicRoughness": look, "doubleSided": true}));
         primitives.extend(parts.primitive(mesh, model, i, &to_gltf));
     }
     let images: Vec<Value> = model

@@ -17,7 +17,7 @@ use super::{CommandResult, Outcome, progress, units};
 use crate::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
 use crate::files;
 use crate::frames::encode_rgb;
-use crate::frames::shaded::ShadedModel;
+use crate::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
 use crate::texture::{MappedImages, Texture};
 
 /// What has no colour of its own in a preview.
@@ -188,9 +188,11 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
         textures: materials.map(|m| if is_paint(&m) { &texture } else { &rest }).collect(),
     };
     let bar = progress::steps("drawing", azimuths.len());
-    let mut views = Vec::new();
+    let (mut views, mut distance_mm) = (Vec::new(), 0.0);
     for azimuth_deg in &azimuths {
-        views.push(shaded.turned(*azimuth_deg, args.pitch_deg, size_px)?);
+        let (view, from_mm) = shaded.turned(*azimuth_deg, args.pitch_deg, size_px)?;
+        views.push(view);
+        distance_mm = from_mm;
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -206,11 +208,11 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     write_files(&files, &args.painted.inputs())?;
     if args.json {
         let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-        writeln!(
-            out,
-            "{}",
-            json!({"files": names, "azimuth_deg": azimuths, "pitch_deg": args.pitch_deg})
-        )?;
+        let answer = json!({
+            "files": names, "azimuth_deg": azimuths, "pitch_deg": args.pitch_deg, "distance_mm": distance_mm,
+            "field_of_view_deg": FIELD_OF_VIEW_DEG,
+        });
+        writeln!(out, "{answer}")?;
         return Ok(Outcome::Done);
     }
     writeln!(out, "{}: {} views", args.output.display(), views.len())?;

@@ -20,7 +20,7 @@ const AMBIENT: f64 = 0.4;
 const LAMP: [f64; 3] = [-0.4, -0.7, -0.6];
 
 /// Horizontal field of view of a view from around.
-const FIELD_OF_VIEW_DEG: f64 = 30.0;
+pub(crate) const FIELD_OF_VIEW_DEG: f64 = 30.0;
 /// The share of the image's width or height that the model takes at most while it is turned.
 const FILLED: f64 = 0.94;
 /// Azimuths at which it is held against the image.
@@ -46,11 +46,16 @@ pub(crate) struct ShadedModel<'a> {
 }
 
 impl ShadedModel<'_> {
-    /// The whole model from a direction, from as far away as it takes from any other at this pitch.
+    /// The whole model from a direction, from as far away as it takes from any other at this pitch; and how far that is from its middle, mm.
     ///
     /// # Errors
     /// A size or direction that cannot be drawn.
-    pub(crate) fn turned(&self, azimuth_deg: f64, pitch_deg: f64, size_px: [u32; 2]) -> Result<RgbImage, ShadedError> {
+    pub(crate) fn turned(
+        &self,
+        azimuth_deg: f64,
+        pitch_deg: f64,
+        size_px: [u32; 2],
+    ) -> Result<(RgbImage, f64), ShadedError> {
         let [width, height] = size_px;
         if size_px.iter().any(|px| !(16..=4096).contains(px)) {
             return Err(ShadedError::BadSize { width, height });
@@ -97,7 +102,8 @@ impl ShadedModel<'_> {
             }
         }
         let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&pose(azimuth_deg, far), &pinhole, size_px));
-        image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })
+        let image = image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })?;
+        Ok((image, far))
     }
 
     /// Each pixel is the mean of its points in linear light. `None` when part of the model is not before the camera.
