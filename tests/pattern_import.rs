@@ -268,6 +268,19 @@ fn what_is_no_pattern_leads_to_import() {
             "{said}"
         );
     }
+    // Said before anything is rendered.
+    std::fs::write(at("box.obj"), "v 0 0 0\nv 300 0 0\nv 0 100 90\nf 1 2 3\n").unwrap();
+    for command in [
+        "attack render --pattern large.png",
+        "attack evaluate --normal 808080 --pattern large=large.png",
+    ] {
+        let command = format!("{command} --mesh box.obj --tile-mm 100 --light none.exr -o rendered");
+        let said = stderr(&run(folder.path(), &command));
+        assert!(
+            said.contains("note: large.png is an enlarged grid") && said.contains("none.exr"),
+            "{said}"
+        );
+    }
     let cells = |text: &str| format!("pattern import noise.png --cells {text} -o out.png");
     refused(&cells("0"), &["0×1 cells"]);
     refused(&cells("601"), &["601×401 cells", "600×400 pixels"]);
@@ -296,17 +309,13 @@ fn images_that_cannot_be_used_are_refused_in_a_sentence() {
         .unwrap();
     std::fs::write(at("inks.jpg"), of_four_inks()).unwrap();
     RgbImage::new(20_000, 10).save(at("wide.png")).unwrap();
-    let mut clear = image::RgbaImage::from_pixel(40, 40, image::Rgba([9, 9, 9, 255]));
-    clear.put_pixel(3, 4, image::Rgba([9, 9, 9, 254]));
-    clear.save(at("clear.png")).unwrap();
     let whole = as_jpeg(&noise(64, 64, 1), 75);
     std::fs::write(at("cut.jpg"), &whole[..whole.len() / 2]).unwrap();
     std::fs::write(at("text.png"), "no image").unwrap();
     for (name, words) in [
         ("deep.png", "16 bits a channel"),
         ("inks.jpg", "CMYK"),
-        ("wide.png", "20000×10 pixels, more than 8192"),
-        ("clear.png", "see-through"),
+        ("wide.png", "20000×10 pixels, more than 16384"),
         ("cut.jpg", "ends in the middle"),
         ("text.png", "neither PNG nor JPEG"),
         ("missing.png", "no such file"),
@@ -321,6 +330,29 @@ fn images_that_cannot_be_used_are_refused_in_a_sentence() {
         }
     }
     assert!(!at("out.png").exists() && !at("out.pdf").exists());
+}
+
+#[test]
+fn see_through_pixels_are_laid_on_white_and_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut clear = image::RgbaImage::from_pixel(40, 40, image::Rgba([9, 9, 9, 255]));
+    (0..20).for_each(|x| (0..20).for_each(|y| clear.put_pixel(x, y, image::Rgba([9, 9, 9, 0]))));
+    clear.save(folder.path().join("clear.png")).unwrap();
+    for command in [
+        "pattern import clear.png --cells 2 -o cells.png",
+        "print template --texture clear.png --tile-mm 90 --size-mm 90x90 -o t.pdf",
+    ] {
+        let said = stderr(&done(folder.path(), command));
+        assert!(
+            said.contains("note: clear.png is see-through in 25.0 % of its pixels, which are laid on white"),
+            "{said}"
+        );
+    }
+    let cells = image::open(folder.path().join("cells.png")).unwrap().to_rgb8();
+    assert_eq!(
+        [(0, 0), (1, 0), (1, 1)].map(|(x, y)| cells.get_pixel(x, y).0[0]),
+        [255, 9, 9]
+    );
 }
 
 /// A grey JPEG whose frame and scan name three more components: as far as the header goes, CMYK.

@@ -1,9 +1,10 @@
-//! A note where a pattern's pixels are not its cells.
+//! Notes about images that are not what they look like: enlarged patterns, see-through pixels.
 
 use std::path::Path;
 
 use crate::pattern::Pattern;
 use crate::pattern::enlarged::grid_of;
+use crate::pattern::picture::{Picture, PictureError};
 
 /// From here on a pattern is looked at: smaller ones have cells of several pixels by chance or by design.
 const LARGE: u32 = 64;
@@ -20,5 +21,19 @@ pub(crate) fn note_enlarged(path: &Path, pattern: &Pattern) {
             "note: {path} is an enlarged grid of {across}×{down} cells, and its {columns}×{rows} pixels were taken as cells; make it a pattern by \
              scaleproof pattern import {path} -o pattern.png"
         );
+    }
+}
+
+/// Any image; says what was done to it.
+pub(crate) fn picture(path: &Path) -> Result<Picture, PictureError> {
+    let picture = Picture::load(path)?;
+    note(path, picture.note.as_deref());
+    Ok(picture)
+}
+
+/// What was done to an image.
+pub(crate) fn note(path: &Path, clause: Option<&str>) {
+    if let Some(clause) = clause {
+        say!("note: {} {clause}", path.display());
     }
 }

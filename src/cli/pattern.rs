@@ -9,7 +9,7 @@ use clap::Subcommand;
 use serde::Serialize;
 use serde_json::json;
 
-use super::enlarged::note_enlarged;
+use super::enlarged::{note_enlarged, picture};
 use super::print::{write_files, write_json};
 use super::{CommandResult, Outcome};
 use crate::files;
@@ -126,7 +126,7 @@ fn run_random(args: &RandomArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
-    let picture = Picture::load(&args.image)?;
+    let picture = picture(&args.image)?;
     let enlarged = enlarged_pattern(&picture)?;
     let grid = enlarged.as_ref().map(|pattern| [pattern.columns(), pattern.rows()]);
     let image = args.image.display();
@@ -143,7 +143,7 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     let new = [(args.output.clone(), pattern.to_png()?)];
     write_files(&new, &[Some(&args.image)])?;
     let [columns, rows] = [pattern.columns(), pattern.rows()];
-    let (width, height) = picture.pixels().dimensions();
+    let (width, height) = picture.pixels.dimensions();
     let pixels = [
         f64::from(width) / f64::from(columns),
         f64::from(height) / f64::from(rows),

@@ -26,7 +26,7 @@ pub(crate) enum PatternImportError {
 /// # Errors
 /// No cells, more than [`MAX_CELLS`] along a side, or more than pixels.
 pub(crate) fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<Pattern, PatternImportError> {
-    let (width, height) = picture.pixels().dimensions();
+    let (width, height) = picture.pixels.dimensions();
     let fits = |cells: u32, pixels: u32| (1..=MAX_CELLS.min(pixels)).contains(&cells);
     if !(fits(columns, width) && fits(rows, height)) {
         return Err(PatternImportError::Cells {
@@ -36,7 +36,7 @@ pub(crate) fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<P
             height,
         });
     }
-    Ok(Pattern::of_cells(averaged(picture.pixels(), [columns, rows], 1.0))?)
+    Ok(Pattern::of_cells(averaged(&picture.pixels, [columns, rows], 1.0))?)
 }
 
 /// The pattern that the image is an enlarged grid of, if it is one.
@@ -44,8 +44,8 @@ pub(crate) fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<P
 /// # Errors
 /// Only if the encoder fails.
 pub(crate) fn enlarged_pattern(picture: &Picture) -> Result<Option<Pattern>, PatternError> {
-    let grid = enlarged::grid_of(picture.pixels());
-    grid.map(|grid| Pattern::of_cells(enlarged::cells_of(picture.pixels(), grid)))
+    let grid = enlarged::grid_of(&picture.pixels);
+    grid.map(|grid| Pattern::of_cells(enlarged::cells_of(&picture.pixels, grid)))
         .transpose()
 }
 

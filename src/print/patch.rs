@@ -51,7 +51,7 @@ pub(crate) enum PatchError {
 pub(crate) struct PatchImage(Picture);
 
 impl PatchImage {
-    /// Reads an opaque PNG or JPEG.
+    /// Reads a PNG or JPEG.
     ///
     /// # Errors
     /// Whatever [`Picture::load`] refuses.
@@ -60,12 +60,17 @@ impl PatchImage {
     }
 
     pub(crate) fn pixels(&self) -> &RgbImage {
-        self.0.pixels()
+        &self.0.pixels
+    }
+
+    /// What was done to it, as a clause.
+    pub(crate) fn note(&self) -> Option<&str> {
+        self.0.note.as_deref()
     }
 
     /// The pixels without a copy.
     pub(crate) fn shared(&self) -> Arc<RgbImage> {
-        Arc::clone(self.0.pixels())
+        Arc::clone(&self.0.pixels)
     }
 
     /// Height for a width that keeps the image's proportions.
@@ -82,7 +87,7 @@ impl PatchImage {
                 clip: area,
             },
             None => Mark::Image {
-                image: Arc::clone(self.0.pixels()),
+                image: Arc::clone(&self.0.pixels),
                 area,
             },
         }
@@ -273,7 +278,7 @@ impl PanelPatch {
             self.side.name(),
             number(self.at_mm[0]),
             number(self.at_mm[1]),
-            self.image.0.sha256().get(..12).unwrap_or_default()
+            self.image.0.sha256.get(..12).unwrap_or_default()
         )
     }
 }

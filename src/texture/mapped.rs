@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use image::RgbImage;
 
-use super::open::{Opened, open};
 use super::{SurfacePoint, TextureError, is_paint};
 use crate::files;
 use crate::mesh::{ImageSource, Look, Mesh, TextureCoordinates, Wrap};
 use crate::pattern::light;
+use crate::pattern::picture::Picture;
 use crate::photo::Budget;
 use crate::spelling::count;
 
@@ -69,26 +69,25 @@ impl MappedImages {
     /// # Errors
     /// An image that cannot be used, painted triangles without coordinates.
     pub(crate) fn of_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
-        let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
-        let opened = open(&bytes, Some(1.0)).map_err(|reason| TextureError::Unusable {
-            path: path.to_owned(),
-            reason,
-        })?;
+        let picture = Picture::load(path)?;
         let wraps = |look: Option<&Look>| look.map_or([Wrap::Repeat; 2], |look| look.wrap);
-        let image = Arc::new(opened.pixels);
         let materials = 0..mesh.materials().len();
         let maps: Vec<_> = materials
             .map(|material| Map {
-                image: Arc::clone(&image),
+                image: Arc::clone(&picture.pixels),
                 wrap: wraps(mesh.look(material)),
             })
             .collect();
         let by_material: Vec<_> = (0..maps.len()).map(Skin::Image).collect();
         Ok(Mapped {
             images: Self::new(mesh, paint, &by_material, maps)?,
-            sha256: vec![files::sha256_hex(&bytes)],
+            sha256: vec![picture.sha256],
             files: Vec::new(),
-            notes: sentences(&path.display().to_string(), opened.notes),
+            notes: picture
+                .note
+                .map(|note| format!("{} {note}", path.display()))
+                .into_iter()
+                .collect(),
         })
     }
 
@@ -294,15 +293,16 @@ impl Collected {
             }
             ImageSource::Refused(reason) => return Err(reason.clone()),
         };
-        let Opened { mut pixels, notes } = open(bytes, look.alpha).map_err(|reason| format!("{name}: {reason}"))?;
-        self.held += bytes.len() + pixels.as_raw().len();
+        let picture = Picture::from_bytes(bytes, look.alpha).map_err(|reason| format!("{name}: {reason}"))?;
+        self.held += bytes.len() + picture.pixels.as_raw().len();
         if self.held > MOST_BYTES {
             return Err(format!("the mesh's images take more than {} MB", MOST_BYTES >> 20));
         }
+        self.notes.extend(picture.note.map(|note| format!("{name} {note}")));
+        self.sha256.push(picture.sha256);
+        let mut pixels = picture.pixels;
         multiply(&mut pixels, look.factor);
-        self.notes.extend(sentences(name, notes));
-        self.sha256.push(files::sha256_hex(bytes));
-        Ok(Arc::new(pixels))
+        Ok(pixels)
     }
 }
 
@@ -315,11 +315,7 @@ fn key_of(source: &ImageSource) -> String {
     }
 }
 
-fn sentences(name: &str, clauses: Vec<String>) -> Vec<String> {
-    clauses.into_iter().map(|clause| format!("{name} {clause}")).collect()
-}
-
-fn multiply(pixels: &mut RgbImage, factor: [f64; 3]) {
+fn multiply(pixels: &mut Arc<RgbImage>, factor: [f64; 3]) {
     if factor == [1.0; 3] {
         return;
     }
@@ -327,7 +323,7 @@ fn multiply(pixels: &mut RgbImage, factor: [f64; 3]) {
         let level = |v: u8| light::rgb_of([factor * light::decode(f64::from(v) / 255.0); 3])[0];
         (0..=u8::MAX).map(level).collect::<Vec<u8>>()
     });
-    for pixel in pixels.pixels_mut() {
+    for pixel in Arc::make_mut(pixels).pixels_mut() {
         (0..3).for_each(|c| pixel.0[c] = tables[c][usize::from(pixel.0[c])]);
     }
 }

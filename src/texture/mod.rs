@@ -3,7 +3,6 @@
 
 mod face_texels;
 mod mapped;
-mod open;
 mod patches;
 mod same_shape;
 mod tile;
@@ -20,6 +19,7 @@ use nalgebra::Point3;
 
 use crate::files::FileError;
 use crate::mesh::{Mesh, doubled_area};
+use crate::pattern::picture::PictureError;
 
 /// Why there is no texture. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +27,8 @@ use crate::mesh::{Mesh, doubled_area};
 pub(crate) enum TextureError {
     #[error(transparent)]
     File(#[from] FileError),
+    #[error(transparent)]
+    Image(#[from] PictureError),
     #[error("the texture {path} cannot be used: {reason}", path = path.display())]
     Unusable { path: PathBuf, reason: String },
     #[error("the mesh's material '{material}' cannot be painted: {reason}")]

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::wrap::SheetArgs;
 use super::{CommandResult, Outcome, value_names, write_files, write_json};
+use crate::cli::enlarged;
 use crate::cli::model::ModelArgs;
 use crate::cli::units;
 use crate::pattern::world_aligned::Side;
@@ -105,6 +106,7 @@ pub(crate) fn asked(args: &PlaceArgs) -> Result<Vec<PanelPatch>, Box<dyn Error>>
     }
     let one = |i: usize| -> Result<PanelPatch, Box<dyn Error>> {
         let image = PatchImage::load(&args.patch[i])?;
+        enlarged::note(&args.patch[i], image.note());
         let size = args.size_mm[i].trim();
         let size_mm = match size.parse::<f64>() {
             Ok(width) => (width, image.height_for(width)),

@@ -8,9 +8,8 @@ use serde_json::json;
 
 use super::paint::{self, PaintArgs};
 use super::{CommandResult, NewFile, Outcome, PaperArgs, value_names, write_files, write_json};
-use crate::cli::{progress, units};
+use crate::cli::{enlarged, progress, units};
 use crate::pattern::Pattern;
-use crate::pattern::picture::Picture;
 use crate::print::lettering;
 use crate::print::output::{SheetFormat, SheetOutput};
 use crate::print::paper::{self, Orientation};
@@ -117,7 +116,7 @@ fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
         )
         .into());
     }
-    let texture = Picture::load(path)?;
+    let texture = enlarged::picture(path)?;
     let request = request(
         args,
         path,

@@ -191,7 +191,7 @@ impl Captions {
     /// The captions of a repeated image without cells.
     pub(super) fn of_texture(texture: &Picture, request: &TemplateRequest, pixel_mm: f64) -> Self {
         let facts = [
-            format!("sha256 {}", texture.sha256().get(..12).unwrap_or_default()),
+            format!("sha256 {}", texture.sha256.get(..12).unwrap_or_default()),
             format!("tile {} mm", number(request.tile_mm)),
             format!("{:.0} dpi", 25.4 / pixel_mm),
             format!("scale 1:{}", number(request.scale)),
