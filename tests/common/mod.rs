@@ -55,16 +55,19 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// Bad input: exit code 2, and one error, the last line on standard error, that contains every one of `words`.
+/// Bad input: exit code 2, and one sentence on standard error that contains every one of `words`.
 pub fn assert_refused(output: &Output, words: &[&str]) {
     let text = stderr(output);
     assert_eq!(output.status.code(), Some(2), "exit code; standard error: {text}");
     // On a slow machine, progress stands before it.
-    let error = text.lines().next_back().unwrap_or_default();
-    let is_only = error.starts_with("error: ") && text.matches("error: ").count() == 1;
-    assert!(is_only, "one sentence, not: {text}");
+    let is_refusal = |line: &&str| ["error: ", "no pose for "].iter().any(|start| line.starts_with(start));
+    let is_last = text.lines().next_back().as_ref().is_some_and(is_refusal);
+    assert!(
+        is_last && text.lines().filter(is_refusal).count() == 1,
+        "one sentence, not: {text}"
+    );
     for word in words {
-        assert!(error.contains(word), "`{word}` is not in: {text}");
+        assert!(text.contains(word), "`{word}` is not in: {text}");
     }
 }
 
