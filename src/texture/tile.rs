@@ -26,11 +26,24 @@ impl Tile {
     }
 
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
+        self.mapped().colour_at(self.plane_mm(mesh, at))
+    }
+
+    /// Column and row of the cell that a point lies in.
+    pub(crate) fn cell(&self, mesh: &Mesh, at: &SurfacePoint) -> [u32; 2] {
+        self.mapped().cell_at(self.plane_mm(mesh, at))
+    }
+
+    /// Where a point lies in the plane of its triangle's side: (u, v).
+    pub(crate) fn plane_mm(&self, mesh: &Mesh, at: &SurfacePoint) -> [f64; 2] {
         let normal = doubled_area(&mesh.corners_mm(&mesh.triangles()[at.triangle]));
-        let mapped = WorldAligned {
+        Side::of(&normal).project(&at.place_mm(mesh))
+    }
+
+    fn mapped(&self) -> WorldAligned<'_> {
+        WorldAligned {
             pattern: &self.pattern,
             cell_mm: self.cell_mm,
-        };
-        mapped.colour_at(Side::of(&normal).project(&at.place_mm(mesh)))
+        }
     }
 }

@@ -1,7 +1,10 @@
 //! Where a stencil's material has to be joined. All of it works on the *core*: the places for the centre of the square that
 //! measures widths. What is joined in the core is joined by the square's full width.
 
+use std::collections::BTreeSet;
+
 use super::plane::{Area, PlanePoint, edges};
+use crate::print::buckets::{Buckets, bounds};
 
 /// A bridge: the square is swept along it.
 pub(crate) type Link = (PlanePoint, PlanePoint);
@@ -10,27 +13,57 @@ pub(crate) type Link = (PlanePoint, PlanePoint);
 const ROUNDING: i64 = 3;
 
 /// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
-/// the material between them is narrower than the square.
-pub(crate) fn necks(core: &Area, side: i32) -> Vec<Link> {
+/// the material between them is narrower than the square. Ways that leave the core by less than `bend` do not count.
+pub(crate) fn necks(core: &Area, side: i32, bend: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
     let ways: Vec<Link> = core.edges().collect();
-    let mut found: Vec<Link> = Vec::new();
+    let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
+    let (low, high) = ways.iter().map(places).fold(
+        ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]),
+        |(low, high), (from, to)| ([0, 1].map(|i| low[i].min(from[i])), [0, 1].map(|i| high[i].max(to[i]))),
+    );
+    if ways.is_empty() {
+        return Vec::new();
+    }
+    let buckets = Buckets::new(low, high, ways.iter().map(places));
+    let mut found = BTreeSet::new();
+    let mut links = Vec::new();
     for (corner, _) in core.edges() {
-        for way in &ways {
+        let near = buckets.at(at(corner)).unwrap_or_default();
+        let near = || near.iter().filter_map(|i| ways.get(*i as usize));
+        for way in near() {
             if out_of_reach(corner, *way, reach) || corner == way.0 || corner == way.1 {
                 continue;
             }
-            let at = nearest_on(*way, corner);
-            let apart = (i64::from(at.x) - i64::from(corner.x))
-                .abs()
-                .max((i64::from(at.y) - i64::from(corner.y)).abs());
-            if (ROUNDING..=reach).contains(&apart) && !holds_middle(&ways, corner, at) && !found.contains(&(at, corner))
-            {
-                found.push((corner, at));
+            let end = nearest_on(*way, corner);
+            let is_neck = (ROUNDING..=reach).contains(&apart(end, corner))
+                && (bend == 0 || near().all(|way| leaves(corner, end, *way, bend)))
+                && !holds_middle(&ways, corner, end);
+            let key = |p: PlanePoint| (p.x, p.y);
+            if is_neck && !found.contains(&(key(end), key(corner))) {
+                found.insert((key(corner), key(end)));
+                links.push((corner, end));
             }
         }
     }
-    found
+    links
+}
+
+fn at(p: PlanePoint) -> [f64; 2] {
+    [f64::from(p.x), f64::from(p.y)]
+}
+
+/// The larger of the ways along x and y.
+fn apart(a: PlanePoint, b: PlanePoint) -> i64 {
+    let along = |a: i32, b: i32| (i64::from(a) - i64::from(b)).abs();
+    along(a.x, b.x).max(along(a.y, b.y))
+}
+
+/// Whether the middle between two places is farther than `bend` from a way.
+fn leaves(p: PlanePoint, q: PlanePoint, way: Link, bend: i32) -> bool {
+    let middle = |a: i32, b: i32| i32::midpoint(a, b);
+    let middle = PlanePoint::new(middle(p.x, q.x), middle(p.y, q.y));
+    apart(nearest_on(way, middle), middle) > i64::from(bend)
 }
 
 /// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close
