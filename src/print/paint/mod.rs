@@ -129,6 +129,7 @@ pub(crate) struct PaintSheets {
 
 impl PaintSheets {
     /// What becomes of the area of all paints.
+    #[cfg(test)]
     pub(crate) fn whole(&self) -> PaintArea {
         PaintArea::sum(&self.areas)
     }

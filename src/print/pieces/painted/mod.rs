@@ -94,7 +94,6 @@ pub(crate) struct PieceStencil {
 #[derive(Debug, Clone)]
 pub(crate) struct PaintedPieces {
     pub pieces: Vec<Piece>,
-    pub seams: Vec<Seam>,
     pub places: Vec<Place>,
     pub frame: PageFrame,
     /// In the order of spraying: the largest first.
@@ -242,7 +241,6 @@ pub(crate) fn painted_pieces(
         pages: Vec::new(),
         names: Vec::new(),
         pieces,
-        seams,
         places,
         frame,
         painted,
