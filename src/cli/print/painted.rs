@@ -96,7 +96,7 @@ fn facts(model: &Model, made: &PaintedPieces) -> Value {
     facts["model_size_mm"] = json!(model.mesh.size_mm());
     facts["pieces"] = pieces.collect();
     facts["sheets"] = json!(made.sheets());
-    facts["narrow_patches"] = json!(made.narrow.0);
+    facts["narrow_parts"] = json!(made.narrow.0);
     facts["narrow_mm2"] = json!(made.narrow.1);
     facts["surface_mm2"] = json!(made.surface_mm2());
     facts["visible_mm2"] = json!(made.visible_mm2);

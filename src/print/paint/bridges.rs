@@ -13,7 +13,8 @@ pub(crate) type Link = (PlanePoint, PlanePoint);
 const ROUNDING: i64 = 3;
 
 /// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
-/// the material between them is narrower than the square. Ways that leave the core by less than `bend` do not count.
+/// the material between them is narrower than the square. Where ways may leave the core by a `bend`, outlines have many short edges, and only
+/// the nearest place to each corner counts.
 pub(crate) fn necks(core: &Area, side: i32, bend: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
     let ways: Vec<Link> = core.edges().collect();
@@ -31,22 +32,33 @@ pub(crate) fn necks(core: &Area, side: i32, bend: i32) -> Vec<Link> {
     for (corner, _) in core.edges() {
         let near = buckets.at(at(corner)).unwrap_or_default();
         let near = || near.iter().filter_map(|i| ways.get(*i as usize));
+        let mut nearest: Option<(i64, PlanePoint)> = None;
         for way in near() {
             if out_of_reach(corner, *way, reach) || corner == way.0 || corner == way.1 {
                 continue;
             }
             let end = nearest_on(*way, corner);
-            let is_neck = (ROUNDING..=reach).contains(&apart(end, corner))
+            let away = apart(end, corner);
+            if bend > 0 && nearest.is_some_and(|(known, _)| known <= away) {
+                continue;
+            }
+            let is_neck = (ROUNDING..=reach).contains(&away)
                 && (bend == 0 || near().all(|way| leaves(corner, end, *way, bend)))
                 && !holds_middle(&ways, corner, end);
-            let key = |p: PlanePoint| (p.x, p.y);
-            if is_neck && !found.contains(&(key(end), key(corner))) {
+            if is_neck && bend > 0 {
+                nearest = Some((away, end));
+            } else if is_neck && !found.contains(&(key(end), key(corner))) {
                 found.insert((key(corner), key(end)));
                 links.push((corner, end));
             }
         }
+        links.extend(nearest.map(|(_, end)| (corner, end)));
     }
     links
+}
+
+fn key(p: PlanePoint) -> (i32, i32) {
+    (p.x, p.y)
 }
 
 fn at(p: PlanePoint) -> [f64; 2] {
@@ -61,9 +73,13 @@ fn apart(a: PlanePoint, b: PlanePoint) -> i64 {
 
 /// Whether the middle between two places is farther than `bend` from a way.
 fn leaves(p: PlanePoint, q: PlanePoint, way: Link, bend: i32) -> bool {
-    let middle = |a: i32, b: i32| i32::midpoint(a, b);
-    let middle = PlanePoint::new(middle(p.x, q.x), middle(p.y, q.y));
+    let middle = middle((p, q));
     apart(nearest_on(way, middle), middle) > i64::from(bend)
+}
+
+/// Half-way along a link.
+pub(crate) fn middle((p, q): Link) -> PlanePoint {
+    PlanePoint::new(i32::midpoint(p.x, q.x), i32::midpoint(p.y, q.y))
 }
 
 /// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close

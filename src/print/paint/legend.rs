@@ -153,8 +153,7 @@ impl Table<'_> {
             self.text(x, TextAnchor::Right, value);
         }
         self.row += 1;
-        let first = ["dE: CIEDE2000 of the paint against the pattern's colours."];
-        for note in first.iter().chain(legend.notes) {
+        for note in legend.notes {
             self.text(0.0, TextAnchor::Left, (*note).to_owned());
             self.row += 1;
         }

@@ -203,7 +203,7 @@ fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRe
         painted,
         areas: &made.areas,
         whole: "panel",
-        notes: &["Stencil and touch up make up the area."],
+        notes: &["dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area."],
     };
     for (i, sheet) in legend::sheets(&made.layout.cover, &table, captions)
         .into_iter()

@@ -117,7 +117,7 @@ pub(crate) fn openings_and_bridges(
     let mut openings = asked.clone();
     for _ in 0..MOST_ROUNDS {
         openings = openings.opened(half).grown(slant.corner).and(&openings);
-        let more = missing(&whole.without(&openings), &openings, half, slant);
+        let more = missing(whole, &openings, half, slant);
         if more.is_empty() {
             let bridges = asked.without(&openings);
             return Ok((openings, bridges));
@@ -128,7 +128,8 @@ pub(crate) fn openings_and_bridges(
 }
 
 /// What the material must take of the openings, by the first of the rules that is broken.
-fn missing(material: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
+fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
+    let material = whole.without(openings);
     let core = material.shrunk(half);
     let thin = thin(&material.without(&core.grown(half)), half, slant);
     if !thin.is_empty() {
@@ -137,7 +138,9 @@ fn missing(material: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
             return more;
         }
     }
-    let joined = |links: Vec<bridges::Link>| {
+    let joined = |mut links: Vec<bridges::Link>| {
+        // What is narrow where the sheet itself ends stays so.
+        links.retain(|link| slant == Slant::NONE || whole.contains(bridges::middle(*link)));
         let sweeps = links.iter().map(|(a, b)| super::plane::swept(*a, *b, half + SPARE));
         Area::of(&sweeps.collect::<Vec<_>>()).and(openings)
     };

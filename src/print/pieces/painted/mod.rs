@@ -11,6 +11,7 @@ mod sheets;
 pub(crate) use material::Material;
 pub(crate) use regions::PaintedPiece;
 
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 
 use super::flat::Piece;
@@ -105,7 +106,7 @@ pub(crate) struct PaintedPieces {
     pub materials: Vec<Material>,
     /// Those with an opening, paint by paint.
     pub stencils: Vec<PieceStencil>,
-    /// Patches of a paint that are too narrow to be cut: how many, and their area.
+    /// Parts of a paint's area that are too narrow to be cut: how many, and their area, mm².
     pub narrow: (usize, f64),
     pub left_out: Vec<LeftOut>,
     pub visible_mm2: f64,
@@ -145,11 +146,11 @@ impl PaintedPieces {
                 self.mean_stretch, self.stretch_99
             ),
         ];
-        let (patches, mm2) = self.narrow;
-        if patches > 0 {
+        let (parts, mm2) = self.narrow;
+        if parts > 0 {
             facts.push(format!(
-                "{} narrower than {} mm not cut, {}: touch them up by number",
-                count(patches, "patch").replace("patchs", "patches"),
+                "{} narrower than {} mm, {}, not cut: touch up by number",
+                count(parts, "part"),
                 number(self.min_feature_mm),
                 cm2(mm2)
             ));
@@ -231,7 +232,7 @@ pub(crate) fn painted_pieces(
     check_pages(painted.paints.len() - 1, frames.len())?;
     let mut made = PaintedPieces {
         areas: areas(&regions, &cuts, order.len()),
-        narrow: narrow(&cuts),
+        narrow: narrow(&regions, &cuts),
         stencils: Vec::new(),
         left_out: flat.left_out.clone(),
         visible_mm2: flat.visible_mm2,
@@ -358,24 +359,24 @@ fn areas(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>], paints: usize) ->
     areas
 }
 
-/// Patches of which nothing is cut.
-fn narrow(cuts: &[Vec<PieceStencil>]) -> (usize, f64) {
-    let mut sum = (0, 0.0);
-    for PieceStencil { openings, bridges, .. } in cuts.iter().flatten() {
-        let opened = openings.grown(1);
-        let touches = |piece: &Vec<PlaneOutline>| {
-            !Area {
-                pieces: vec![piece.clone()],
-            }
-            .and(&opened)
-            .is_empty()
+/// Parts of a paint's area of which nothing is cut: how many, and their area.
+fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) {
+    let key = |part: &Vec<PlaneOutline>| {
+        let part = Area {
+            pieces: vec![part.clone()],
         };
-        for piece in bridges.pieces.iter().filter(|piece| !touches(piece)) {
+        let bounds = part.bounds().map(|b| [b.left, b.bottom, b.right, b.top]);
+        (bounds, part.doubled_area())
+    };
+    let mut sum = (0, 0.0);
+    for stencil in cuts.iter().flatten() {
+        let bridged: BTreeSet<_> = stencil.bridges.pieces.iter().map(key).collect();
+        for part in &regions[stencil.piece].areas[stencil.paint].pieces {
             let mm2 = Area {
-                pieces: vec![piece.clone()],
+                pieces: vec![part.clone()],
             }
             .mm2();
-            if mm2 > NOTHING_MM2 {
+            if mm2 > NOTHING_MM2 && bridged.contains(&key(part)) {
                 sum = (sum.0 + 1, sum.1 + mm2);
             }
         }
@@ -399,7 +400,7 @@ fn draw(
         areas: &made.areas,
         whole: "all pieces",
         notes: &[
-            "Paint 1 is sprayed on everything first, without a stencil.",
+            "dE: CIEDE2000 of the paint against the pattern's colours. Paint 1 is sprayed on everything first, without a stencil.",
             "Of the others, stencil and touch up make up the area. All areas are on paper.",
         ],
     };

@@ -40,7 +40,7 @@ impl Upright {
             PlanePoint::new(units(x), units(y))
         };
         let outlines: Vec<PlaneOutline> = region.contours().map(|c| c.iter().map(corner).collect()).collect();
-        Area::of(&outlines)
+        smooth(&Area::of(&outlines))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::print::pieces::pages;
 use crate::print::pieces::pen::{LINE_MM, Pen};
 use crate::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::Captions;
-use crate::print::wrap::{Contour, Point, Region, cut_line, moved};
+use crate::print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Point, Region, cut_line, moved};
 
 const BORDER_MM: f64 = 0.12;
 const NUMBER_MM: f64 = 3.5;
@@ -184,6 +184,8 @@ impl<'a> Drawing<'a> {
             colour: OPENING,
         }];
         let pen = self.pen(piece);
+        let folds = pen.piece.folds.iter();
+        marks.extend(folds.map(|ends| pen.line(*ends, EDGE_LINE_MM, Some(EDGE_DASH_MM))));
         let outline = self.made.pieces[piece].region.edges();
         marks.extend(outline.map(|(a, b)| pen.line([*a, *b], BORDER_MM, Some(OUTLINE_DASH_MM))));
         marks.extend(sheet.iter().flat_map(|outline| lines(outline, LINE_MM)));
