@@ -13,11 +13,12 @@ pub(crate) type Link = (PlanePoint, PlanePoint);
 const ROUNDING: i64 = 3;
 
 /// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
-/// the material between them is narrower than the square. Where ways may leave the core by a `bend`, outlines have many short edges, and only
-/// the nearest place to each corner counts.
-pub(crate) fn necks(core: &Area, side: i32, bend: i32) -> Vec<Link> {
+/// the material between them is narrower than the square. Where ways along an outline up to some length `around` are none, outlines have many
+/// short edges, and only the nearest place to each corner counts.
+pub(crate) fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
-    let ways: Vec<Link> = core.edges().collect();
+    let along = Along::of(core);
+    let ways: Vec<Link> = along.iter().map(|edge| edge.way).collect();
     let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
     let (low, high) = ways.iter().map(places).fold(
         ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]),
@@ -29,23 +30,24 @@ pub(crate) fn necks(core: &Area, side: i32, bend: i32) -> Vec<Link> {
     let buckets = Buckets::new(low, high, ways.iter().map(places));
     let mut found = BTreeSet::new();
     let mut links = Vec::new();
-    for (corner, _) in core.edges() {
-        let near = buckets.at(at(corner)).unwrap_or_default();
-        let near = || near.iter().filter_map(|i| ways.get(*i as usize));
+    for edge in &along {
+        let corner = edge.way.0;
         let mut nearest: Option<(i64, PlanePoint)> = None;
-        for way in near() {
-            if out_of_reach(corner, *way, reach) || corner == way.0 || corner == way.1 {
+        for other in buckets.at(at(corner)).unwrap_or_default() {
+            let Some(other) = along.get(*other as usize) else {
+                continue;
+            };
+            let way = other.way;
+            if out_of_reach(corner, way, reach) || corner == way.0 || corner == way.1 {
                 continue;
             }
-            let end = nearest_on(*way, corner);
+            let end = nearest_on(way, corner);
             let away = apart(end, corner);
-            if bend > 0 && nearest.is_some_and(|(known, _)| known <= away) {
+            if around > 0 && (nearest.is_some_and(|(known, _)| known <= away) || edge.reaches(other, end, around)) {
                 continue;
             }
-            let is_neck = (ROUNDING..=reach).contains(&away)
-                && (bend == 0 || near().all(|way| leaves(corner, end, *way, bend)))
-                && !holds_middle(&ways, corner, end);
-            if is_neck && bend > 0 {
+            let is_neck = (ROUNDING..=reach).contains(&away) && !holds_middle(&ways, corner, end);
+            if is_neck && around > 0 {
                 nearest = Some((away, end));
             } else if is_neck && !found.contains(&(key(end), key(corner))) {
                 found.insert((key(corner), key(end)));
@@ -55,6 +57,46 @@ pub(crate) fn necks(core: &Area, side: i32, bend: i32) -> Vec<Link> {
         links.extend(nearest.map(|(_, end)| (corner, end)));
     }
     links
+}
+
+/// An edge, and where it is along its outline.
+struct Along {
+    way: Link,
+    outline: usize,
+    start: f64,
+    /// Of the outline.
+    length: f64,
+}
+
+impl Along {
+    /// The edges of all outlines in their order.
+    fn of(core: &Area) -> Vec<Self> {
+        let mut all = Vec::new();
+        for (outline, corners) in core.outlines().enumerate() {
+            let length = edges(corners).map(|(a, b)| between(a, b)).sum();
+            let mut start = 0.0;
+            for way in edges(corners) {
+                all.push(Self {
+                    way,
+                    outline,
+                    start,
+                    length,
+                });
+                start += between(way.0, way.1);
+            }
+        }
+        all
+    }
+
+    /// Whether the way along the outline from this edge's start to a place on another is no longer than `around`.
+    fn reaches(&self, other: &Self, place: PlanePoint, around: i32) -> bool {
+        let way = (other.start + between(other.way.0, place) - self.start).abs();
+        self.outline == other.outline && way.min(self.length - way) <= f64::from(around)
+    }
+}
+
+fn between(a: PlanePoint, b: PlanePoint) -> f64 {
+    (f64::from(b.x) - f64::from(a.x)).hypot(f64::from(b.y) - f64::from(a.y))
 }
 
 fn key(p: PlanePoint) -> (i32, i32) {
@@ -69,12 +111,6 @@ fn at(p: PlanePoint) -> [f64; 2] {
 fn apart(a: PlanePoint, b: PlanePoint) -> i64 {
     let along = |a: i32, b: i32| (i64::from(a) - i64::from(b)).abs();
     along(a.x, b.x).max(along(a.y, b.y))
-}
-
-/// Whether the middle between two places is farther than `bend` from a way.
-fn leaves(p: PlanePoint, q: PlanePoint, way: Link, bend: i32) -> bool {
-    let middle = middle((p, q));
-    apart(nearest_on(way, middle), middle) > i64::from(bend)
 }
 
 /// Half-way along a link.

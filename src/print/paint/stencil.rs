@@ -18,6 +18,8 @@ use super::plane::{Area, Bounds, PlaneOutline, units};
 
 /// Rounds until all rules hold; real patterns take two to six.
 const MOST_ROUNDS: usize = 100;
+/// Slanted openings that do not come to rest after so many rounds are not cut.
+const PATIENCE: usize = 40;
 /// Bridges are this much wider, a micrometre on either side, so that they still measure up where slanted cuts are rounded.
 const SPARE: i32 = 10;
 /// Material narrower than this is rounding, not a part: a micrometre.
@@ -55,8 +57,8 @@ pub(crate) struct NoStencil {
 pub(crate) struct Slant {
     /// Parts of the material that a square of twice this does not fit into are tips of slanted corners, if they are short.
     tip: i32,
-    /// A way between two places of the material may bend by this much.
-    bend: i32,
+    /// Places that are so near along an outline are joined by it, however it bends.
+    around: i32,
     /// Openings that are cut reach so far into their own slanted corners.
     corner: i32,
 }
@@ -65,7 +67,7 @@ impl Slant {
     /// Cells that lie upright.
     pub(crate) const NONE: Self = Self {
         tip: ROUNDING,
-        bend: 0,
+        around: 0,
         corner: 0,
     };
 
@@ -73,7 +75,7 @@ impl Slant {
     pub(crate) fn of_curved(min_feature_mm: f64) -> Self {
         Self {
             tip: units(0.1 * min_feature_mm),
-            bend: units(0.05 * min_feature_mm),
+            around: units(3.0 * min_feature_mm),
             corner: units(0.5 * min_feature_mm),
         }
     }
@@ -115,16 +117,32 @@ pub(crate) fn openings_and_bridges(
 ) -> Result<(Area, Area), NoStencil> {
     let half = units(0.5 * min_feature_mm);
     let mut openings = asked.clone();
-    for _ in 0..MOST_ROUNDS {
+    for round in 0..MOST_ROUNDS {
         openings = openings.opened(half).grown(slant.corner).and(&openings);
         let more = missing(whole, &openings, half, slant);
         if more.is_empty() {
             let bridges = asked.without(&openings);
             return Ok((openings, bridges));
         }
-        openings = openings.without(&more);
+        openings = match slant == Slant::NONE || round < PATIENCE {
+            true => openings.without(&more),
+            false => off(openings, &more),
+        };
     }
     Err(NoStencil { min_feature_mm })
+}
+
+/// The parts of openings that lie off something.
+fn off(openings: Area, something: &Area) -> Area {
+    let is_off = |piece: &Vec<PlaneOutline>| {
+        let piece = Area {
+            pieces: vec![piece.clone()],
+        };
+        piece.and(something).is_empty()
+    };
+    Area {
+        pieces: openings.pieces.into_iter().filter(is_off).collect(),
+    }
 }
 
 /// What the material must take of the openings, by the first of the rules that is broken.
@@ -144,7 +162,7 @@ fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
         let sweeps = links.iter().map(|(a, b)| super::plane::swept(*a, *b, half + SPARE));
         Area::of(&sweeps.collect::<Vec<_>>()).and(openings)
     };
-    let more = joined(bridges::necks(&core, 2 * half, slant.bend));
+    let more = joined(bridges::necks(&core, 2 * half, slant.around));
     match more.is_empty() {
         true => joined(bridges::nearest(&core)),
         false => more,
