@@ -20,6 +20,8 @@ use super::plane::{Area, Bounds, PlaneOutline, units};
 const MOST_ROUNDS: usize = 100;
 /// Slanted openings that do not come to rest after so many rounds are not cut.
 const PATIENCE: usize = 40;
+/// Parts of slanted openings that are no larger are rounding, mm².
+const ROUNDED_MM2: f64 = 0.005;
 /// Bridges are this much wider, a micrometre on either side, so that they still measure up where slanted cuts are rounded.
 const SPARE: i32 = 10;
 /// Material narrower than this is rounding, not a part: a micrometre.
@@ -81,6 +83,22 @@ impl Slant {
     }
 }
 
+impl Slant {
+    /// Slanted edges meet in points that are rounded: what is smaller than that is nothing.
+    fn without_rounding(self, mut area: Area) -> Area {
+        let is_something = |piece: &Vec<PlaneOutline>| {
+            let piece = Area {
+                pieces: vec![piece.clone()],
+            };
+            piece.mm2() > ROUNDED_MM2
+        };
+        if self != Self::NONE {
+            area.pieces.retain(is_something);
+        }
+        area
+    }
+}
+
 /// Cuts `openings` (counter-clockwise outlines, which may overlap), as far as they lie in `region`, from material that reaches a
 /// rim beyond the region's bounds.
 ///
@@ -129,7 +147,12 @@ pub(crate) fn openings_and_bridges(
             false => off(openings, &more),
         };
     }
-    Err(NoStencil { min_feature_mm })
+    // A sheet that holds together is one, even if a corner of it is a little too narrow.
+    let is_one = whole.without(&openings).pieces.len() == whole.pieces.len();
+    match slant != Slant::NONE && is_one {
+        true => Ok((openings.clone(), asked.without(&openings))),
+        false => Err(NoStencil { min_feature_mm }),
+    }
 }
 
 /// The parts of openings that lie off something.
@@ -151,7 +174,7 @@ fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
     let core = material.shrunk(half);
     let thin = thin(&material.without(&core.grown(half)), half, slant);
     if !thin.is_empty() {
-        let more = thin.grown(half + ROUNDING + SPARE).and(openings);
+        let more = slant.without_rounding(thin.grown(half + ROUNDING + SPARE).and(openings));
         if !more.is_empty() {
             return more;
         }
@@ -160,7 +183,7 @@ fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
         // What is narrow where the sheet itself ends stays so.
         links.retain(|link| slant == Slant::NONE || whole.contains(bridges::middle(*link)));
         let sweeps = links.iter().map(|(a, b)| super::plane::swept(*a, *b, half + SPARE));
-        Area::of(&sweeps.collect::<Vec<_>>()).and(openings)
+        slant.without_rounding(Area::of(&sweeps.collect::<Vec<_>>()).and(openings))
     };
     let more = joined(bridges::necks(&core, 2 * half, slant.around));
     match more.is_empty() {
