@@ -44,6 +44,7 @@ mod pattern_import;
 mod pose_doubt;
 mod print_board;
 mod print_paint;
+mod print_painted_pieces;
 mod print_pieces;
 mod print_printer;
 mod print_svg;

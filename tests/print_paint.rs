@@ -2,7 +2,7 @@
 
 mod colour;
 use crate::tests::common;
-mod raster;
+pub mod raster;
 use crate::tests::print_template::render;
 
 use std::path::Path;

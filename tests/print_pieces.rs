@@ -19,12 +19,12 @@ use scaleproof::pattern::world_aligned::{Side, WorldAligned};
 use scaleproof::pattern::{Pattern, light};
 use scaleproof::print::paper::Paper;
 use scaleproof::print::pdf;
-use scaleproof::print::pieces::{PiecesRequest, PrintedPieces, flattened, pieces};
+use scaleproof::print::pieces::{Piece, PiecesRequest, PrintedPieces, flattened, pieces};
 use scaleproof::print::printer::Printer;
 use scaleproof::texture::{MappedImages, Texture, Tile};
 
 /// What the program takes when nothing is said.
-fn request(most_pieces: usize, paper: Paper) -> PiecesRequest {
+pub fn request(most_pieces: usize, paper: Paper) -> PiecesRequest {
     PiecesRequest {
         most_pieces: Some(most_pieces),
         mean_stretch: 1.03,
@@ -50,10 +50,88 @@ struct Read {
 
 /// A place of the paint: its piece and triangle there, and the shares of the triangle's corners.
 #[derive(Clone, Copy)]
-struct PaintPoint {
-    piece: usize,
-    triangle: usize,
-    shares: [f64; 3],
+pub struct PaintPoint {
+    pub piece: usize,
+    pub triangle: usize,
+    pub shares: [f64; 3],
+}
+
+impl PaintPoint {
+    /// Where it is in its piece's plane.
+    pub fn flat(&self, pieces: &[Piece]) -> [f64; 2] {
+        let flat = pieces[self.piece].triangles[self.triangle].flat_mm;
+        [0, 1].map(|axis| (0..3).map(|c| self.shares[c] * flat[c][axis]).sum::<f64>())
+    }
+
+    /// Where it is on the model, and the normal there.
+    pub fn in_space(&self, pieces: &[Piece]) -> (Point3<f64>, Vector3<f64>) {
+        let corners = &pieces[self.piece].corners[self.triangle];
+        let [a, b, c] = corners;
+        (a + self.shares[1] * (b - a) + self.shares[2] * (c - a), normal(corners))
+    }
+}
+
+/// Points spread evenly over the surface.
+pub fn points(pieces: &[Piece], count: usize) -> Vec<PaintPoint> {
+    let mut random = Pcg32::seed_from_u64(11);
+    let mut sums: Vec<(f64, usize, usize)> = Vec::new();
+    for (p, piece) in pieces.iter().enumerate() {
+        for (t, [a, b, c]) in piece.corners.iter().enumerate() {
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            sums.push((sums.last().map_or(0.0, |s| s.0) + area, p, t));
+        }
+    }
+    let whole = sums.last().unwrap().0;
+    let mut point = || {
+        let at = random.random::<f64>() * whole;
+        let (_, piece, triangle) = sums[sums.partition_point(|s| s.0 < at)];
+        let (mut s, mut t) = (random.random::<f64>(), random.random::<f64>());
+        if s + t > 1.0 {
+            (s, t) = (1.0 - s, 1.0 - t);
+        }
+        let shares = [1.0 - s - t, s, t];
+        PaintPoint {
+            piece,
+            triangle,
+            shares,
+        }
+    };
+    (0..count).map(|_| point()).collect()
+}
+
+/// The edges at which the surface begins to look to another side, so that other cells begin.
+pub fn turns(pieces: &[Piece]) -> Vec<[Point3<f64>; 2]> {
+    let mut sides = BTreeMap::<_, (_, BTreeSet<Side>)>::new();
+    for corners in pieces.iter().flat_map(|piece| &piece.corners) {
+        for edge in edges(corners) {
+            let (_, sides) = sides.entry(key(edge)).or_insert((edge, BTreeSet::new()));
+            sides.insert(Side::of(&normal(corners)));
+        }
+    }
+    let turning = sides.into_values().filter(|(_, sides)| sides.len() > 1);
+    turning.map(|(edge, _)| edge).collect()
+}
+
+/// Whether a place is within so many mm of a cell's border. A border is where the surface meets x, y or z = k · cell, a plane of which two
+/// coordinates count, or turns. Thin triangles turn within little, so the edges of others count, too.
+pub fn at_border(
+    (at, normal): (Point3<f64>, Vector3<f64>),
+    cell_mm: f64,
+    turns: &[[Point3<f64>; 2]],
+    within_mm: f64,
+) -> bool {
+    let steepest = [normal.x, normal.y, normal.z].map(f64::abs);
+    let most = steepest.into_iter().fold(0.0, f64::max);
+    let near = |axis: usize| {
+        let rest = at[axis].rem_euclid(cell_mm);
+        steepest[axis] < most && rest.min(cell_mm - rest) <= within_mm
+    };
+    let at_turn = |[a, b]: &[Point3<f64>; 2]| {
+        let along = b - a;
+        let share = (along.dot(&(at - a)) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (at - a - share * along).norm() <= within_mm
+    };
+    (0..3).any(near) || turns.iter().any(at_turn)
 }
 
 impl Read {
@@ -65,38 +143,9 @@ impl Read {
         (Self { made, pages, dpi }, file)
     }
 
-    /// Points spread evenly over the surface.
-    fn points(&self, count: usize) -> Vec<PaintPoint> {
-        let mut random = Pcg32::seed_from_u64(11);
-        let mut sums: Vec<(f64, usize, usize)> = Vec::new();
-        for (p, piece) in self.made.pieces.iter().enumerate() {
-            for (t, [a, b, c]) in piece.corners.iter().enumerate() {
-                let area = 0.5 * (b - a).cross(&(c - a)).norm();
-                sums.push((sums.last().map_or(0.0, |s| s.0) + area, p, t));
-            }
-        }
-        let whole = sums.last().unwrap().0;
-        let mut point = || {
-            let at = random.random::<f64>() * whole;
-            let (_, piece, triangle) = sums[sums.partition_point(|s| s.0 < at)];
-            let (mut s, mut t) = (random.random::<f64>(), random.random::<f64>());
-            if s + t > 1.0 {
-                (s, t) = (1.0 - s, 1.0 - t);
-            }
-            let shares = [1.0 - s - t, s, t];
-            PaintPoint {
-                piece,
-                triangle,
-                shares,
-            }
-        };
-        (0..count).map(|_| point()).collect()
-    }
-
     /// Where a point is on its page, in mm from the top-left corner.
     fn on_page(&self, point: &PaintPoint) -> [f64; 2] {
-        let flat = self.made.pieces[point.piece].triangles[point.triangle].flat_mm;
-        let p = [0, 1].map(|axis| (0..3).map(|c| point.shares[c] * flat[c][axis]).sum::<f64>());
+        let p = point.flat(&self.made.pieces);
         let [x, y] = self.made.places[point.piece].pose.at(p);
         [x, self.made.frame.page.height_mm - y]
     }
@@ -106,42 +155,14 @@ impl Read {
         self.pages[self.made.places[piece].page].get_pixel(px(x), px(y)).0
     }
 
-    /// The edges at which the surface begins to look to another side, so that other cells begin.
-    fn turns(&self) -> Vec<[Point3<f64>; 2]> {
-        let mut sides = BTreeMap::<_, (_, BTreeSet<Side>)>::new();
-        for corners in self.made.pieces.iter().flat_map(|piece| &piece.corners) {
-            for edge in edges(corners) {
-                let (_, sides) = sides.entry(key(edge)).or_insert((edge, BTreeSet::new()));
-                sides.insert(Side::of(&normal(corners)));
-            }
-        }
-        let turning = sides.into_values().filter(|(_, sides)| sides.len() > 1);
-        turning.map(|(edge, _)| edge).collect()
-    }
-
     /// Which share of 10,000 points has its world-aligned colour on paper, those within 0.1 mm of a cell's border excepted.
     fn share_as_tile(&self, pattern: &Pattern, cell_mm: f64) -> f64 {
         let laid = WorldAligned { pattern, cell_mm };
-        let turns = self.turns();
+        let turns = turns(&self.made.pieces);
         let (mut right, mut compared) = (0.0, 0.0);
-        for point in self.points(10_000) {
-            let corners = &self.made.pieces[point.piece].corners[point.triangle];
-            let ([a, b, c], normal) = (*corners, normal(corners));
-            let at = a + point.shares[1] * (b - a) + point.shares[2] * (c - a);
-            // A border is where the surface meets x, y or z = k · cell; a plane of which two coordinates count.
-            let steepest = [normal.x, normal.y, normal.z].map(f64::abs);
-            let most = steepest.into_iter().fold(0.0, f64::max);
-            let near = |axis: usize| {
-                let rest = at[axis].rem_euclid(cell_mm);
-                steepest[axis] < most && rest.min(cell_mm - rest) <= 0.1
-            };
-            // Thin triangles turn within 0.1 mm, so the edges of others count, too.
-            let at_turn = |[a, b]: &[Point3<f64>; 2]| {
-                let along = b - a;
-                let share = (along.dot(&(at - a)) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
-                (at - a - share * along).norm() <= 0.1
-            };
-            if (0..3).any(near) || turns.iter().any(at_turn) {
+        for point in points(&self.made.pieces, 10_000) {
+            let (at, normal) = point.in_space(&self.made.pieces);
+            if at_border((at, normal), cell_mm, &turns, 0.1) {
                 continue;
             }
             compared += 1.0;
@@ -289,7 +310,7 @@ fn is_bright(rgb: [u8; 3]) -> bool {
     rgb.iter().max().unwrap() - rgb.iter().min().unwrap() > 80
 }
 
-fn placement(length_mm: f64) -> MeshPlacement {
+pub fn placement(length_mm: f64) -> MeshPlacement {
     MeshPlacement {
         length_mm: Some(length_mm),
         ..MeshPlacement::default()
@@ -404,7 +425,7 @@ fn share_as_atlas(read: &Read, coordinates: &Coordinates, atlas: &RgbImage) -> f
     let placed: Vec<_> = (0..read.made.pieces.len()).map(on_page).collect();
     let mut good = [0.0; 2];
     let mut compared = [0.0; 2];
-    for point in read.points(10_000) {
+    for point in points(&read.made.pieces, 10_000) {
         let low = read.on_page(&point).map(|mm| (mm / pixel_mm).floor() * pixel_mm);
         let near: Vec<usize> = (0..placed[point.piece].len())
             .filter(|i| {
@@ -448,7 +469,7 @@ fn share_as_atlas(read: &Read, coordinates: &Coordinates, atlas: &RgbImage) -> f
 }
 
 /// A roof of two slopes on walls, as OBJ: nothing of it is curved.
-fn house(folder: &Path) -> PathBuf {
+pub fn house(folder: &Path) -> PathBuf {
     let text = "v -60 -40 0\nv 60 -40 0\nv 60 40 0\nv -60 40 0\nv -60 -40 30\nv 60 -40 30\nv 60 40 30\nv -60 40 30\n\
                 v -60 0 60\nv 60 0 60\nusemtl paint\nf 1 2 6 5\nf 3 4 8 7\nf 5 6 10 9\nf 7 8 9 10\nf 2 3 7 10 6\nf 4 1 5 9 8\n";
     let path = folder.join("house.obj");

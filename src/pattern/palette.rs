@@ -152,7 +152,7 @@ pub(crate) struct UsedPaint {
 /// A pattern in paints.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Painted {
-    /// Most cells first.
+    /// Most cells first, unless they were put in another order.
     pub paints: Vec<UsedPaint>,
     columns: u32,
     /// Which of `paints` each cell takes, row by row from the top left.
@@ -259,6 +259,16 @@ impl Painted {
         let columns = self.columns as usize;
         let rows = self.cells.len() / columns;
         self.cells[(row % rows) * columns + column % columns]
+    }
+
+    /// The same with the paints in another order: their indices, each once.
+    pub(crate) fn in_order(&self, order: &[usize]) -> Self {
+        let place = |paint: &usize| order.iter().position(|i| i == paint).unwrap_or_default();
+        Self {
+            paints: order.iter().filter_map(|i| self.paints.get(*i).cloned()).collect(),
+            columns: self.columns,
+            cells: self.cells.iter().map(place).collect(),
+        }
     }
 
     /// CIEDE2000 of the cells against their paints: mean and largest.

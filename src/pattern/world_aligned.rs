@@ -115,12 +115,17 @@ impl WorldAligned<'_> {
     }
 
     /// The colour at (u, v) of any side, mm.
-    pub(crate) fn colour_at(&self, [u_mm, v_mm]: [f64; 2]) -> [u8; 3] {
+    pub(crate) fn colour_at(&self, at_mm: [f64; 2]) -> [u8; 3] {
+        let [column, row] = self.cell_at(at_mm);
+        self.pattern.cells().get_pixel(column, row).0
+    }
+
+    /// Column and row of the pattern's cell at (u, v) of any side, mm.
+    pub(crate) fn cell_at(&self, [u_mm, v_mm]: [f64; 2]) -> [u32; 2] {
         let cell = |mm: f64, count: u32| (mm / self.cell_mm).floor().rem_euclid(f64::from(count)) as u32;
         let (column, row) = (cell(u_mm, self.pattern.columns()), cell(-v_mm, self.pattern.rows()));
         // rem_euclid of a tiny negative number rounds up to the count itself.
-        let (column, row) = (column % self.pattern.columns(), row % self.pattern.rows());
-        self.pattern.cells().get_pixel(column, row).0
+        [column % self.pattern.columns(), row % self.pattern.rows()]
     }
 }
 

@@ -26,8 +26,17 @@ impl Tile {
     }
 
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
-        let place = side(mesh, at.triangle).project(&at.place_mm(mesh));
-        self.mapped().colour_at(place)
+        self.mapped().colour_at(self.plane_mm(mesh, at))
+    }
+
+    /// Column and row of the cell that a point lies in.
+    pub(crate) fn cell_of(&self, mesh: &Mesh, at: &SurfacePoint) -> [u32; 2] {
+        self.mapped().cell_at(self.plane_mm(mesh, at))
+    }
+
+    /// Where a point lies in the plane of its triangle's side: (u, v).
+    pub(crate) fn plane_mm(&self, mesh: &Mesh, at: &SurfacePoint) -> [f64; 2] {
+        side(mesh, at.triangle).project(&at.place_mm(mesh))
     }
 
     /// Where a triangle's corners lie among the cells.

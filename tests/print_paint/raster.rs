@@ -55,7 +55,7 @@ impl Stencil {
     }
 
     /// The piece of each pixel, from 1; 0 where there is none. `slots` grows by one for each.
-    fn labelled(&self, of: &[bool], corners_join: bool, slots: &mut Vec<f64>) -> Vec<usize> {
+    pub fn labelled(&self, of: &[bool], corners_join: bool, slots: &mut Vec<f64>) -> Vec<usize> {
         let mut label = vec![0; of.len()];
         for start in 0..of.len() {
             if !of[start] || label[start] != 0 {

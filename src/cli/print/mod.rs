@@ -5,6 +5,7 @@ mod board;
 mod chart;
 mod check;
 mod paint;
+mod painted;
 pub(crate) mod patch;
 mod pieces;
 mod tags;

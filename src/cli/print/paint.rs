@@ -1,4 +1,4 @@
-//! The paint mode of `scaleproof print template`: sheets to paint by number, and stencils.
+//! The paint mode of `scaleproof print template`, and what `print wrap` shares with it: sheets to paint by number, and stencils.
 
 use std::error::Error;
 use std::io::Write;
@@ -40,8 +40,8 @@ pub(crate) struct PaintArgs {
 /// How the paints are found, and what their stencils must hold.
 pub(crate) struct Paints {
     source: Source,
-    min_feature_mm: f64,
-    mirror: bool,
+    pub(super) min_feature_mm: f64,
+    pub(super) mirror: bool,
 }
 
 enum Source {
@@ -69,6 +69,16 @@ impl PaintArgs {
     }
 }
 
+impl Paints {
+    /// The pattern in the paints.
+    pub(super) fn painted(&self, pattern: &Pattern) -> Result<Painted, PaletteError> {
+        match &self.source {
+            Source::Count(count) => Painted::by_count(pattern, *count),
+            Source::Palette(palette) => Painted::by_palette(pattern, palette),
+        }
+    }
+}
+
 pub(crate) fn run(
     pattern: &Pattern,
     template: TemplateRequest,
@@ -78,10 +88,7 @@ pub(crate) fn run(
     (is_json, out): (bool, &mut dyn Write),
 ) -> CommandResult {
     let busy = progress::busy("cutting stencils");
-    let painted = match &paints.source {
-        Source::Count(count) => Painted::by_count(pattern, *count)?,
-        Source::Palette(palette) => Painted::by_palette(pattern, palette)?,
-    };
+    let painted = paints.painted(pattern)?;
     let request = PaintRequest {
         template,
         min_feature_mm: paints.min_feature_mm,
@@ -100,7 +107,7 @@ pub(crate) fn run(
 }
 
 /// The error with the options that mend it.
-fn advised(error: PaintError) -> String {
+pub(super) fn advised(error: PaintError) -> String {
     match &error {
         PaintError::CellTooSmall { most, least_tile, .. } => {
             format!(
@@ -115,7 +122,14 @@ fn advised(error: PaintError) -> String {
 
 /// `--json`.
 fn facts(painted: &Painted, made: &PaintSheets) -> serde_json::Value {
-    let paints = painted.paints.iter().zip(&made.areas).map(|(used, area)| {
+    let mut facts = paint_facts(painted, &made.areas);
+    facts["sheets"] = json!(made.layout.sheets.len());
+    facts
+}
+
+/// The paints and their areas, as JSON.
+pub(super) fn paint_facts(painted: &Painted, areas: &[PaintArea]) -> serde_json::Value {
+    let paints = painted.paints.iter().zip(areas).map(|(used, area)| {
         json!({
             "name": used.paint.name,
             "hex": used.paint.hex(),
@@ -128,7 +142,6 @@ fn facts(painted: &Painted, made: &PaintSheets) -> serde_json::Value {
     });
     let (mean, max) = painted.delta_e();
     json!({
-        "sheets": made.layout.sheets.len(),
         "paints": paints.collect::<Vec<_>>(),
         "delta_e_mean": mean,
         "delta_e_max": max,
@@ -144,6 +157,11 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
         count(sheets, "sheet"),
         count(made.stencils(), "stencil")
     )?;
+    table(painted, &made.areas, "panel", out)
+}
+
+/// The paints and their areas as a table, and the sum of a `whole`.
+pub(super) fn table(painted: &Painted, areas: &[PaintArea], whole: &str, out: &mut dyn Write) -> std::io::Result<()> {
     let row = |name: &str, area: PaintArea, mean: f64, max: f64| {
         let [cells, open, left] = [area.cells_mm2, area.openings_mm2, area.bridges_mm2].map(|mm2| mm2 / 100.0);
         format!("{name:<26} {cells:>10.2} {open:>10.2} {left:>10.2} {mean:>8.1} {max:>8.1}")
@@ -153,7 +171,7 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
         "{:<26} {:>10} {:>10} {:>10} {:>8} {:>8}",
         "paint", "area cm²", "stencil", "touch up", "ΔE mean", "ΔE max"
     )?;
-    for (i, (used, area)) in painted.paints.iter().zip(&made.areas).enumerate() {
+    for (i, (used, area)) in painted.paints.iter().zip(areas).enumerate() {
         let Paint { name, .. } = &used.paint;
         let hex = used.paint.hex();
         // A paint of k-means is called by its colour, which need not stand there twice.
@@ -166,5 +184,5 @@ fn report(file: &Path, painted: &Painted, made: &PaintSheets, out: &mut dyn Writ
         writeln!(out, "{}", row(&name, *area, used.mean_delta_e, used.max_delta_e))?;
     }
     let (mean, max) = painted.delta_e();
-    writeln!(out, "{}", row("panel", made.whole(), mean, max))
+    writeln!(out, "{}", row(whole, PaintArea::sum(areas), mean, max))
 }

@@ -13,12 +13,13 @@ use crate::cli::texture::NamedTexture;
 use crate::print::lettering;
 use crate::print::pieces::{PiecesError, PiecesRequest, PrintedPieces, UnwrapError, flattened, pieces, reason};
 use crate::texture::Texture;
+use crate::unwrap::LeftOut;
 
 /// How the model is cut into pieces, and what is printed of them.
 #[derive(clap::Args)]
 pub(crate) struct PiecesArgs {
     /// Print five panels instead: the model's sides as they are seen straight on, which is exact for a box
-    #[arg(long, conflicts_with_all = ["pieces", "max_stretch", "mean_stretch", "tabs"])]
+    #[arg(long, conflicts_with_all = ["pieces", "max_stretch", "mean_stretch", "tabs", "paint"])]
     pub(super) panels: bool,
     /// At most so many pieces; up to 3 % of the paint, the smallest parts, may be left out for it
     #[arg(long, value_name = "N", default_value_t = 24)]
@@ -30,11 +31,41 @@ pub(crate) struct PiecesArgs {
     #[arg(long, value_name = "RATIO", default_value_t = 1.03, allow_negative_numbers = true)]
     mean_stretch: f64,
     /// Glue tabs on one side of each seam, this wide in mm
-    #[arg(long, value_name = "MM", num_args = 0..=1, default_missing_value = "6", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", num_args = 0..=1, default_missing_value = "6", allow_negative_numbers = true, conflicts_with = "paint")]
     tabs: Option<f64>,
     /// Pixels per inch of the printed texture
-    #[arg(long, value_name = "DPI", default_value_t = 300.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "DPI",
+        default_value_t = 300.0,
+        allow_negative_numbers = true,
+        conflicts_with = "paint"
+    )]
     pub(super) dpi: f64,
+}
+
+impl PiecesArgs {
+    /// What is printed of a painted model.
+    pub(super) fn request(
+        &self,
+        paper: &PaperArgs,
+        (model, painted): (&Model, &NamedTexture),
+    ) -> Result<PiecesRequest, Box<dyn Error>> {
+        Ok(PiecesRequest {
+            most_pieces: Some(self.pieces),
+            mean_stretch: self.mean_stretch,
+            stretch_99: self.max_stretch,
+            dpi: self.dpi,
+            tabs_mm: self.tabs,
+            name: painted.name.clone(),
+            facts: captioned(painted),
+            scale: model.scale,
+            date: paper.date()?,
+            paper: paper.paper.parse()?,
+            margin_mm: paper.margin_mm,
+            printer: paper.printer()?,
+        })
+    }
 }
 
 /// Prints the pieces.
@@ -46,20 +77,7 @@ pub(super) fn run(
     (as_json, out): (bool, &mut dyn Write),
 ) -> Result<(), Box<dyn Error>> {
     let output = paper.output()?;
-    let request = PiecesRequest {
-        most_pieces: Some(args.pieces),
-        mean_stretch: args.mean_stretch,
-        stretch_99: args.max_stretch,
-        dpi: args.dpi,
-        tabs_mm: args.tabs,
-        name: painted.name.clone(),
-        facts: captioned(painted),
-        scale: model.scale,
-        date: paper.date()?,
-        paper: paper.paper.parse()?,
-        margin_mm: paper.margin_mm,
-        printer: paper.printer()?,
-    };
+    let request = args.request(paper, (model, painted))?;
     let busy = progress::steps("unwrapping", 100);
     let surface = (&model.mesh, &*model.materials);
     // Drawing takes a little, too.
@@ -99,7 +117,7 @@ pub(super) fn captioned(painted: &NamedTexture) -> String {
 }
 
 /// The error with the options that mend it.
-fn advised(error: PiecesError) -> String {
+pub(super) fn advised(error: PiecesError) -> String {
     let advice = match &error {
         PiecesError::Unwrap(UnwrapError::TooFewPieces { .. }) => " (--pieces, --max-stretch, --mean-stretch, --paper)",
         PiecesError::Unwrap(UnwrapError::BadStretch { .. }) => " (--max-stretch, --mean-stretch)",
@@ -114,9 +132,6 @@ fn facts(model: &Model, made: &PrintedPieces) -> serde_json::Value {
     let pieces = made.pieces.iter().zip(&made.places).enumerate().map(|(i, (piece, place))| {
         json!({ "piece": i + 1, "sheet": place.page + 1, "surface_mm2": piece.surface_mm2, "flat_mm2": piece.region.area_mm2() })
     });
-    let left_out = made.left_out.iter().map(|part| {
-        json!({ "surface_mm2": part.surface_mm2, "triangles": part.triangles.len(), "reason": reason(part.reason) })
-    });
     json!({
         "model_size_mm": model.mesh.size_mm(),
         "pieces": pieces.collect::<Vec<_>>(),
@@ -127,9 +142,15 @@ fn facts(model: &Model, made: &PrintedPieces) -> serde_json::Value {
         "cut_mm": made.cut_mm(),
         "surface_mm2": made.surface_mm2(),
         "visible_mm2": made.visible_mm2,
-        "left_out": left_out.collect::<Vec<_>>(),
+        "left_out": left_out(&made.left_out),
         "mean_stretch": made.mean_stretch,
         "stretch_99": made.stretch_99,
         "largest_stretch": made.largest_stretch,
     })
+}
+
+/// Paint that is on no piece, as JSON.
+pub(super) fn left_out(parts: &[LeftOut]) -> serde_json::Value {
+    let part = |part: &LeftOut| json!({ "surface_mm2": part.surface_mm2, "triangles": part.triangles.len(), "reason": reason(part.reason) });
+    parts.iter().map(part).collect()
 }

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use serde_json::json;
 
+use super::paint::PaintArgs;
+use super::painted;
 use super::pieces::{self, PiecesArgs};
 use super::{CommandResult, Outcome, PaperArgs, write_files, write_json};
 use crate::cli::model::{Model, ModelArgs};
@@ -29,6 +31,8 @@ pub(crate) struct WrapArgs {
     pieces: PiecesArgs,
     #[command(flatten)]
     sheets: SheetArgs,
+    #[command(flatten)]
+    paint: PaintArgs,
     /// One JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -68,6 +72,7 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         args.model.mesh.as_deref(),
         args.model.scene.as_deref(),
         args.sheets.paper.printer.as_deref(),
+        args.paint.palette.as_deref(),
     ];
     inputs.extend(painted.images.iter().map(|path| Some(path.as_path())));
     if args.pieces.panels {
@@ -76,6 +81,15 @@ pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
         return Err(
             "no piece is spread over sheets, so nothing overlaps; leave out --overlap-mm, or give --panels".into(),
         );
+    } else if let Some(paints) = args.paint.paints()? {
+        let request = args.pieces.request(&args.sheets.paper, (&model, &painted))?;
+        let output = args.sheets.paper.output()?;
+        painted::run(
+            (&model, &painted.texture, &paints),
+            request,
+            (&output, &inputs),
+            (args.json, &mut *out),
+        )?;
     } else {
         pieces::run(
             &args.pieces,

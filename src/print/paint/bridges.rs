@@ -1,7 +1,10 @@
 //! Where a stencil's material has to be joined. All of it works on the *core*: the places for the centre of the square that
 //! measures widths. What is joined in the core is joined by the square's full width.
 
+use std::collections::BTreeSet;
+
 use super::plane::{Area, PlanePoint, edges};
+use crate::print::buckets::{Buckets, bounds};
 
 /// A bridge: the square is swept along it.
 pub(crate) type Link = (PlanePoint, PlanePoint);
@@ -10,27 +13,109 @@ pub(crate) type Link = (PlanePoint, PlanePoint);
 const ROUNDING: i64 = 3;
 
 /// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
-/// the material between them is narrower than the square.
-pub(crate) fn necks(core: &Area, side: i32) -> Vec<Link> {
+/// the material between them is narrower than the square. Where ways along an outline up to some length `around` are none, outlines have many
+/// short edges, and only the nearest place to each corner counts.
+pub(crate) fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
-    let ways: Vec<Link> = core.edges().collect();
-    let mut found: Vec<Link> = Vec::new();
-    for (corner, _) in core.edges() {
-        for way in &ways {
-            if out_of_reach(corner, *way, reach) || corner == way.0 || corner == way.1 {
+    let along = Along::of(core);
+    let ways: Vec<Link> = along.iter().map(|edge| edge.way).collect();
+    let places = |(a, b): &Link| bounds(&[at(*a), at(*b)], reach as f64);
+    let (low, high) = ways.iter().map(places).fold(
+        ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]),
+        |(low, high), (from, to)| ([0, 1].map(|i| low[i].min(from[i])), [0, 1].map(|i| high[i].max(to[i]))),
+    );
+    if ways.is_empty() {
+        return Vec::new();
+    }
+    let buckets = Buckets::new(low, high, ways.iter().map(places));
+    let mut found = BTreeSet::new();
+    let mut links = Vec::new();
+    for edge in &along {
+        let corner = edge.way.0;
+        let mut nearest: Option<(i64, PlanePoint)> = None;
+        for other in buckets.at(at(corner)).unwrap_or_default() {
+            let Some(other) = along.get(*other as usize) else {
+                continue;
+            };
+            let way = other.way;
+            if out_of_reach(corner, way, reach) || corner == way.0 || corner == way.1 {
                 continue;
             }
-            let at = nearest_on(*way, corner);
-            let apart = (i64::from(at.x) - i64::from(corner.x))
-                .abs()
-                .max((i64::from(at.y) - i64::from(corner.y)).abs());
-            if (ROUNDING..=reach).contains(&apart) && !holds_middle(&ways, corner, at) && !found.contains(&(at, corner))
-            {
-                found.push((corner, at));
+            let end = nearest_on(way, corner);
+            let away = apart(end, corner);
+            if around > 0 && (nearest.is_some_and(|(known, _)| known <= away) || edge.reaches(other, end, around)) {
+                continue;
+            }
+            let is_neck = (ROUNDING..=reach).contains(&away) && !holds_middle(&ways, corner, end);
+            if is_neck && around > 0 {
+                nearest = Some((away, end));
+            } else if is_neck && !found.contains(&(key(end), key(corner))) {
+                found.insert((key(corner), key(end)));
+                links.push((corner, end));
             }
         }
+        links.extend(nearest.map(|(_, end)| (corner, end)));
     }
-    found
+    links
+}
+
+/// An edge, and where it is along its outline.
+struct Along {
+    way: Link,
+    outline: usize,
+    start: f64,
+    /// Of the outline.
+    length: f64,
+}
+
+impl Along {
+    /// The edges of all outlines in their order.
+    fn of(core: &Area) -> Vec<Self> {
+        let mut all = Vec::new();
+        for (outline, corners) in core.outlines().enumerate() {
+            let length = edges(corners).map(|(a, b)| between(a, b)).sum();
+            let mut start = 0.0;
+            for way in edges(corners) {
+                all.push(Self {
+                    way,
+                    outline,
+                    start,
+                    length,
+                });
+                start += between(way.0, way.1);
+            }
+        }
+        all
+    }
+
+    /// Whether the way along the outline from this edge's start to a place on another is no longer than `around`.
+    fn reaches(&self, other: &Self, place: PlanePoint, around: i32) -> bool {
+        let way = (other.start + between(other.way.0, place) - self.start).abs();
+        self.outline == other.outline && way.min(self.length - way) <= f64::from(around)
+    }
+}
+
+fn between(a: PlanePoint, b: PlanePoint) -> f64 {
+    (f64::from(b.x) - f64::from(a.x)).hypot(f64::from(b.y) - f64::from(a.y))
+}
+
+fn key(p: PlanePoint) -> (i32, i32) {
+    (p.x, p.y)
+}
+
+fn at(p: PlanePoint) -> [f64; 2] {
+    [f64::from(p.x), f64::from(p.y)]
+}
+
+/// The larger of the ways along x and y.
+fn apart(a: PlanePoint, b: PlanePoint) -> i64 {
+    let along = |a: i32, b: i32| (i64::from(a) - i64::from(b)).abs();
+    along(a.x, b.x).max(along(a.y, b.y))
+}
+
+/// Half-way along a link.
+pub(crate) fn middle((p, q): Link) -> PlanePoint {
+    PlanePoint::new(i32::midpoint(p.x, q.x), i32::midpoint(p.y, q.y))
 }
 
 /// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close

@@ -55,12 +55,24 @@ pub(crate) fn steps(request: &PaintRequest) -> Vec<String> {
 /// A paint, counted from 0, and its area.
 type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
+/// What the table is of.
+pub(crate) struct Legend<'a> {
+    pub painted: &'a Painted,
+    /// Of each paint.
+    pub areas: &'a [PaintArea],
+    /// What all paints together make up.
+    pub whole: &'a str,
+    /// Below the table.
+    pub notes: &'a [&'a str],
+}
+
 /// The pages of the table.
-pub(crate) fn sheets(frame: &PageFrame, painted: &Painted, areas: &[PaintArea], captions: &Captions) -> Vec<Sheet> {
+pub(crate) fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sheet> {
+    let Legend { painted, areas, .. } = *legend;
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
-    // Heading, column heads and the two lines below the table.
+    // Heading, column heads, and the lines below the table.
     let rows = ((frame.usable.height_mm() / (ROW_MM * factor)).floor() as usize)
-        .saturating_sub(5)
+        .saturating_sub(4 + legend.notes.len())
         .max(1);
     let lines: Vec<LegendLine> = painted.paints.iter().zip(areas).enumerate().collect();
     let last = lines.len().div_ceil(rows).saturating_sub(1);
@@ -76,7 +88,7 @@ pub(crate) fn sheets(frame: &PageFrame, painted: &Painted, areas: &[PaintArea], 
             table.paint(index + 1, used, area);
         }
         if i == last {
-            table.totals(painted, areas);
+            table.totals(legend);
         }
         let mut marks = table.marks;
         marks.extend(rulers(frame));
@@ -122,7 +134,8 @@ impl Table<'_> {
         self.row += 1;
     }
 
-    fn totals(&mut self, painted: &Painted, areas: &[PaintArea]) {
+    fn totals(&mut self, legend: &Legend) {
+        let Legend { painted, areas, .. } = *legend;
         let sum = |of: fn(&PaintArea) -> f64| format!("{:.2}", areas.iter().map(of).sum::<f64>() / CM2);
         let (mean, largest) = painted.delta_e();
         let values = [
@@ -135,13 +148,15 @@ impl Table<'_> {
         let y = self.baseline() + 0.75 * ROW_MM * self.factor;
         self.marks
             .push(Mark::line((self.x(0.0), y), (self.x(TABLE_MM), y), RULE_MM));
-        self.text(NAME_AT_MM, TextAnchor::Left, "panel".to_owned());
+        self.text(NAME_AT_MM, TextAnchor::Left, legend.whole.to_owned());
         for (x, value) in NUMBERS_AT_MM.into_iter().zip(values) {
             self.text(x, TextAnchor::Right, value);
         }
         self.row += 1;
-        let note = "dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area.";
-        self.text(0.0, TextAnchor::Left, note.to_owned());
+        for note in legend.notes {
+            self.text(0.0, TextAnchor::Left, (*note).to_owned());
+            self.row += 1;
+        }
     }
 
     fn x(&self, mm: f64) -> f64 {
@@ -157,19 +172,22 @@ impl Table<'_> {
         self.marks.push(Mark::text(place, TEXT_MM * self.factor, anchor, text));
     }
 
-    /// A filled square with a line around it, so that white shows too.
     fn swatch(&mut self, colour: [u8; 3]) {
         let middle = self.baseline() + 0.5 * CAP_HEIGHT * TEXT_MM * self.factor;
         let half = 0.5 * SWATCH_MM * self.factor;
         let (left, right) = (self.x(SWATCH_AT_MM), self.x(SWATCH_AT_MM) + 4.0 * half);
-        let square = |more: f64| RectMm::new(left - more, middle - half - more, right + more, middle + half + more);
-        self.marks.push(Mark::Fill(Fill {
-            area: square(RULE_MM),
-            colour: BLACK,
-        }));
-        self.marks.push(Mark::Fill(Fill {
-            area: square(0.0),
-            colour,
-        }));
+        self.marks
+            .extend(swatch(RectMm::new(left, middle - half, right, middle + half), colour));
     }
+}
+
+/// A filled rectangle with a line around it, so that white shows too.
+pub(crate) fn swatch(area: RectMm, colour: [u8; 3]) -> [Mark; 2] {
+    let around = RectMm::new(
+        area.left_mm - RULE_MM,
+        area.bottom_mm - RULE_MM,
+        area.right_mm + RULE_MM,
+        area.top_mm + RULE_MM,
+    );
+    [(around, BLACK), (area, colour)].map(|(area, colour)| Mark::Fill(Fill { area, colour }))
 }

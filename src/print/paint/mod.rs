@@ -11,7 +11,9 @@ mod regions;
 mod stencil;
 mod stencil_sheet;
 
-pub(crate) use stencil::{NoStencil, Rules, Stencil, stencil};
+pub(crate) use legend::{Legend, sheets as legend_sheets, swatch};
+pub(crate) use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stencil};
+pub(crate) use stencil_sheet::{OPENING, cross, disc, hole_mm, mirrored};
 
 use super::lettering::number;
 use super::sheet::Sheet;
@@ -29,9 +31,9 @@ pub(crate) const MIN_FEATURE_MM: f64 = 0.2;
 pub(crate) const MAX_FEATURE_MM: f64 = 10.0;
 /// A bridge, and an opening on either side of it.
 const FEATURES_PER_CELL: f64 = 3.0;
-const RIM_MM: f64 = 10.0;
+pub(crate) const RIM_MM: f64 = 10.0;
 /// Nobody paints more cells by number, and stencils of more take hours.
-const MOST_CELLS: usize = 250_000;
+pub(crate) const MOST_CELLS: usize = 250_000;
 
 /// Why there are no paint sheets.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -86,6 +88,11 @@ impl PaintRequest {
     }
 }
 
+/// The rim of a stencil with features of this width: it holds registration holes.
+pub(crate) fn rim_mm(min_feature_mm: f64) -> f64 {
+    RIM_MM.max(hole_mm(min_feature_mm) + 2.0 * min_feature_mm)
+}
+
 /// What becomes of a paint's area. `openings_mm2` and `bridges_mm2` make up `cells_mm2`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct PaintArea {
@@ -93,6 +100,17 @@ pub(crate) struct PaintArea {
     pub openings_mm2: f64,
     /// Left to be touched up with a brush.
     pub bridges_mm2: f64,
+}
+
+impl PaintArea {
+    /// What becomes of the area of all of some paints.
+    pub(crate) fn sum(areas: &[Self]) -> Self {
+        areas.iter().fold(Self::default(), |sum, area| Self {
+            cells_mm2: sum.cells_mm2 + area.cells_mm2,
+            openings_mm2: sum.openings_mm2 + area.openings_mm2,
+            bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
+        })
+    }
 }
 
 /// The pages, and what is on them.
@@ -111,12 +129,9 @@ pub(crate) struct PaintSheets {
 
 impl PaintSheets {
     /// What becomes of the area of all paints.
+    #[cfg(test)]
     pub(crate) fn whole(&self) -> PaintArea {
-        self.areas.iter().fold(PaintArea::default(), |sum, area| PaintArea {
-            cells_mm2: sum.cells_mm2 + area.cells_mm2,
-            openings_mm2: sum.openings_mm2 + area.openings_mm2,
-            bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
-        })
+        PaintArea::sum(&self.areas)
     }
 
     /// How many of the pages are stencils: those of one paint on one sheet.
@@ -145,7 +160,7 @@ pub(crate) fn paint_sheets(
     check_features(cell_mm, pattern.columns(), request.min_feature_mm)?;
     let rules = Rules {
         min_feature_mm: request.min_feature_mm,
-        rim_mm: RIM_MM.max(stencil_sheet::hole_mm(request.min_feature_mm) + 2.0 * request.min_feature_mm),
+        rim_mm: rim_mm(request.min_feature_mm),
     };
     let layout = pieces::pieces(&request.template.layout, cell_mm, rules.rim_mm)?;
     check_pages(painted.paints.len(), layout.sheets.len())?;
@@ -184,7 +199,13 @@ fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRe
         cover(&made.layout, captions, "How to paint", &steps),
         stretch,
     );
-    for (i, sheet) in legend::sheets(&made.layout.cover, painted, &made.areas, captions)
+    let table = Legend {
+        painted,
+        areas: &made.areas,
+        whole: "panel",
+        notes: &["dE: CIEDE2000 of the paint against the pattern's colours. Stencil and touch up make up the area."],
+    };
+    for (i, sheet) in legend::sheets(&made.layout.cover, &table, captions)
         .into_iter()
         .enumerate()
     {
@@ -192,7 +213,7 @@ fn add_front_matter(made: &mut PaintSheets, painted: &Painted, request: &PaintRe
     }
 }
 
-fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), PaintError> {
+pub(crate) fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), PaintError> {
     if !(MIN_FEATURE_MM..=MAX_FEATURE_MM).contains(&feature_mm) {
         return Err(PaintError::FeatureWidth { feature_mm });
     }
@@ -208,7 +229,7 @@ fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), Pai
     Ok(())
 }
 
-fn check_pages(paints: usize, sheets: usize) -> Result<(), PaintError> {
+pub(crate) fn check_pages(paints: usize, sheets: usize) -> Result<(), PaintError> {
     let pages = (paints + 1) * sheets;
     if pages > MAX_SHEETS {
         return Err(PaintError::TooManyPages { paints, sheets, pages });

@@ -114,6 +114,9 @@ impl Area {
 
     /// Everything a square of half side `half` covers while its centre is in this area: the Minkowski sum.
     pub(crate) fn grown(&self, half: i32) -> Self {
+        if half == 0 {
+            return self.clone();
+        }
         let sweeps: Vec<PlaneOutline> = self.edges().map(|(a, b)| swept(a, b, half)).collect();
         self.with(&sweeps)
     }
@@ -130,6 +133,19 @@ impl Area {
     /// All that squares of half side `half` inside this area cover: the morphological opening.
     pub(crate) fn opened(&self, half: i32) -> Self {
         self.shrunk(half).grown(half)
+    }
+
+    /// Whether a place is inside, by the winding of the outlines around it.
+    pub(crate) fn contains(&self, p: PlanePoint) -> bool {
+        let crossing = |(a, b): (PlanePoint, PlanePoint)| {
+            let side = i128::from(b.x - a.x) * i128::from(p.y - a.y) - i128::from(b.y - a.y) * i128::from(p.x - a.x);
+            match (a.y <= p.y, b.y <= p.y) {
+                (true, false) if side > 0 => 1,
+                (false, true) if side < 0 => -1,
+                _ => 0,
+            }
+        };
+        self.edges().map(crossing).sum::<i32>() != 0
     }
 
     /// In square units; exact.

@@ -18,6 +18,10 @@ use super::plane::{Area, Bounds, PlaneOutline, units};
 
 /// Rounds until all rules hold; real patterns take two to six.
 const MOST_ROUNDS: usize = 100;
+/// Slanted openings that do not come to rest after so many rounds are not cut.
+const PATIENCE: usize = 40;
+/// Parts of slanted openings that are no larger are rounding, mm².
+const ROUNDED_MM2: f64 = 0.005;
 /// Bridges are this much wider, a micrometre on either side, so that they still measure up where slanted cuts are rounded.
 const SPARE: i32 = 10;
 /// Material narrower than this is rounding, not a part: a micrometre.
@@ -50,13 +54,57 @@ pub(crate) struct NoStencil {
     min_feature_mm: f64,
 }
 
+/// How far a shape may be off the upright grid that the widths are measured on. All in units of the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Slant {
+    /// Parts of the material that a square of twice this does not fit into are tips of slanted corners, if they are short.
+    tip: i32,
+    /// Places that are so near along an outline are joined by it, however it bends.
+    around: i32,
+    /// Openings that are cut reach so far into their own slanted corners.
+    corner: i32,
+}
+
+impl Slant {
+    /// Cells that lie upright.
+    pub(crate) const NONE: Self = Self {
+        tip: ROUNDING,
+        around: 0,
+        corner: 0,
+    };
+
+    /// Cells on a curved surface that was laid flat.
+    pub(crate) fn of_curved(min_feature_mm: f64) -> Self {
+        Self {
+            tip: units(0.1 * min_feature_mm),
+            around: units(3.0 * min_feature_mm),
+            corner: units(0.5 * min_feature_mm),
+        }
+    }
+}
+
+impl Slant {
+    /// Slanted edges meet in points that are rounded: what is smaller than that is nothing.
+    fn without_rounding(self, mut area: Area) -> Area {
+        let is_something = |piece: &Vec<PlaneOutline>| {
+            let piece = Area {
+                pieces: vec![piece.clone()],
+            };
+            piece.mm2() > ROUNDED_MM2
+        };
+        if self != Self::NONE {
+            area.pieces.retain(is_something);
+        }
+        area
+    }
+}
+
 /// Cuts `openings` (counter-clockwise outlines, which may overlap), as far as they lie in `region`, from material that reaches a
 /// rim beyond the region's bounds.
 ///
 /// # Errors
 /// [`NoStencil`], which bounds the search.
 pub(crate) fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules) -> Result<Stencil, NoStencil> {
-    let half = units(0.5 * rules.min_feature_mm);
     let region = Area::of(region);
     let nowhere = Bounds {
         left: 0,
@@ -67,46 +115,104 @@ pub(crate) fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules:
     let outer = region.bounds().unwrap_or(nowhere).grown(units(rules.rim_mm));
     let asked = Area::of(openings).and(&region);
     let whole = Area::of(&[outer.outline()]);
-    let mut openings = asked.clone();
-    for _ in 0..MOST_ROUNDS {
-        openings = openings.opened(half).and(&openings);
-        let material = whole.without(&openings);
-        let more = missing(&material, half);
-        if more.is_empty() {
-            let bridges = asked.without(&openings);
-            return Ok(Stencil {
-                openings,
-                bridges,
-                outer,
-            });
-        }
-        openings = openings.without(&Area::of(&more));
-    }
-    Err(NoStencil {
-        min_feature_mm: rules.min_feature_mm,
+    let (openings, bridges) = openings_and_bridges(&asked, &whole, rules.min_feature_mm, Slant::NONE)?;
+    Ok(Stencil {
+        openings,
+        bridges,
+        outer,
     })
 }
 
-/// What must be added to the material by the first of the rules that is broken.
-fn missing(material: &Area, half: i32) -> Vec<PlaneOutline> {
+/// What is cut of `asked` from a sheet of material, and what is not. What is thin or apart in the sheet itself stays so.
+///
+/// # Errors
+/// [`NoStencil`], which bounds the search.
+pub(crate) fn openings_and_bridges(
+    asked: &Area,
+    whole: &Area,
+    min_feature_mm: f64,
+    slant: Slant,
+) -> Result<(Area, Area), NoStencil> {
+    let half = units(0.5 * min_feature_mm);
+    let mut openings = asked.clone();
+    for round in 0..MOST_ROUNDS {
+        openings = openings.opened(half).grown(slant.corner).and(&openings);
+        let more = missing(whole, &openings, half, slant);
+        if more.is_empty() {
+            let bridges = asked.without(&openings);
+            return Ok((openings, bridges));
+        }
+        openings = match slant == Slant::NONE || round < PATIENCE {
+            true => openings.without(&more),
+            false => off(openings, &more),
+        };
+    }
+    // A sheet that holds together is one, even if a corner of it is a little too narrow.
+    let is_one = whole.without(&openings).pieces.len() == whole.pieces.len();
+    match slant != Slant::NONE && is_one {
+        true => Ok((openings.clone(), asked.without(&openings))),
+        false => Err(NoStencil { min_feature_mm }),
+    }
+}
+
+/// The parts of openings that lie off something.
+fn off(openings: Area, something: &Area) -> Area {
+    let is_off = |piece: &Vec<PlaneOutline>| {
+        let piece = Area {
+            pieces: vec![piece.clone()],
+        };
+        piece.and(something).is_empty()
+    };
+    Area {
+        pieces: openings.pieces.into_iter().filter(is_off).collect(),
+    }
+}
+
+/// What the material must take of the openings, by the first of the rules that is broken.
+fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
+    let material = whole.without(openings);
     let core = material.shrunk(half);
-    let thin = material.without(&core.grown(half)).shrunk(ROUNDING);
+    let thin = thin(&material.without(&core.grown(half)), half, slant);
     if !thin.is_empty() {
-        return thin
-            .grown(half + ROUNDING + SPARE)
-            .pieces
-            .into_iter()
-            .flatten()
-            .collect();
+        let more = slant.without_rounding(thin.grown(half + ROUNDING + SPARE).and(openings));
+        if !more.is_empty() {
+            return more;
+        }
     }
-    let mut links = bridges::necks(&core, 2 * half);
-    if links.is_empty() {
-        links = bridges::nearest(&core);
+    let joined = |mut links: Vec<bridges::Link>| {
+        // What is narrow where the sheet itself ends stays so.
+        links.retain(|link| slant == Slant::NONE || whole.contains(bridges::middle(*link)));
+        let sweeps = links.iter().map(|(a, b)| super::plane::swept(*a, *b, half + SPARE));
+        slant.without_rounding(Area::of(&sweeps.collect::<Vec<_>>()).and(openings))
+    };
+    let more = joined(bridges::necks(&core, 2 * half, slant.around));
+    match more.is_empty() {
+        true => joined(bridges::nearest(&core)),
+        false => more,
     }
-    links
-        .iter()
-        .map(|(a, b)| super::plane::swept(*a, *b, half + SPARE))
-        .collect()
+}
+
+/// The parts that the square does not cover, without rounding and the tips of slanted corners.
+fn thin(uncovered: &Area, half: i32, slant: Slant) -> Area {
+    let is_long = |piece: &Vec<PlaneOutline>| {
+        let bounds = Area {
+            pieces: vec![piece.clone()],
+        }
+        .bounds();
+        bounds.is_some_and(|b| (b.right - b.left).max(b.top - b.bottom) > 3 * half)
+    };
+    let wide = uncovered.shrunk(slant.tip);
+    if slant == Slant::NONE {
+        return wide;
+    }
+    let long = uncovered
+        .shrunk(ROUNDING)
+        .pieces
+        .into_iter()
+        .filter(is_long)
+        .flatten()
+        .collect::<Vec<_>>();
+    wide.with(&long)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::print::sheet::{Mark, PointMm, RectMm, Sheet, Srgb8, TextAnchor};
 use crate::print::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
 
 /// What is to be cut out: light, to spare ink, and no colour of lines and text.
-const OPENING: Srgb8 = [255, 214, 140];
+pub(crate) const OPENING: Srgb8 = [255, 214, 140];
 const LINE_MM: f64 = 0.15;
 const LABEL_MM: f64 = 3.5;
 const HOLE_MM: f64 = 3.0;
@@ -25,11 +25,21 @@ pub(crate) fn hole_mm(min_feature_mm: f64) -> f64 {
 /// Crosses in the corners of a rim; with a hole, only the arms beside it.
 pub(crate) fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     let (near, far) = (0.5 * hole_mm, 0.5 * rim_mm - 0.5);
-    let arms = |(x, y): (f64, f64)| {
-        [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
-            .map(|(dx, dy)| Mark::line((x + near * dx, y + near * dy), (x + far * dx, y + far * dy), LINE_MM))
-    };
-    corners(outer, rim_mm).into_iter().flat_map(arms).collect()
+    let middles = corners(outer, rim_mm).into_iter();
+    middles.flat_map(|middle| cross(middle, near, far)).collect()
+}
+
+/// The arms of a cross, from near its middle to far from it.
+pub(crate) fn cross((x, y): (f64, f64), near: f64, far: f64) -> [Mark; 4] {
+    [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+        .map(|(dx, dy)| Mark::line((x + near * dx, y + near * dy), (x + far * dx, y + far * dy), LINE_MM))
+}
+
+/// A round hole.
+pub(crate) fn disc((x, y): (f64, f64), radius: f64) -> Vec<PointMm> {
+    let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(HOLE_CORNERS);
+    let corner = |i: u32| PointMm::new(x + radius * turn(i).cos(), y + radius * turn(i).sin());
+    (0..HOLE_CORNERS).map(corner).collect()
 }
 
 /// The middles of a rim's corners.
@@ -104,12 +114,7 @@ impl<'a> StencilPen<'a> {
             outline.iter().map(corner).collect()
         };
         let radius = 0.5 * hole_mm(self.min_feature_mm);
-        let hole = |(x, y): (f64, f64)| -> Vec<PointMm> {
-            let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(HOLE_CORNERS);
-            let corner = |i: u32| PointMm::new(x + radius * turn(i).cos(), y + radius * turn(i).sin());
-            (0..HOLE_CORNERS).map(corner).collect()
-        };
-        let holes = corners(outer, rim).into_iter().map(hole);
+        let holes = corners(outer, rim).into_iter().map(|middle| disc(middle, radius));
         stencil.openings.outlines().map(place).chain(holes).collect()
     }
 
@@ -149,7 +154,7 @@ fn outline(r: RectMm) -> [Mark; 4] {
 }
 
 /// A mark as seen from the back of the piece; text stays readable.
-fn mirrored(mark: Mark, piece: RectMm) -> Mark {
+pub(crate) fn mirrored(mark: Mark, piece: RectMm) -> Mark {
     let over = |p: PointMm| PointMm::new(piece.left_mm + piece.right_mm - p.x_mm, p.y_mm);
     // Turned back, so that outlines run the way they did.
     let outlines = |all: Vec<Vec<PointMm>>| {

@@ -31,6 +31,6 @@ pub(crate) fn cover(made: &PrintedPieces, frame: &PageFrame, captions: &Captions
         ));
     }
     cover::first_page(frame, captions, "Pieces of a model", (&steps, &facts), |room| {
-        exploded::views(&made.pieces, room)
+        exploded::views(&made.pieces, None, room)
     })
 }

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::flat::Piece;
 use crate::print::lettering::CAP_HEIGHT;
-use crate::print::sheet::{Mark, RectMm, TextAnchor};
+use crate::print::sheet::{Mark, PointMm, RectMm, TextAnchor, WHITE};
 
 /// From where the two views look: azimuth from the front, elevation.
 const VIEWS_DEG: [(f64, f64); 2] = [(40.0, 32.0), (220.0, 32.0)];
@@ -40,9 +40,12 @@ const BACK: [u8; 3] = [226, 226, 226];
 const EDGE: [u8; 3] = [70, 70, 70];
 const NOTHING: u32 = u32::MAX;
 
-/// Both views one above the other, or side by side where the room is wide.
-pub(crate) fn views(pieces: &[Piece], room: RectMm) -> Vec<Mark> {
-    let drawn = drawn(pieces, room);
+/// The colour of a piece at a place of one of its triangles: piece, triangle, shares of its corners.
+pub(crate) type Colours<'a> = &'a dyn Fn(usize, usize, [f64; 3]) -> [u8; 3];
+
+/// Both views one above the other, or side by side where the room is wide. Without colours each piece has a tint.
+pub(crate) fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Mark> {
+    let drawn = drawn(pieces, colours, room);
     let mut marks = Vec::new();
     for (view, other) in [(0, 1), (1, 0)] {
         let Some(this) = &drawn[view] else { continue };
@@ -58,6 +61,9 @@ pub(crate) fn views(pieces: &[Piece], room: RectMm) -> Vec<Mark> {
                 && (spot.room_mm >= 1.2 || spot.room_mm > beside || (spot.room_mm == beside && view == 0))
             {
                 let size_mm = (1.5 * spot.room_mm).clamp(LEAST_NUMBER_MM, NUMBER_MM);
+                if colours.is_some() {
+                    marks.push(disc(spot, 0.8 * size_mm));
+                }
                 let at = (spot.x_mm, spot.y_mm - 0.5 * CAP_HEIGHT * size_mm);
                 marks.push(Mark::text(at, size_mm, TextAnchor::Centre, (i + 1).to_string()));
             }
@@ -66,14 +72,27 @@ pub(crate) fn views(pieces: &[Piece], room: RectMm) -> Vec<Mark> {
     marks
 }
 
+/// White below a number, so that it is read on any colour.
+fn disc(spot: NumberSpot, radius_mm: f64) -> Mark {
+    const CORNERS: u32 = 24;
+    let corner = |i: u32| {
+        let (s, c) = (f64::from(i) * std::f64::consts::TAU / f64::from(CORNERS)).sin_cos();
+        PointMm::new(spot.x_mm + radius_mm * c, spot.y_mm + radius_mm * s)
+    };
+    Mark::Area {
+        outlines: vec![(0..CORNERS).map(corner).collect()],
+        colour: WHITE,
+    }
+}
+
 /// The pieces that no view shows, by index.
 pub(crate) fn unseen(pieces: &[Piece]) -> Vec<usize> {
-    let drawn = drawn(pieces, PROBE);
+    let drawn = drawn(pieces, None, PROBE);
     let shown = |i: usize| drawn.iter().flatten().any(|view| view.spots[i].room_mm > 0.0);
     (0..pieces.len()).filter(|i| !shown(*i)).collect()
 }
 
-fn drawn(pieces: &[Piece], room: RectMm) -> [Option<View>; 2] {
+fn drawn(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> [Option<View>; 2] {
     let beside = room.width_mm() > 1.6 * room.height_mm();
     let (x, y) = (
         0.5 * (room.left_mm + room.right_mm),
@@ -101,7 +120,7 @@ fn drawn(pieces: &[Piece], room: RectMm) -> [Option<View>; 2] {
             },
         ],
     };
-    let view = |i: usize| View::new(pieces, VIEWS_DEG[i], rooms[i]);
+    let view = |i: usize| View::new((pieces, colours), VIEWS_DEG[i], rooms[i]);
     [view(0), view(1)]
 }
 
@@ -113,6 +132,14 @@ struct NumberSpot {
     room_mm: f64,
 }
 
+/// How a triangle is drawn.
+struct Look<C> {
+    /// Twice the index of its piece, and 1 more for its back.
+    id: u32,
+    shade: f32,
+    colour: Option<C>,
+}
+
 /// One view, rendered.
 struct View {
     area: RectMm,
@@ -121,11 +148,17 @@ struct View {
     /// Of each pixel the piece it shows: twice its index, and 1 more for its back.
     shown: Vec<u32>,
     shade: Vec<f32>,
+    /// Where colours were given.
+    colour: Vec<[u8; 3]>,
     spots: Vec<NumberSpot>,
 }
 
 impl View {
-    fn new(pieces: &[Piece], (azimuth, elevation): (f64, f64), room: RectMm) -> Option<Self> {
+    fn new(
+        (pieces, colours): (&[Piece], Option<Colours>),
+        (azimuth, elevation): (f64, f64),
+        room: RectMm,
+    ) -> Option<Self> {
         let frame = ViewFrame::new(azimuth, elevation);
         let moves = moves(pieces);
         let corners = || {
@@ -164,6 +197,7 @@ impl View {
             height,
             shown: vec![NOTHING; width * height],
             shade: vec![0.0; width * height],
+            colour: vec![[255; 3]; if colours.is_some() { width * height } else { 0 }],
             spots: Vec::new(),
         };
         let mut depth = vec![f64::NEG_INFINITY; width * height];
@@ -172,19 +206,24 @@ impl View {
             [(x - low[0]) * scale * density, (high[1] - y) * scale * density, out]
         };
         for (i, (piece, by)) in pieces.iter().zip(&moves).enumerate() {
-            for corners in &piece.corners {
+            for (t, corners) in piece.corners.iter().enumerate() {
                 let normal = crate::mesh::doubled_area(corners).normalize();
                 let facing = normal.dot(&frame.towards);
                 let id = 2 * i as u32 + u32::from(facing < 0.0);
                 let shade = 0.72 + 0.28 * normal.dot(&frame.light).abs();
-                view.triangle(corners.map(|p| to_pixel(&(p + by))), id, shade as f32, &mut depth);
+                let look = Look {
+                    id,
+                    shade: shade as f32,
+                    colour: colours.map(|colours| move |shares| colours(i, t, shares)),
+                };
+                view.triangle(corners.map(|p| to_pixel(&(p + by))), &look, &mut depth);
             }
         }
         view.find_spots(pieces.len(), pixel_mm);
         Some(view)
     }
 
-    fn triangle(&mut self, [a, b, c]: [[f64; 3]; 3], id: u32, shade: f32, depth: &mut [f64]) {
+    fn triangle(&mut self, [a, b, c]: [[f64; 3]; 3], look: &Look<impl Fn([f64; 3]) -> [u8; 3]>, depth: &mut [f64]) {
         let cross = |o: &[f64], s: &[f64], t: &[f64]| (s[0] - o[0]) * (t[1] - o[1]) - (s[1] - o[1]) * (t[0] - o[0]);
         let whole = cross(&a, &b, &c);
         if whole == 0.0 {
@@ -205,8 +244,11 @@ impl View {
                 let at = row * self.width + column;
                 if out > depth[at] {
                     depth[at] = out;
-                    self.shown[at] = id;
-                    self.shade[at] = shade;
+                    self.shown[at] = look.id;
+                    self.shade[at] = look.shade;
+                    if let (Some(colour), Some(pixel)) = (&look.colour, self.colour.get_mut(at)) {
+                        *pixel = colour([s, t, u]);
+                    }
                 }
             }
         }
@@ -284,6 +326,7 @@ impl View {
             let tint = match here {
                 NOTHING => return Rgb([255; 3]),
                 id if id % 2 == 1 => BACK,
+                _ if !self.colour.is_empty() => self.colour[row * self.width + column],
                 id => TINTS[id as usize / 2 % TINTS.len()],
             };
             let shade = self.shade[row * self.width + column];

@@ -317,7 +317,7 @@ impl Places {
 }
 
 /// From a place to a segment.
-fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
+pub(crate) fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
     let along = along.clamp(0.0, 1.0);

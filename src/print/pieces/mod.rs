@@ -2,7 +2,8 @@
 //! the fewest sheets.
 //!
 //! [`crate::unwrap`] says what the pieces are. One file each: a piece in its plane (`flat`), where pieces meet (`seams`), glue tabs, the signs
-//! beside them (`labels`), their places on sheets (`nest`), the sheets (`draw`), and the first page with its exploded views.
+//! beside them (`labels`), their places on sheets (`nest`, `pages`), the sheets (`draw`), and the first page with its exploded views. [`painted`]
+//! makes stencils of them instead.
 
 mod cover;
 mod draw;
@@ -10,6 +11,9 @@ mod exploded;
 mod flat;
 mod labels;
 mod nest;
+mod pages;
+pub(crate) mod painted;
+mod pen;
 mod seams;
 mod tabs;
 

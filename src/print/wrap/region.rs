@@ -30,6 +30,11 @@ impl Region {
         Self(outlines.overlay(&nothing, OverlayRule::Union, FillRule::NonZero))
     }
 
+    /// Parts that do not overlap: of each its outline counter-clockwise, then its holes clockwise.
+    pub(crate) fn new(parts: Vec<Vec<Contour>>) -> Self {
+        Self(parts)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

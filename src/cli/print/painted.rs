@@ -1,0 +1,107 @@
+//! The paint mode of `scaleproof print wrap`: stencils of every piece, and pieces to paint by number.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::paint::{self, Paints, paint_facts, table};
+use super::{pieces, write_files, write_json};
+use crate::cli::model::Model;
+use crate::cli::progress;
+use crate::print::output::SheetOutput;
+use crate::print::pieces::PiecesRequest;
+use crate::print::pieces::painted::{PaintedError, PaintedPieces, PaintedRequest, flattened, painted_pieces};
+use crate::spelling::count;
+use crate::texture::Texture;
+
+/// Prints the sheets.
+pub(super) fn run(
+    (model, texture, paints): (&Model, &Texture, &Paints),
+    request: PiecesRequest,
+    (output, inputs): (&SheetOutput, &[Option<&Path>]),
+    (as_json, out): (bool, &mut dyn Write),
+) -> Result<(), Box<dyn Error>> {
+    let Texture::Tile(tile) = texture else {
+        return Err(
+            "stencils and sheets to paint by number are made of cells, and a texture has none; give --pattern instead of --texture, as \
+             scaleproof pattern import IMAGE --cells 24 makes one"
+                .into(),
+        );
+    };
+    let painted = paints.painted(&tile.pattern)?;
+    let request = PaintedRequest {
+        pieces: request,
+        min_feature_mm: paints.min_feature_mm,
+        mirror: paints.mirror,
+    };
+    let busy = progress::steps("unwrapping and cutting stencils", 100);
+    let surface = (&model.mesh, &*model.materials);
+    let flat = flattened(surface, tile, &request, &mut |share| {
+        busy.set_position((60.0 * share) as u64)
+    });
+    let flat = flat.map_err(advised)?;
+    let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request).map_err(advised)?;
+    let files = output.files(&request.title(), &made.names, &made.pages)?;
+    write_files(&files, inputs)?;
+    busy.finish_and_clear();
+    if as_json {
+        return write_json(&files, facts(model, &made), out);
+    }
+    let [length, width, height] = model.mesh.size_mm();
+    writeln!(
+        out,
+        "{}: {} on a model of {length:.0} × {width:.0} × {height:.0} mm; print at 100 %",
+        files[0].0.display(),
+        count(made.painted.paints.len(), "paint"),
+    )?;
+    for fact in made.facts() {
+        writeln!(out, "{fact}")?;
+    }
+    table(&made.painted, &made.areas, "all pieces", out)?;
+    writeln!(
+        out,
+        "paint 1 is the base coat: it is sprayed on everything first, without a stencil"
+    )?;
+    Ok(())
+}
+
+/// The error with the options that mend it.
+fn advised(error: PaintedError) -> String {
+    match error {
+        PaintedError::Pieces(error) => pieces::advised(error),
+        PaintedError::Paint(error) => paint::advised(error),
+    }
+}
+
+/// `--json`.
+fn facts(model: &Model, made: &PaintedPieces) -> Value {
+    let pieces = made
+        .pieces
+        .iter()
+        .zip(&made.places)
+        .enumerate()
+        .map(|(i, (piece, place))| {
+            let paints = made.stencils.iter().filter(|stencil| stencil.piece == i);
+            json!({
+                "piece": i + 1,
+                "sheet": place.page + 1,
+                "surface_mm2": piece.surface_mm2,
+                "flat_mm2": piece.region.area_mm2(),
+                "stencils": paints.map(|stencil| stencil.paint + 1).collect::<Vec<_>>(),
+            })
+        });
+    let mut facts = paint_facts(&made.painted, &made.areas);
+    facts["model_size_mm"] = json!(model.mesh.size_mm());
+    facts["pieces"] = pieces.collect();
+    facts["sheets"] = json!(made.sheets());
+    facts["narrow_parts"] = json!(made.narrow.0);
+    facts["narrow_mm2"] = json!(made.narrow.1);
+    facts["surface_mm2"] = json!(made.surface_mm2());
+    facts["visible_mm2"] = json!(made.visible_mm2);
+    facts["left_out"] = pieces::left_out(&made.left_out);
+    facts["mean_stretch"] = json!(made.mean_stretch);
+    facts["stretch_99"] = json!(made.stretch_99);
+    facts
+}
