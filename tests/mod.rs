@@ -31,6 +31,7 @@ mod detector_proposals;
 mod detectors;
 mod diagnosis;
 mod docs;
+mod figures;
 mod folders;
 mod headline;
 mod hostile;
