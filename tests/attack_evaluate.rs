@@ -545,6 +545,7 @@ fn a_laptop_shows_the_page_without_scrolling_sideways() {
     let output = bench.run(&more);
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(out_of_sight(&bench.at("out/evaluation.html"), 1280), "");
+    assert_eq!(out_of_sight(&bench.at("out/score/report.html"), 1280), "");
     // The page is as wide as the window: it is not that nothing was measured.
     assert!(out_of_sight(&bench.at("out/evaluation.html"), 400).contains(" px: "));
 }
