@@ -116,7 +116,7 @@ fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
         let name = variant.to_lowercase();
         CONTROLS.iter().any(|control| name.contains(control))
     };
-    let lacks = !others.is_empty() && !others.iter().any(|v| is_control(v));
+    let lacks = !others.is_empty() && !others.iter().any(is_control);
     lacks.then(|| {
         "no variant is a random control (by its name): a drop may come from any print of such colours, and not from this pattern".to_owned()
     })
