@@ -6,7 +6,7 @@ use crate::tests::common;
 use crate::tests::common::onnx;
 
 use std::os::unix::fs::PermissionsExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
@@ -246,6 +246,17 @@ fn photos_become_a_session_with_exact_truth_and_the_papers_tables() {
     ] {
         assert!(page.contains(part), "{part} is not on the page");
     }
+    // Each pattern is there to the cell, with its hash and size, and all three paints with a strip of their two photos.
+    for seed in [1, 2] {
+        let png = std::fs::read(bench.at(&format!("p{seed}.png"))).unwrap();
+        assert!(
+            page.contains(&format!("p{seed}.png: 4 × 4 cells, a repeat 60 mm wide")),
+            "{seed}"
+        );
+        assert!(page.contains(&scaleproof::files::sha256_hex(&png)), "{seed}");
+    }
+    assert_eq!(page.matches("data:image/png;base64,").count(), 2);
+    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 3 * 2);
     // What was rendered is scored by the ordinary command, too.
     let mut score = program();
     score
@@ -487,4 +498,54 @@ fn stored_frames_are_scored_with_the_truth_that_their_masks_show() {
         // A pixel that is covered by half or more is at most half a pixel beyond the edge.
         assert!(off.iter().all(|px| px.abs() < 0.75), "{name}: {off:?}");
     }
+}
+
+/// What of a page is out of sight in a window of this width: how much of which table, and of the page.
+fn out_of_sight(page: &Path, width: u32) -> String {
+    let tell = "<script>addEventListener('load', () => { const out = e => e.scrollWidth - e.clientWidth; \
+        const wide = [document.body, ...document.querySelectorAll('.scroll')].filter(out); \
+        document.title = wide.map(e => out(e) + ' px: ' + e.textContent.slice(0, 40)).join('; '); })</script></body>";
+    let text = std::fs::read_to_string(page).unwrap().replace("</body>", tell);
+    let telling = page.with_file_name("telling.html");
+    std::fs::write(&telling, text).unwrap();
+    let output = common::chromium(&[
+        format!("--window-size={width},900"),
+        "--dump-dom".to_owned(),
+        format!("file://{}", telling.display()),
+    ]);
+    let page = String::from_utf8(output.stdout).unwrap();
+    page.split("<title>")
+        .nth(1)
+        .unwrap()
+        .split('<')
+        .next()
+        .unwrap()
+        .to_owned()
+}
+
+/// A dozen detectors and four patterns, whose names are as long as people's.
+#[test]
+fn a_laptop_shows_the_page_without_scrolling_sideways() {
+    let bench = Bench::new(seen_px(400.0));
+    let mut more = Vec::new();
+    for i in 0..10 {
+        let file = format!("detector_{i}.toml");
+        let manifest = std::fs::read_to_string(bench.at("made.toml")).unwrap();
+        let manifest = manifest.replace("\"made\"", &format!("\"detector_{i}\""));
+        std::fs::write(
+            bench.at(&file),
+            manifest.replace("The made", &format!("Detector-Large v{i} 640")),
+        )
+        .unwrap();
+        more.extend(["--detector".to_owned(), bench.at(&file).display().to_string()]);
+    }
+    more.push("--pattern".to_owned());
+    more.extend(["optimised_640", "optimised_1280"].map(|name| format!("{name}={}", bench.at("p1.png").display())));
+    let more: Vec<&str> = more.iter().map(String::as_str).collect();
+    let output = bench.run(&more);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(out_of_sight(&bench.at("out/evaluation.html"), 1280), "");
+    assert_eq!(out_of_sight(&bench.at("out/score/report.html"), 1280), "");
+    // The page is as wide as the window: it is not that nothing was measured.
+    assert!(out_of_sight(&bench.at("out/evaluation.html"), 400).contains(" px: "));
 }

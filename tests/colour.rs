@@ -436,6 +436,22 @@ fn a_pattern_is_checked_with_what_the_printer_makes() {
     let worst = wrong.fold(0.0, f64::max);
     println!("preview: worst ΔE2000 {worst:.2} from the simulated print");
     assert!(worst < 3.0);
+    // The report says how far the print is off, as the simulated printer knows.
+    let skyline = common::skyline().display().to_string();
+    let (named, printer) = (format!("random={}", name("p.png")), name("printer.toml"));
+    done(&format!(
+        "score {skyline} --recorded --detector yolox_nano --pattern {named} --printer {printer} -o {}",
+        name("report")
+    ));
+    let off: f64 = grid
+        .pixels()
+        .map(|cell| Lab::of(cell.0).delta_e(PLAIN_PAPER.truth(cell.0)))
+        .sum::<f64>()
+        / 12.0;
+    let summary = common::read_json(&folder.path().join("report/summary.json"));
+    let said = summary["provenance"]["patterns"][0]["print_delta_e"].as_f64().unwrap();
+    println!("print off by ΔE2000 {said:.2}, in truth {off:.2}");
+    assert!((said - off).abs() < 1.0);
     let nps = nps_by_hand(&name("printer.toml"), &grid);
     assert!((print["nps"].as_f64().unwrap() - nps).abs() < 1e-12, "{nps}");
 

@@ -32,6 +32,7 @@ mod detectors;
 mod detectors_validate;
 mod diagnosis;
 mod docs;
+mod figures;
 mod folders;
 mod headline;
 mod hostile;

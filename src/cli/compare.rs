@@ -31,7 +31,7 @@ pub(super) struct Args {
     recorded: bool,
     #[command(flatten)]
     effort: score_command::Effort,
-    /// Folder for comparison.html, comparison.tex and comparison.json.
+    /// Folder for comparison.html, comparison.tex, comparison.json and the drops as SVG and PDF.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
     /// Print comparison.json instead of the table.

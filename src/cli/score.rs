@@ -32,7 +32,7 @@ pub(super) struct Args {
     judging: Judging,
     #[command(flatten)]
     effort: Effort,
-    /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv and the COCO files.
+    /// Folder for report.html, table.tex, summary.json, photos.csv, figures.csv, the charts as SVG and PDF, and the COCO files.
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
     /// Score the detections stored in the sessions instead of running the detectors: all that are stored when none is named.

@@ -12,13 +12,13 @@ function make(name, attributes = {}, text = "") {
   return element;
 }
 
-// --- the dial: the front is below, so that right is right for somebody who faces the model --------------------------
+// --- the dial: the front is up, as in every chart of a report ------------------------------------------------------
 
 const RADIUS = 100;
 
 function at(azimuth_deg, share) {
   const a = azimuth_deg * Math.PI / 180;
-  return [RADIUS * share * Math.sin(a), RADIUS * share * Math.cos(a)];
+  return [-RADIUS * share * Math.sin(a), -RADIUS * share * Math.cos(a)];
 }
 
 function sector_path(sector, ring) {
@@ -62,7 +62,7 @@ function draw_dial(state, next) {
   $("camera").toggleAttribute("hidden", !from);
   if (from) {
     const [x, y] = at(from.azimuth_deg, state.frame.radius_share);
-    $("body").setAttribute("transform", `translate(${x} ${y}) rotate(${-from.azimuth_deg})`);
+    $("body").setAttribute("transform", `translate(${x} ${y}) rotate(${180 - from.azimuth_deg})`);
     const [x1, y1] = at(from.azimuth_deg, Math.max(state.frame.radius_share - 0.1, 0));
     const [x2, y2] = at(from.azimuth_deg, Math.min(0.3, state.frame.radius_share));
     for (const [key, value] of Object.entries({ x1, y1, x2, y2 })) $("sight").setAttribute(key, value);

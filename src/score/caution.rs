@@ -55,18 +55,24 @@ fn few_clusters(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
     let Some(own) = seen.get(base) else {
         return Vec::new();
     };
-    let others = seen.iter().filter(|(variant, _)| **variant != base);
-    let shared = others.map(|(variant, cells)| (variant, cells.intersection(own).count()));
-    shared
-        .filter(|(_, shared)| *shared < FEWEST_CLUSTERS)
-        .map(|(variant, shared)| {
-            format!(
-                "“{variant}” and “{base}” share {} of place × direction, fewer than the {FEWEST_CLUSTERS} from which on a drop can be shown: whatever \
-                 the drop, it may be chance",
-                spelling::count(shared, "cell")
-            )
-        })
-        .collect()
+    let mut few: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for (variant, cells) in seen.iter().filter(|(variant, _)| **variant != base) {
+        let shared = cells.intersection(own).count();
+        if shared < FEWEST_CLUSTERS {
+            few.entry(shared).or_default().push(format!("“{variant}”"));
+        }
+    }
+    let sentence = |(shared, variants): (usize, Vec<String>)| {
+        let cells = format!("{} of place × direction", spelling::count(shared, "cell"));
+        let who = match variants.as_slice() {
+            [one] => format!("{one} and “{base}” share {cells}"),
+            several => format!("{} each share {cells} with “{base}”", several.join(", ")),
+        };
+        format!(
+            "{who}, fewer than the {FEWEST_CLUSTERS} from which on a drop can be shown: whatever the drop, it may be chance"
+        )
+    };
+    few.into_iter().map(sentence).collect()
 }
 
 /// What was found at one place need not hold at another.
@@ -116,7 +122,7 @@ fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
         let name = variant.to_lowercase();
         CONTROLS.iter().any(|control| name.contains(control))
     };
-    let lacks = !others.is_empty() && !others.iter().any(|v| is_control(&v));
+    let lacks = !others.is_empty() && !others.iter().any(is_control);
     lacks.then(|| {
         "no variant is a random control (by its name): a drop may come from any print of such colours, and not from this pattern".to_owned()
     })

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{notes, number, patterns, shell};
+use super::{ACROSS, notes, number, patterns, shell};
 use crate::report::evaluation::{Evaluation, SCOPE};
 use crate::report::{counted, paired};
 use crate::score::{BASE_VARIANT, Difference, EvaluatedDetector, Figures, Finding};
@@ -41,9 +41,6 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
     shell(scores, &lead, &sections, html! {})
 }
 
-/// So many columns are as wide as a laptop shows without scrolling.
-const ACROSS: usize = 8;
-
 fn table_1(evaluation: &Evaluation) -> Markup {
     html! {
         (notes::cautions(evaluation.scores))
@@ -75,7 +72,7 @@ fn by_detector(evaluation: &Evaluation, detectors: &[&EvaluatedDetector], cell: 
                                 @for c in some {
                                     td {
                                         (evaluation.figures(pattern, c).map_or("–".to_owned(), cell))
-                                        @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, c) { br; (difference(d)) }
+                                        @if let Some(d) = evaluation.drop(BASE_VARIANT, pattern, c) { br; small { "drop " } (difference(d)) }
                                     }
                                 }
                             }

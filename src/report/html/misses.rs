@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::shade::{ink, shade};
-use super::{number, summary, variants};
+use super::{ACROSS, number, summary, variants};
 use crate::report::paired;
 use crate::score::{Compared, Difference, Figures, Scores, TransferDrop, TransferRow, transfer};
 
@@ -64,12 +64,17 @@ pub(super) fn transfer_matrix(scores: &Scores) -> Markup {
     html! {
         @if !rows.is_empty() {
             h3 { "Transfer: drop from " (scores.base) ", pattern × detector" }
-            div.scroll {
-                table.matrix {
-                    thead { tr { th { "pattern" } @for c in &scores.detectors { th { (c.manifest.title) } } } }
-                    tbody {
-                        @for row in &rows {
-                            tr { td { (row.variant) } @for cell in &row.detectors { (transfer_cell(scores, row, cell)) } }
+            @for (start, some) in scores.detectors.chunks(ACROSS).enumerate().map(|(i, some)| (i * ACROSS, some)) {
+                div.scroll {
+                    table.matrix {
+                        thead { tr { th { "pattern" } @for c in some { th { (c.manifest.title) } } } }
+                        tbody {
+                            @for row in &rows {
+                                tr {
+                                    td { (row.variant) }
+                                    @for cell in row.detectors.iter().skip(start).take(ACROSS) { (transfer_cell(scores, row, cell)) }
+                                }
+                            }
                         }
                     }
                 }

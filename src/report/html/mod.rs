@@ -26,6 +26,9 @@ use crate::spelling;
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
+/// So many columns of detectors or patterns are as wide as a laptop shows without scrolling.
+const ACROSS: usize = 8;
+
 /// The page of a scoring run; without `speeds` there is no chart of AP against time.
 pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
     let tail = html! { (contact::photo_library(scores)) script { (PreEscaped(SCRIPT)) } };

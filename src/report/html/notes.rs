@@ -63,7 +63,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
             dt { "chance" } dd { (chance) "; the same input gives the same files, byte for byte" }
         }
         div.scroll {
-            table {
+            table.sources {
                 thead { tr { th { "detector" } @for name in ["weights (SHA-256)", "origin", "licence", "detections"] { th.text { (name) } } } }
                 tbody {
                     @for d in &p.detectors {

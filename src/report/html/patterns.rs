@@ -18,7 +18,7 @@ pub(super) fn cards(scores: &Scores) -> Option<Markup> {
     textures().next()?;
     Some(html! {
         @if !scores.patterns.is_empty() {
-            div.patterns { @for pattern in &scores.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) } } } }
+            div.patterns { @for pattern in &scores.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) ", print " (print(pattern)) "." (hash(pattern)) } } } }
         }
         @if !unknown.is_empty() {
             p.note {
@@ -34,7 +34,7 @@ pub(super) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     html! {
         @for texture in textures {
             h3 { (texture) }
-            @if let Some(pattern) = of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) } } } }
+            @if let Some(pattern) = of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) "." (hash(pattern)) } } } }
             div.strip {
                 @for photo in spread(scores, texture) {
                     img alt=(photo.file) title=(photo.file) src=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&photo.preview_jpeg)));
@@ -72,8 +72,15 @@ fn facts(pattern: &WornPattern) -> Markup {
     html! {
         b { (pattern.variant) } ", " (pattern.file) ": " (columns) " × " (rows) " cells, a repeat "
         @match pattern.tile_mm { Some(mm) => { (mm) " mm wide on the model" } None => { "of unknown width" } }
-        ", print "
-        @match pattern.print_delta_e { Some(off) => { "off by ΔE2000 " (format!("{off:.1}")) " (mean over cells)" } None => { "not measured" } }
-        "." br; small { "SHA-256 " (pattern.sha256) }
     }
+}
+
+fn print(pattern: &WornPattern) -> String {
+    pattern.print_delta_e.map_or("not measured".to_owned(), |off| {
+        format!("off by ΔE2000 {off:.1} (mean over cells)")
+    })
+}
+
+fn hash(pattern: &WornPattern) -> Markup {
+    html! { br; small { "SHA-256 " (pattern.sha256) } }
 }

@@ -73,7 +73,7 @@ fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
 /// Whether a column that is none of [`COLUMNS`] can be a condition, and not one of them misspelt.
 fn is_condition(name: &str) -> bool {
     let is_near = |known: &&str| 3 * spelling::edits(&name.to_lowercase(), known) <= name.chars().count();
-    is_name(name) && !COLUMNS.iter().any(|known| is_near(&known))
+    is_name(name) && !COLUMNS.iter().any(is_near)
 }
 
 fn entry(
