@@ -375,6 +375,34 @@ fn textures_are_judged_beside_patterns() {
 }
 
 #[test]
+fn a_program_is_judged_beside_networks() {
+    let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
+    let hello = r#"{"scaleproof_detector": 1, "name": "same", "version": "1", "labels": ["car"], "input": "path"}"#;
+    let script = format!(
+        "echo '{hello}'\nwhile read -r line; do id=${{line#*\\\"id\\\":}}\necho \"{{\\\"id\\\": ${{id%%,*}}, \\\"detections\\\": \
+         [{{\\\"label\\\": 0, \\\"score\\\": 0.8, \\\"box\\\": [8, 8, 56, 56]}}]}}\"; done\n"
+    );
+    std::fs::write(bench.at("same.sh"), script).unwrap();
+    let detector = format!("exec:sh {}", bench.at("same.sh").display());
+    let output = bench.run(&["--detector", &detector, "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let tables: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let of = |detector: &str| -> Vec<String> {
+        let results = tables["results"].as_array().unwrap().iter();
+        results
+            .filter(|r| r["detector"] == detector)
+            .map(|r| r["overall"].to_string())
+            .collect()
+    };
+    assert_eq!((of("same").len(), of("same")), (3, of("made")));
+    let twice = format!("exec:sh {0} ", bench.at("same.sh").display());
+    assert_refused(
+        &bench.run(&["--detector", &detector, "--detector", &twice]),
+        &["two detectors are called same"],
+    );
+}
+
+#[test]
 fn what_would_give_wrong_tables_is_refused() {
     let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
     let p1 = bench.at("p1.png").display().to_string();

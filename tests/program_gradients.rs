@@ -20,6 +20,8 @@ fault = sys.argv[1]
 hello = {"scaleproof_detector": 1, "name": "weave", "version": "1", "labels": ["car", "van"], "input": "rgb", "gradients": True}
 if fault == "no gradients":
     del hello["gradients"]
+if fault.startswith("partial"):
+    hello["gradients"] = "partial"
 if fault == "paths":
     hello["input"] = "path"
 print(json.dumps(hello), flush=True)
@@ -49,12 +51,12 @@ for line in sys.stdin.buffer:
     loss = math.log1p(math.exp(z)) * (1 + 0.02 * (asked % 2) if fault == "training" else 1)
     slope = 30 / (1 + math.exp(-z)) / len(values)
     gradient = [slope * w for w in weights]
-    factor = {"sign": -1, "scale": 3, "255": 1 / 255, "zero": 0, "sign and scale": -0.5}.get(fault, 1)
+    factor = {"partial sign": -1, "sign": -1, "scale": 3, "255": 1 / 255, "zero": 0, "sign and scale": -0.5}.get(fault, 1)
     gradient = [factor * g for g in gradient]
     shape = [request["height"], request["width"], 3]
     if fault == "channels":
         gradient = [g for i in range(0, len(gradient), 3) for g in gradient[i : i + 3][::-1]]
-    elif fault == "half":
+    elif fault in ("half", "partial"):
         gradient[len(gradient) // 2 :] = [0] * (len(gradient) - len(gradient) // 2)
     elif fault == "NaN":
         gradient[3 * 97 + 1] = math.nan
@@ -159,6 +161,9 @@ fn a_pattern_is_made_against_a_program() {
         std::fs::remove_dir_all(folder.path().join("out")).unwrap();
     }
     assert!(patterns[0] == patterns[1], "the same input gives the same bytes");
+    // A gradient that leaves out a part, and says so, is followed.
+    let output = attacked(folder.path(), "partial", &[]);
+    assert!(output.status.success(), "{}", stderr(&output));
     // A search needs boxes alone.
     let output = program()
         .args(["attack", "baseline", "er"])
@@ -178,6 +183,7 @@ fn a_wrong_gradient_ends_the_attack_with_one_sentence() {
         ("scale", &["wrong scale: it is 3.00"]),
         ("sign and scale", &["wrong scale, and the wrong sign: it is -0.50"]),
         ("255", &["wrong scale: values go from 0 to 1 here, and not to 255"]),
+        ("partial sign", &["its gradient has the wrong sign"]),
         ("zero", &["its gradient is 0 at every pixel"]),
         ("channels", &["its gradient is not the derivative of its loss"]),
         ("half", &["its gradient is not the derivative of its loss"]),

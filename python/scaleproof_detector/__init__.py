@@ -29,6 +29,7 @@ def run(
     deterministic=False,
     workers=1,
     loss_and_gradient=None,
+    partial_gradient=False,
     title=None,
     licence=None,
     origin=None,
@@ -47,7 +48,8 @@ def run(
     loss_and_gradient(image, box, labels, least_iou) lets patterns be made against the detector. image has height × width × 3 numbers of 32 bits from
     0 to 1, red first. Of the boxes that overlap box (left, top, right, bottom) with an IoU of least_iou or more, before any suppression, the one with
     the highest confidence C of a label among labels (numbers from 0) counts: it returns −ln(1 − C) and its derivative by each number of the image, an
-    array of the image's shape; or None where no box overlaps so much.
+    array of the image's shape; or None where no box overlaps so much. partial_gradient=True says that the derivative leaves out a part, as that of
+    detectors of two stages, whose proposals are detached; only its sign and scale are checked then.
     """
     hello = {
         "scaleproof_detector": PROTOCOL,
@@ -57,7 +59,7 @@ def run(
         "input": input,
         "files": [os.fspath(file) for file in files],
         "deterministic": deterministic,
-        "gradients": loss_and_gradient is not None,
+        "gradients": "partial" if partial_gradient else loss_and_gradient is not None,
         "workers": workers,
     }
     about = {"title": title, "licence": licence, "origin": origin}

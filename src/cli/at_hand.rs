@@ -1,5 +1,6 @@
 //! Which detectors a run evaluates: those that are named, else those at hand. Others are named in a note.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::Result;
@@ -29,11 +30,21 @@ pub(super) fn evaluated(
     };
     evaluated.extend(results.start(programs, sessions)?);
     evaluated.extend(results.open(sessions)?);
-    let names: Vec<&str> = evaluated.iter().map(|d| d.manifest.name.as_str()).collect();
-    match (1..names.len()).find(|i| names[..*i].contains(&names[*i])) {
-        None => Ok(evaluated),
-        Some(i) => Err(format!("two detectors are called {}: give one of them another name", names[i]).into()),
+    check_names(evaluated.iter().map(|d| d.manifest.name.as_str()))?;
+    Ok(evaluated)
+}
+
+/// Refuses two detectors of one name.
+pub(super) fn check_names<'a>(names: impl Iterator<Item = &'a str>) -> Result<(), String> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(format!(
+                "two detectors are called {name}: give one of them another name"
+            ));
+        }
     }
+    Ok(())
 }
 
 fn networks(

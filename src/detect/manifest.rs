@@ -220,7 +220,9 @@ pub enum ManifestError {
         manifest: PathBuf,
         described: String,
     },
-    #[error("{name} is a program, and here a network is needed: programs are scored and compared, and nothing else")]
+    #[error(
+        "{name} is a program, and here a network is needed: programs can be scored, compared and attacked, and nothing else"
+    )]
     Program { name: String },
     #[error(transparent)]
     File(#[from] FileError),

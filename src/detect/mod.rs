@@ -46,7 +46,7 @@ pub(crate) use outside::{OutsideError, OutsideResults, PhotoName, ResultsRequest
 #[cfg(any(test, fuzzing))]
 pub(crate) use program::read_as_a_programs;
 pub(crate) use program::{
-    ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs,
+    Gradients, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec, ProgramSpecError, kill_programs,
 };
 #[cfg(test)]
 pub(crate) use propose::Proposal;

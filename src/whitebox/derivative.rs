@@ -19,16 +19,20 @@ const MARGIN: f64 = 0.05;
 /// Largest change of a value, growing until the loss changes by [`ENOUGH`].
 const STEPS: [f64; 5] = [0.0005, 0.002, 0.008, 0.02, 0.04];
 const ENOUGH: f64 = 0.05;
+/// A difference of two losses in 32 bits may be off by so much.
+const ROUNDING: f64 = 2e-6;
 
 type Rgb = [f64; 3];
 
-/// What is wrong with a program's gradient, as a sentence about it; `first` is what it says of `image`.
+/// What is wrong with a program's gradient, as a sentence about it; `first` is what it says of `image`. Of a partial gradient only sign and scale
+/// are checked, along itself.
 ///
 /// # Errors
 /// Those of `look`.
 pub(super) fn fault(
     image: &[Rgb],
     first: &ImageLoss,
+    is_partial: bool,
     mut look: impl FnMut(&[Rgb]) -> Result<Option<ImageLoss>, WhiteBoxError>,
 ) -> Result<Option<String>, WhiteBoxError> {
     let mut loss = |image: &[Rgb]| Ok::<f64, WhiteBoxError>(look(image)?.map_or(0.0, |seen| seen.loss));
@@ -49,6 +53,9 @@ pub(super) fn fault(
     }
     let own: Vec<Rgb> = own.iter().map(|p| p.map(|v| v / length)).collect();
     let along = Along::measure(image, own, &first.gradient, &mut loss)?;
+    if is_partial {
+        return Ok(along.is_far_off().then(|| along.wrong_scale()));
+    }
     let mut all = vec![along];
     for seed in 0..ANYWHERE {
         let mut rng = Pcg32::seed_from_u64(seed);
@@ -80,8 +87,8 @@ fn dot(a: &[Rgb], b: &[Rgb]) -> f64 {
 struct Along {
     /// By the gradient.
     said: f64,
-    /// By differences, of growing steps.
-    found: Vec<f64>,
+    /// By differences of growing steps, each with what rounding may do to it.
+    found: Vec<[f64; 2]>,
 }
 
 impl Along {
@@ -99,7 +106,7 @@ impl Along {
                 pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
             };
             let difference = loss(&moved(step))? - loss(&moved(-step))?;
-            found.push(difference / (2.0 * step));
+            found.push([difference, ROUNDING].map(|v| v / (2.0 * step)));
             if difference.abs() > ENOUGH {
                 break;
             }
@@ -115,12 +122,44 @@ impl Along {
         let tolerance = TOLERANCE * (length / factor).abs();
         self.found
             .iter()
-            .any(|found| (self.said / factor - found).abs() <= tolerance)
+            .any(|[found, rounding]| (self.said / factor - found).abs() <= tolerance + rounding)
+    }
+
+    /// Whether it is not even about half to twice the derivative.
+    fn is_far_off(&self) -> bool {
+        !(0.5..=2.0).contains(&(self.said / self.best())) && !self.agrees(1.0, self.said)
+    }
+
+    /// What the two derivatives say of a gradient whose direction is right.
+    fn wrong_scale(&self) -> String {
+        let factor = self.said / self.best();
+        let is_about = |scale: f64| (factor.abs() / scale - 1.0).abs() < 2.0 * TOLERANCE;
+        let sign = if factor < 0.0 { ", and the wrong sign" } else { "" };
+        let measured = self.measured();
+        if !factor.is_finite() {
+            format!("its loss does not change along its gradient ({measured})")
+        } else if factor < 0.0 && is_about(1.0) {
+            format!("its gradient has the wrong sign: it points to where the loss falls ({measured})")
+        } else if is_about(255.0) || is_about(1.0 / 255.0) {
+            format!("its gradient has the wrong scale{sign}: values go from 0 to 1 here, and not to 255 ({measured})")
+        } else {
+            format!(
+                "its gradient has the wrong scale{sign}: it is {factor:.4} times the derivative of its loss ({measured})"
+            )
+        }
+    }
+
+    fn measured(&self) -> String {
+        format!(
+            "along it the loss changes by {:.4e} a unit, and it says {:.4e}",
+            self.best(),
+            self.said
+        )
     }
 
     /// The difference that rounding spoils least.
     fn best(&self) -> f64 {
-        self.found.last().copied().unwrap_or_default()
+        self.found.last().map_or(0.0, |[found, _]| *found)
     }
 }
 
@@ -131,24 +170,13 @@ fn sentence(all: &[Along], length: f64) -> Option<String> {
         return None;
     }
     let own = all.first()?;
-    let (said, found) = (own.said, own.best());
-    let measured = format!("along it the loss changes by {found:.4e} a unit, and it says {said:.4e}");
-    let factor = said / found;
-    if !factor.is_finite() || !agree(factor) {
-        return Some(format!(
-            "its gradient is not the derivative of its loss: {measured}; are channels, rows and columns those of the image, and does it pass \
-             everything that the loss depends on?"
-        ));
-    }
-    let is_about = |scale: f64| (factor.abs() / scale - 1.0).abs() < 2.0 * TOLERANCE;
-    let sign = if factor < 0.0 { ", and the wrong sign" } else { "" };
-    Some(if is_about(1.0) {
-        format!("its gradient has the wrong sign: it points to where the loss grows ({measured})")
-    } else if is_about(255.0) || is_about(1.0 / 255.0) {
-        format!("its gradient has the wrong scale{sign}: values go from 0 to 1 here, and not to 255 ({measured})")
-    } else {
-        format!(
-            "its gradient has the wrong scale{sign}: it is {factor:.4} times the derivative of its loss ({measured})"
-        )
+    let factor = own.said / own.best();
+    Some(match factor.is_finite() && agree(factor) {
+        true => own.wrong_scale(),
+        false => format!(
+            "its gradient is not the derivative of its loss: {}; are channels, rows and columns those of the image, and does it pass everything that the \
+             loss depends on? A hello with \"gradients\": \"partial\" says that it leaves out a part on purpose",
+            own.measured()
+        ),
     })
 }

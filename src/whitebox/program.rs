@@ -7,7 +7,7 @@ use image::RgbImage;
 use super::derivative::{LEAST_LOSS, fault};
 use super::strongest::MEETS_IOU;
 use super::{ImageLoss, Prediction, WhiteBox, WhiteBoxError};
-use crate::detect::{Manifest, ProgramDetector, ProgramImage, ProgramPhoto};
+use crate::detect::{Gradients, Manifest, ProgramDetector, ProgramImage, ProgramPhoto};
 use crate::geometry::BoxPx;
 
 /// A program and the labels that count as the model.
@@ -31,7 +31,7 @@ impl ProgramWhiteBox {
         differentiates: bool,
     ) -> Result<ProgramWhiteBox, WhiteBoxError> {
         let name = || manifest.name.clone();
-        if differentiates && !program.gives_gradients() {
+        if differentiates && program.gradients() == Gradients::Nothing {
             return Err(WhiteBoxError::NoGradients { name: name() });
         }
         if !program.takes_pixels() {
@@ -108,7 +108,8 @@ impl WhiteBox for ProgramWhiteBox {
             .filter(|first| first.loss >= LEAST_LOSS && !self.is_checked.get())
         {
             let look = |image: &[[f64; 3]]| self.asked(image, size_px, outline);
-            if let Some(fault) = fault(image, first, look)? {
+            let is_partial = self.program.gradients() == Gradients::Partial;
+            if let Some(fault) = fault(image, first, is_partial, look)? {
                 return Err(WhiteBoxError::Gradient(fault));
             }
             self.is_checked.set(true);

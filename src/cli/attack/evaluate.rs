@@ -11,12 +11,15 @@ use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::model::{Model, ModelArgs};
-use crate::cli::patterns;
+use crate::cli::results::Programs;
+use crate::cli::{at_hand, patterns};
 use crate::detect::Manifest;
 use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;
 use crate::scene::Classes;
-use crate::score::{ApDefinition, BASE_VARIANT, Comparison, Scores, WornPattern, compare_with, evaluated_detectors};
+use crate::score::{
+    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, evaluated_detectors,
+};
 use crate::session::Session;
 use crate::{files, report};
 
@@ -48,6 +51,8 @@ pub(super) struct EvaluateArgs {
     detectors: Vec<String>,
     #[command(flatten)]
     folder: Folder,
+    #[command(flatten)]
+    programs: Programs,
     /// Lights: Blender's own (city, courtyard, forest, interior, night, studio, sunrise, sunset) or .exr and .hdr files, turned as in forest@90;
     /// take others than the patterns were made under
     #[arg(long, value_name = "LIGHT", num_args = 1.., default_values = ["courtyard", "sunrise@60"])]
@@ -91,12 +96,12 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let paints = paints.into_iter().map(|(_, paint)| paint).collect();
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
     // What is missing for the scores is said before the long work.
-    let manifests = args.manifests()?;
+    let detectors = args.detectors()?;
     files::check_writable(&args.output)?;
     let folder = args.output.join("session");
     render(&evaluation, &folder)?;
     args.write_session(&evaluation, &folder)?;
-    let mut scores = args.scores(&folder, manifests)?;
+    let mut scores = args.scores(&folder, detectors)?;
     scores.patterns = worn;
     let tables = report::Evaluation {
         comparisons: comparisons(&scores, &variants)?,
@@ -203,27 +208,46 @@ impl EvaluateArgs {
         file.ok_or_else(|| "a model without a mesh cannot be rendered: give --mesh".to_owned())
     }
 
-    /// The detectors to score, whose weights are here; the targets are among them.
-    fn manifests(&self) -> Result<Vec<Manifest>, Box<dyn Error>> {
-        let manifests = detectors::present(&self.detectors, &self.folder.folders()?)?;
+    /// The detectors to score, whose weights are here, and those that are programs; the targets are among them.
+    fn detectors(&self) -> Result<(Vec<Manifest>, Vec<EvaluatedDetector>), Box<dyn Error>> {
+        let (networks, programs) = self.programs.among(&self.detectors)?;
+        let manifests = match networks.is_empty() && !programs.is_empty() {
+            true => Vec::new(),
+            false => detectors::present(&networks, &self.folder.folders()?)?,
+        };
         for manifest in &manifests {
             manifest.counted(self.class.labels())?;
         }
-        let names = || manifests.iter().map(|m| m.name.as_str());
+        let started = self.programs.started(programs)?.into_iter();
+        let programs: Vec<EvaluatedDetector> = started
+            .map(|program| EvaluatedDetector::program(program, &self.class))
+            .collect::<Result<_, _>>()?;
+        let names = || {
+            manifests
+                .iter()
+                .chain(programs.iter().map(|p| &p.manifest))
+                .map(|m| m.name.as_str())
+        };
+        at_hand::check_names(names())?;
         match self.target.iter().find(|target| names().all(|name| name != *target)) {
             Some(target) => {
                 let names = names().collect::<Vec<_>>().join(", ");
                 Err(format!("the target '{target}' is not among the detectors that are scored: {names}").into())
             }
-            None => Ok(manifests),
+            None => Ok((manifests, programs)),
         }
     }
 
     /// # Errors
     /// A photo that cannot be scored: the tables would miss it on one side.
-    fn scores(&self, folder: &Path, manifests: Vec<Manifest>) -> Result<Scores, Box<dyn Error>> {
+    fn scores(
+        &self,
+        folder: &Path,
+        (manifests, programs): (Vec<Manifest>, Vec<EvaluatedDetector>),
+    ) -> Result<Scores, Box<dyn Error>> {
         let sessions = vec![Session::open(folder)?];
-        let detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
+        let mut detectors = evaluated_detectors(&sessions, manifests, Some(&self.folder.folders()?))?;
+        detectors.extend(programs);
         let options = self.effort.options(&detectors)?;
         let scores = score_with_progress(sessions, detectors, &options)?;
         match scores.not_scored.first() {

@@ -230,11 +230,11 @@ impl Photos {
                 index
             }
         };
-        let photo = index.and_then(|index| self.by_photo.get_mut(index));
-        Ok(photo.map(|photo| {
+        let mut photo = index.and_then(|index| self.by_photo.get_mut(index));
+        if let Some(photo) = &mut photo {
             photo.is_listed = true;
-            photo
-        }))
+        }
+        Ok(photo)
     }
 }
 

@@ -34,7 +34,7 @@ pub(super) struct Hello {
     pub deterministic: bool,
     /// Whether it gives the loss of an image and its derivative by each pixel, too.
     #[serde(default)]
-    pub gradients: bool,
+    pub gradients: Gradients,
     /// So many may run side by side.
     #[serde(default = "one")]
     pub workers: usize,
@@ -45,6 +45,37 @@ pub(super) struct Hello {
 
 fn one() -> usize {
     1
+}
+
+/// What of the derivative of its loss a program gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(try_from = "GradientsKey")]
+pub(crate) enum Gradients {
+    #[default]
+    Nothing,
+    Whole,
+    /// What the program leaves out on purpose is missing, as in detectors of two stages the way through the proposals.
+    Partial,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "gradients is true, false or \"partial\"")]
+enum GradientsKey {
+    Given(bool),
+    Word(String),
+}
+
+impl TryFrom<GradientsKey> for Gradients {
+    type Error = &'static str;
+
+    fn try_from(key: GradientsKey) -> Result<Gradients, Self::Error> {
+        match key {
+            GradientsKey::Given(false) => Ok(Gradients::Nothing),
+            GradientsKey::Given(true) => Ok(Gradients::Whole),
+            GradientsKey::Word(word) if word == "partial" => Ok(Gradients::Partial),
+            GradientsKey::Word(_) => Err("gradients is true, false or \"partial\""),
+        }
+    }
 }
 
 /// How a photo is handed over.
@@ -104,7 +135,7 @@ impl Hello {
         if self.labels.count() > MOST_LABELS || self.files.len() > MOST_FILES {
             return Err(format!("it has more than {MOST_LABELS} labels or {MOST_FILES} files"));
         }
-        if self.gradients && self.input != InputRule::Rgb {
+        if self.gradients != Gradients::Nothing && self.input != InputRule::Rgb {
             return Err("gradients need pixels: its input must be \"rgb\"".to_owned());
         }
         match (1..=MOST_WORKERS).contains(&self.workers) {
@@ -139,6 +170,10 @@ mod tests {
             (r#""nam": "mine""#, "unknown field `nam`"),
             (r#""name": "mine", "workers": 0"#, "workers is 0"),
             (r#""name": "mine", "title": "a\nb""#, "control characters"),
+            (
+                r#""name": "mine", "gradients": "some""#,
+                "gradients is true, false or \"partial\"",
+            ),
         ] {
             let error = hello(change).unwrap_err();
             assert!(error.contains(words), "{error}");

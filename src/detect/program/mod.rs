@@ -24,6 +24,7 @@ use gradient::Head;
 use hello::{Hello, InputRule};
 
 pub(crate) use groups::kill_programs;
+pub(crate) use hello::Gradients;
 pub(crate) use spec::{ProgramSpec, ProgramSpecError};
 
 /// Why a program cannot stand in for a detector.
@@ -164,8 +165,8 @@ impl ProgramDetector {
         self.hello.input == InputRule::Rgb
     }
 
-    /// Whether it can be asked for [`ProgramDetector::loss_and_gradient`].
-    pub(crate) fn gives_gradients(&self) -> bool {
+    /// What [`ProgramDetector::loss_and_gradient`] gives.
+    pub(crate) fn gradients(&self) -> Gradients {
         self.hello.gradients
     }
 
