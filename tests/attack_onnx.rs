@@ -702,10 +702,21 @@ fn choices() -> Vec<Small> {
             &[whole("axis", 2), float_attribute("epsilon", 1e-3)],
         ),
     ];
+    let softmax = small(
+        "Softmax",
+        &shape,
+        vec![step("Softmax", &["x"], &["y"], &[whole("axis", 1)])],
+    );
     let product = |name, parts: [Vec<u8>; 2]| small(name, &shape, parts.into());
     let vectors = constant("v", &[4], &[0.5, -1.0, 2.0, 0.25]);
     let rows = constant("v", &[3], &[0.5, -1.0, 2.0]);
     vec![
+        // Before opset 13 all axes from there on are one.
+        Small {
+            name: "Softmax, opset 11",
+            opset: 11,
+            ..softmax
+        },
         product("MatMul, a column", [vectors, step("MatMul", &["x", "v"], &["y"], &[])]),
         product("MatMul, a row", [rows, step("MatMul", &["v", "x"], &["y"], &[])]),
         small("TopK and GatherElements", &shape, used.into()),
@@ -813,8 +824,10 @@ fn one_box_manifest() -> Manifest {
     Manifest::parse(ONE_BOX, "one_box.toml").unwrap()
 }
 
+const NMS: &str = "nms_iou = 0.45";
+
 /// Small networks that end as those of the families do, with random weights, for images of 64 × 64.
-fn families() -> [(&'static str, Vec<u8>, &'static str); 3] {
+fn families() -> [(&'static str, Vec<u8>, [&'static str; 3]); 6] {
     use onnx::{constant, list_attribute as list, step, whole_attribute as whole, whole_constant};
     let conv = |side: usize, channels: usize, from: &str, to: &str| {
         let weight = format!("w{side}");
@@ -879,12 +892,74 @@ fn families() -> [(&'static str, Vec<u8>, &'static str); 3] {
             step("Identity", &[o], &[out], &[]),
         ]);
     }
+    let mut v3 = Vec::new();
+    for (side, out) in [(8, "y1"), (16, "y2"), (32, "y3")] {
+        v3.push(conv(side, 255, "x", out));
+    }
+    // Numbers made of the image's mean colour alone, so many a row.
+    let table = |rows: usize, columns: usize| {
+        let count = rows * columns;
+        [
+            step("GlobalAveragePool", &["x"], &["mean"], &[]),
+            whole_constant("flat", &[2], &[1, 3]),
+            step("Reshape", &["mean", "flat"], &["colour"], &[]),
+            constant("weights", &[3, count], &spread(3 * count, 31)),
+            step("MatMul", &["colour", "weights"], &["numbers"], &[]),
+            whole_constant("rows", &[3], &[1, rows as i64, columns as i64]),
+            step("Reshape", &["numbers", "rows"], &["table"], &[]),
+        ]
+    };
+    // 9 anchors for each of 64 + 16 + 4 + 1 + 1 cells, and the 90 category ids from 1 on.
+    let efficientdet = [
+        &table(774, 94)[..],
+        &[
+            whole_constant("sizes", &[2], &[4, 90]),
+            step(
+                "Split",
+                &["table", "sizes"],
+                &["regression", "classification"],
+                &[whole("axis", 2)],
+            ),
+        ],
+    ];
+    let rfdetr = [
+        &table(20, 85)[..],
+        &[
+            whole_constant("sizes", &[2], &[4, 81]),
+            step(
+                "Split",
+                &["table", "sizes"],
+                &["numbers_of_boxes", "labels"],
+                &[whole("axis", 2)],
+            ),
+            step("Sigmoid", &["numbers_of_boxes"], &["dets"], &[]),
+        ],
+    ];
     let planar = onnx::Input::floats("x", &[1, 3, 64, 64]);
     let last = onnx::Input::floats("x", &[1, 64, 64, 3]);
     [
-        ("yolov8", onnx::graph(&planar, &v8, &["y"], 13), "nchw"),
-        ("yolov5", onnx::graph(&planar, &v5, &["y"], 13), "nchw"),
-        ("yolov4", onnx::graph(&last, &v4, &["y1", "y2", "y3"], 13), "nhwc"),
+        ("yolov8", onnx::graph(&planar, &v8, &["y"], 13), ["nchw", "coco80", NMS]),
+        ("yolov5", onnx::graph(&planar, &v5, &["y"], 13), ["nchw", "coco80", NMS]),
+        (
+            "yolov4",
+            onnx::graph(&last, &v4, &["y1", "y2", "y3"], 13),
+            ["nhwc", "coco80", NMS],
+        ),
+        (
+            "yolov3",
+            onnx::graph(&planar, &v3, &["y1", "y2", "y3"], 13),
+            ["nchw", "coco80", NMS],
+        ),
+        (
+            "efficientdet",
+            onnx::graph(&planar, &efficientdet.concat(), &["regression", "classification"], 13),
+            ["nchw", "coco91", "scores = \"logits\"\nnms_iou = 0.45"],
+        ),
+        (
+            "rfdetr",
+            onnx::graph(&planar, &rfdetr.concat(), &["dets", "labels"], 13),
+            ["nchw", "coco80", ""],
+        ),
     ]
 }
 
@@ -896,13 +971,16 @@ fn networks_that_end_as_the_families_do_are_followed() {
         image::Rgb([(x * 4) as u8, (y * 3 + 20) as u8, (x * y / 17) as u8])
     });
     let (picture, size) = picture(&photo);
-    for (head, bytes, layout) in families() {
+    for (head, bytes, [layout, labels, rest]) in families() {
         let path = folder.path().join(format!("{head}.onnx"));
         std::fs::write(&path, &bytes).unwrap();
         let text = ONE_BOX.replace("yolov5", head).replace("[32, 32]", "[64, 64]");
+        let text = text.replace(NMS, rest).replace("coco80", labels);
         let manifest =
             Manifest::parse(&text.replace("resize", &format!("layout = \"{layout}\"\nresize")), head).unwrap();
-        let all: Vec<usize> = (0..80).collect();
+        let all: Vec<usize> = (0..manifest.labels.count())
+            .filter(|l| manifest.labels.name(*l).is_some())
+            .collect();
         let detector = OnnxDetector::open(&manifest, &path, &all, &Device::flex()).unwrap();
         let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
@@ -991,6 +1069,64 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
     }
     println!("{refused} of {all} damaged networks refused");
     assert!(refused > all / 3);
+}
+
+/// Files of some hundred bytes that ask for more numbers than any machine has.
+#[test]
+fn tensors_without_bound_are_refused_before_they_are_made() {
+    use onnx::{step, whole_constant};
+    let wide = |name: &str, sides: [i64; 2]| {
+        let shape = format!("{name}_shape");
+        [
+            whole_constant(&shape, &[2], &sides),
+            step("ConstantOfShape", &[&shape], &[name], &[]),
+        ]
+        .concat()
+    };
+    let two = |operator: &'static str| {
+        vec![
+            wide("a", [1 << 20, 1]),
+            wide("b", [1, 1 << 20]),
+            step(operator, &["a", "b"], &["c"], &[]),
+            step("ReduceSum", &["c"], &["s"], &[]),
+            step("Add", &["x", "s"], &["y"], &[]),
+        ]
+    };
+    let range = |start: i64, limit: i64, by: i64| {
+        vec![
+            whole_constant("start", &[], &[start]),
+            whole_constant("limit", &[], &[limit]),
+            whole_constant("by", &[], &[by]),
+            step("Range", &["start", "limit", "by"], &["r"], &[]),
+            step("Reshape", &["x", "r"], &["y"], &[]),
+        ]
+    };
+    let many = (0..50).flat_map(|i| {
+        let name = format!("m{i}");
+        [
+            wide(&name, [1 << 14, 1 << 14]),
+            step("Relu", &[&name], &[&format!("r{i}")], &[]),
+        ]
+    });
+    let many = many.chain([step("Relu", &["x"], &["y"], &[])]).collect();
+    let nets = [
+        two("Add"),
+        two("MatMul"),
+        range(i64::MIN, i64::MAX, 1),
+        range(i64::MAX - 1, i64::MAX, 2),
+        many,
+    ];
+    for (i, parts) in nets.into_iter().enumerate() {
+        let bytes = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
+        let started = Instant::now();
+        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None, &Device::flex()).err();
+        let error = error.unwrap_or_else(|| panic!("network {i} is taken")).to_string();
+        println!("{i}: {error}");
+        assert!(
+            started.elapsed().as_secs() < 20 && error.lines().count() == 1,
+            "{i}: {error}"
+        );
+    }
 }
 
 #[test]

@@ -156,12 +156,25 @@ fn one_stage_families_are_told_by_their_grids() {
         "pad = 128",
         "labels = \"coco80\"",
     ];
-    is(Family::Yolov3, none, &[picture()], &v3, &darknet);
+    let yolov3 = Hints {
+        family: Some(Family::Yolov3),
+        ..none
+    };
+    is(Family::Yolov3, yolov3, &[picture()], &v3, &darknet);
+    // YOLOv5 before its decoding has the same shapes and the same anchors, and decodes otherwise.
+    let error = proposed(&onnx::network(&[picture()], &v3), none).unwrap_err();
+    assert!(
+        error.contains("of YOLOv3 or of a later YOLO, which decodes them otherwise"),
+        "{error}"
+    );
     // 9 anchors for each of 96 + 24 + 6 + 2 + 1 cells.
     for (score, scores) in [(-4.0, "scores = \"logits\""), (0.1, "scores = \"probabilities\"")] {
         let tables = [
             filled("regression", &[1, 1161, 4], 0.1),
             filled("classification", &[1, 1161, 90], score),
+            // zylo117's export has its features and anchors, too.
+            filled("features", &[1, 64, 8, 12], 2.0),
+            filled("anchors", &[1, 1161, 4], 20.0),
         ];
         let lines = [
             "kind = \"efficientdet\"",

@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     /// Commands that write no file, or only into a folder that is their input.
-    const WITHOUT: [&str; 14] = [
+    const WITHOUT: [&str; 15] = [
         "locate",
         "plan",
         "camera show",
@@ -86,6 +86,7 @@ mod tests {
         "detectors list",
         "detectors fetch",
         "detectors check",
+        "detectors validate",
         "detectors register",
         "detectors remove",
         "session new",

@@ -175,11 +175,23 @@ pub enum Head {
     },
     Efficientdet {
         scores: Scores,
+        /// Side of an anchor in strides.
+        #[serde(default = "usual_anchor_scale", skip_serializing_if = "is_usual_anchor_scale")]
+        anchor_scale: f64,
         nms_iou: f64,
     },
     /// No outputs are read here: another program gives boxes in pixels of the photo. No manifest names it.
     #[serde(skip)]
     Foreign {},
+}
+
+/// Of EfficientDet D0 to D6.
+pub(super) fn usual_anchor_scale() -> f64 {
+    4.0
+}
+
+fn is_usual_anchor_scale(scale: &f64) -> bool {
+    *scale == usual_anchor_scale()
 }
 
 /// What a head without its last sigmoid, or with it, answers with.
@@ -345,6 +357,9 @@ impl Manifest {
             ));
         }
         match &self.head {
+            Head::Efficientdet { anchor_scale, .. } if !(*anchor_scale > 0.0 && *anchor_scale < 100.0) => Err(format!(
+                "head.anchor_scale is {anchor_scale}: give the side of an anchor in strides, 4 for most"
+            )),
             Head::Nanodet { strides, .. } | Head::NanodetPlus { strides, .. }
                 if strides.is_empty() || strides.contains(&0) =>
             {

@@ -30,8 +30,9 @@ pub(crate) use counting::NoSuchClass;
 #[cfg(feature = "full")]
 pub(crate) use fetch::{FetchError, fetch};
 pub(crate) use foreign::{ForeignCard, ForeignKind};
+pub(crate) use heads::wants_photo_size;
 #[cfg(feature = "attack")]
-pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors, wants_photo_size};
+pub(crate) use heads::{Anchor, Anchors, Data, Tensor, anchors};
 #[cfg(feature = "attack")]
 pub(crate) use input::InputPlacement;
 #[cfg(all(test, feature = "attack"))]

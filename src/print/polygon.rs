@@ -132,6 +132,7 @@ mod tests {
             .map(|(cell, part)| (cell, area(&part)))
             .collect();
         // x + y from 0 to 2, 4 and 6.
+        assert_eq!(found.len(), 3, "{found:?}");
         for ((cell, mm2), wanted) in found.iter().zip([(0, 2.0), (1, 5.0), (2, 2.0)]) {
             assert!(*cell == wanted.0 && (mm2 - wanted.1).abs() < 1e-12, "{found:?}");
         }

@@ -28,7 +28,7 @@ pub enum NetworkFault {
     Rank(Vec<usize>, usize),
     #[error("a tensor {0:?} has more than {1} axes")]
     TooManyAxes(Vec<usize>, usize),
-    #[error("a tensor of it would have more than {0} numbers")]
+    #[error("its tensors would have more than {0} numbers")]
     TooLarge(usize),
     #[error("a tensor {0:?} cannot become {1:?}")]
     Reshape(Vec<usize>, Vec<usize>),

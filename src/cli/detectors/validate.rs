@@ -49,6 +49,8 @@ struct Validated {
     photos: usize,
     boxes: usize,
     labels: usize,
+    /// Categories whose names are no label of the detector.
+    left_out: Vec<String>,
     averages: Averages,
     published_ap: Option<f64>,
     trials: Option<Trials>,
@@ -59,7 +61,7 @@ struct Trials {
     photos: usize,
     as_the_manifest_says: Averages,
     changed: Vec<Trial>,
-    /// The change that reaches the most, where it gains enough.
+    /// Of the changes that gain enough, the one that reaches the most.
     explained_by: Option<String>,
 }
 
@@ -96,7 +98,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let found = of(&set, &manifest, &manifest.name)?;
     let averages = set.averages(&found, 0).ok_or("the photos have no object that counts")?;
     let published_ap = args.published.or(manifest.published_ap);
-    let is_as_published = published_ap.is_some_and(|ap| (averages.ap_50_95 - ap).abs() <= CLOSE);
+    let is_as_published =
+        set.unknown.is_empty() && published_ap.is_some_and(|ap| (averages.ap_50_95 - ap).abs() <= CLOSE);
     let [boxes, labels] = set.counts();
     let trials = match is_as_published {
         true => None,
@@ -107,6 +110,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         photos: set.photos.len(),
         boxes,
         labels,
+        left_out: set.unknown,
         averages,
         published_ap,
         trials,
@@ -149,7 +153,7 @@ fn trials(manifest: &Manifest, sample: &LabelledPhotos, look: &Look) -> Result<T
     Ok(Trials {
         photos: sample.photos.len(),
         as_the_manifest_says: base,
-        explained_by: changed.first().filter(explains).map(|trial| trial.change.clone()),
+        explained_by: changed.iter().find(explains).map(|trial| trial.change.clone()),
         changed,
     })
 }
@@ -169,16 +173,33 @@ fn text(validated: &Validated) -> String {
     ];
     if let Some(published) = validated.published_ap {
         let difference = averages.ap_50_95 - published;
+        let left_out = validated.left_out.len();
         lines.push(match difference.abs() <= CLOSE {
+            _ if left_out > 0 => {
+                format!("published {published:.3}: {difference:+.3}, over other labels: {left_out} left out")
+            }
             true => format!("published {published:.3}: the same within {CLOSE}"),
             false => format!("published {published:.3}: {difference:+.3}"),
         });
     }
     if let Some(trials) = &validated.trials {
-        lines.push(format!("\non {} of the photos        AP@[.5:.95]", trials.photos));
-        let row = |what: &str, averages: &Averages| format!("  {what:<34} {:.3}", averages.ap_50_95);
-        lines.push(row("as the manifest says", &trials.as_the_manifest_says));
-        lines.extend(trials.changed.iter().map(|trial| row(&trial.change, &trial.averages)));
+        let head = format!("on {} of the photos", trials.photos);
+        lines.push(format!("\n{head:<34} AP@[.5:.95]  gain of AP@0.5 at least"));
+        let row = |what: &str, averages: &Averages| format!("  {what:<32} {:<12.3}", averages.ap_50_95);
+        let base = row("as the manifest says", &trials.as_the_manifest_says);
+        lines.push(base.trim_end().to_owned());
+        // Below −1 stands for too few photos.
+        let least = |gain: f64| {
+            if gain < -1.0 {
+                "not known".to_owned()
+            } else {
+                format!("{gain:+.3}")
+            }
+        };
+        let changed = trials.changed.iter();
+        lines.extend(
+            changed.map(|trial| format!("{} {}", row(&trial.change, &trial.averages), least(trial.least_gain))),
+        );
         lines.push(match &trials.explained_by {
             Some(change) => format!("explained by: {change}"),
             None => format!("none of these changes gains {LEAST_GAIN} beyond chance: something else differs, or the photos are too few"),

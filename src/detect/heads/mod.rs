@@ -145,7 +145,9 @@ pub(crate) fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -
         Head::NanodetPlus { strides, .. } => nanodet_plus::anchors(outputs, size, strides, labels)?,
         Head::Fastestdet { .. } => fastestdet::anchors(outputs, size, labels)?,
         Head::Yolov3 { .. } => yolov3::anchors(outputs, size, labels)?,
-        Head::Efficientdet { scores, .. } => efficientdet::anchors(outputs, size, *scores, labels)?,
+        Head::Efficientdet {
+            scores, anchor_scale, ..
+        } => efficientdet::anchors(outputs, size, (*scores, *anchor_scale as f32), labels)?,
         Head::Rfdetr {} => rfdetr::anchors(outputs, size, labels)?,
         Head::Yolov4 { .. } => yolov4::anchors(outputs, size, labels)?,
         Head::Yolov5 { .. } => yolov5::anchors(outputs, labels)?,

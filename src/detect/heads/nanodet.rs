@@ -14,6 +14,14 @@ pub(super) fn anchors(
     strides: &[u32],
     labels: usize,
 ) -> Result<Anchors, HeadError> {
+    if labels == 4 * BINS {
+        // Scores and sides have the same shape then.
+        return Err(misfit(
+            "nanodet",
+            format!("tables of other than {labels} columns for the labels"),
+            outputs,
+        ));
+    }
     let mut found = Vec::new();
     for &stride in strides {
         let (columns, rows) = (width.div_ceil(stride), height.div_ceil(stride));

@@ -22,8 +22,6 @@ pub(super) fn decode(
     Ok(pairs.collect())
 }
 
-/// Boxes, logits, and how many columns these have. With three or four labels both have four columns: then the boxes are
-/// the output named so, or the first.
 /// Its boxes with the logits of all labels each: the pairs of [`decode`], for a gradient.
 pub(super) fn anchors(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
     let (boxes, logits, columns) = checked(outputs, labels)?;
@@ -46,7 +44,8 @@ fn checked(outputs: &[Tensor], labels: usize) -> Result<Tables<'_>, HeadError> {
     tensors(outputs, labels).ok_or_else(|| misfit("rfdetr", format!("boxes 1×n×4 and logits 1×n×{labels}"), outputs))
 }
 
-/// Boxes, logits, and how many logits a box has.
+/// Boxes, logits, and how many logits a box has. With three or four labels both have four columns: then the boxes are the output named so,
+/// or the first.
 fn tensors(outputs: &[Tensor], labels: usize) -> Option<Tables<'_>> {
     let named = outputs
         .iter()
@@ -56,10 +55,11 @@ fn tensors(outputs: &[Tensor], labels: usize) -> Option<Tables<'_>> {
         .filter(|i| of_four(&outputs[*i]))
         .or_else(|| outputs.iter().position(of_four))?;
     let count = outputs[at].shape[1];
+    // Transformers' networks with a column for "no object" take a softmax over all columns.
+    let is_of_transformers = outputs.iter().any(|t| t.name == "pred_boxes");
+    let fits = |columns: usize| columns == labels || (columns == labels + 1 && !is_of_transformers);
     let logits = outputs.iter().enumerate().find_map(|(i, t)| match t.shape[..] {
-        [1, n, columns] if i != at && n == count && (columns == labels || columns == labels + 1) => {
-            Some((t.floats()?, columns))
-        }
+        [1, n, columns] if i != at && n == count && fits(columns) => Some((t.floats()?, columns)),
         _ => None,
     });
     logits.and_then(|(logits, columns)| Some((outputs[at].floats()?, logits, columns)))

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::detect::manifest::{FirstLabel, Head, Input, Resize, Scores};
+use crate::detect::manifest::{FirstLabel, Head, Input, Resize, Scores, usual_anchor_scale};
 use crate::detect::{Labels, ManifestError};
 
 /// A family of detectors that are fed and read alike.
@@ -142,7 +142,11 @@ impl Family {
             Family::Deim => Head::Deim {},
             Family::Rtdetr => Head::Rtdetr {},
             Family::Rfdetr | Family::HfDetr => Head::Rfdetr {},
-            Family::Efficientdet => Head::Efficientdet { scores, nms_iou: 0.5 },
+            Family::Efficientdet => Head::Efficientdet {
+                scores,
+                anchor_scale: usual_anchor_scale(),
+                nms_iou: 0.5,
+            },
             Family::TfOd => Head::TfOd(first),
             Family::SsdResnet34 => Head::SsdResnet34(first),
             Family::ZooRcnn | Family::Torchvision => Head::Rcnn(first),

@@ -111,6 +111,11 @@ pub(crate) enum ProposeError {
         named: &'static str,
         instead: String,
     },
+    #[error(
+        "its outputs {outputs} are grids before their decoding, of YOLOv3 or of a later YOLO, which decodes them otherwise: name the family \
+         if it is yolov3, or export the network with its decoding"
+    )]
+    NotDecoded { outputs: String },
     #[error("its outputs {outputs} could be of {families}, which are fed differently")]
     Ambiguous { outputs: String, families: String },
     #[error("{what}")]
@@ -245,6 +250,9 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
     }
     if fitting.is_empty() {
         return Err(ProposeError::Unknown { outputs: outputs() });
+    }
+    if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
+        return Err(ProposeError::NotDecoded { outputs: outputs() });
     }
     // Labels that fit none of them are another mistake than numbers that do not.
     let rooms: BTreeSet<usize> = fitting.iter().filter_map(|c| c.labels).collect();

@@ -137,11 +137,12 @@ fn efficientdet(outputs: &[Tensor], size: [u32; 2]) -> Option<usize> {
     has_boxes.then_some(if scores == 90 { 91 } else { scores })
 }
 
-/// Whether the scores of a family that has both are logits.
+/// Whether the scores of an EfficientDet are logits; exports may give its features beside them.
 pub(super) fn scores(network: &Inspected) -> Scores {
-    let tables = network.answers.iter().flatten().filter(|t| t.shape.last() != Some(&4));
-    let all = tables.flat_map(|t| floats(t).iter().copied());
-    match no_score(all) {
+    let rows = efficientdet::count(network.size_px);
+    let is_scores = |t: &&Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && columns != 4);
+    let tables = network.answers.iter().flatten().filter(is_scores);
+    match no_score(tables.flat_map(|t| floats(t).iter().copied())) {
         Some(_) => Scores::Logits,
         None => Scores::Probabilities,
     }

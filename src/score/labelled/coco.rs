@@ -62,7 +62,10 @@ pub(super) fn read(path: &Path, folder: &Path, labels: Labels) -> Result<Labelle
     let mut photos: BTreeMap<u64, LabelledPhoto> = BTreeMap::new();
     for image in &file.images {
         let name = Path::new(&image.file_name);
-        if !name.components().all(|part| matches!(part, Component::Normal(_))) {
+        if !name
+            .components()
+            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+        {
             return Err(refused(format!(
                 "image {}: the file name {:?} leaves the folder of photos",
                 image.id, image.file_name

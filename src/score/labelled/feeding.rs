@@ -1,6 +1,6 @@
 //! The commonest ways in which a manifest feeds or reads a network otherwise than its origin.
 
-use crate::detect::{Channels, Kernel, Manifest, Resize};
+use crate::detect::{Channels, Kernel, Manifest, Resize, wants_photo_size};
 
 /// A manifest changed in one thing.
 pub(crate) struct Feeding {
@@ -58,18 +58,25 @@ pub(crate) fn feedings(manifest: &Manifest) -> Vec<Feeding> {
             with(what, 0, &|m| (m.input.mean, m.input.std) = (mean, std));
         }
     }
-    let has_a_size = RESIZES.iter().any(|(resize, _)| *resize == input.resize);
+    // Boxes in pixels of the photo are not taken back from a letterbox.
+    let is_tried = RESIZES.iter().any(|(resize, _)| *resize == input.resize) && !wants_photo_size(&manifest.head);
+    let was_stretched = input.resize == Resize::Stretch;
     for (resize, what) in RESIZES
         .into_iter()
-        .filter(|(resize, _)| has_a_size && *resize != input.resize)
+        .filter(|(resize, _)| is_tried && *resize != input.resize)
     {
         with(what, 0, &|m| {
             m.input.resize = resize;
-            // What the letterboxes of most programs are filled with.
-            if m.input.pad == 0 {
+            // A stretched photo has no border; most programs fill theirs with this.
+            if was_stretched {
                 m.input.pad = 114;
             }
         });
+    }
+    for (pad, what) in [(0, "pad 0"), (114, "pad 114"), (128, "pad 128")] {
+        if is_tried && !was_stretched && pad != input.pad {
+            with(what, 0, &|m| m.input.pad = pad);
+        }
     }
     let (other, name) = match input.kernel {
         Kernel::OpencvLinear => (Kernel::Antialiased, "kernel antialiased"),

@@ -3,7 +3,7 @@
 use onnx_ir::Node;
 
 use super::operator::Operator;
-use super::value::{Floats, Integers, Result, Value, broadcast};
+use super::value::{Floats, Integers, Result, Value, bounded, broadcast};
 use crate::whitebox::NetworkFault;
 
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +20,7 @@ enum Arithmetic {
 impl Arithmetic {
     fn of_floats(self, a: Floats, b: Floats) -> Result<Floats> {
         let rank = a.rank.max(b.rank);
-        broadcast(&a.shape(), &b.shape())?;
+        bounded(broadcast(&a.shape(), &b.shape())?)?;
         let (a, b) = (a.x, b.x);
         let x = match self {
             Arithmetic::Add => a + b,
@@ -71,7 +71,7 @@ impl Arithmetic {
 /// Two arrays of whole numbers, broadcast.
 fn pairwise(a: &Integers, b: &Integers, f: impl Fn(i64, i64) -> Result<i64>) -> Result<Integers> {
     let shape = broadcast(&a.shape, &b.shape)?;
-    let count: usize = shape.iter().product();
+    let count = bounded(shape.iter().copied())?;
     let at = |v: &Integers, i: usize| {
         let (mut rest, mut index, mut step) = (i, 0, 1);
         for (k, side) in shape.iter().enumerate().rev() {

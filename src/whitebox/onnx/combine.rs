@@ -5,15 +5,23 @@ use onnx_ir::Node;
 use onnx_ir::reduce::{ReduceAxes, ReduceConfig};
 
 use super::operator::{Inputs, IntegerSetting, Operator, axis_of, setting};
-use super::value::{Floats, RANK, Result, Value};
+use super::value::{Floats, RANK, Result, Value, bounded, broadcast};
 use crate::whitebox::NetworkFault;
 
-fn softmax(axis: usize) -> Operator {
+/// Along one axis; before opset 13 along all from there on, as one.
+fn softmax(first: usize, joins_axes: bool) -> Operator {
     Operator::new(move |mut inputs| {
         let v = inputs.floats(0)?;
-        let (axis, rank) = (v.axis(axis)?, v.rank);
-        let x = activation::softmax(v.x, axis);
-        Ok(Floats { x, rank }.into())
+        let (axis, shape) = (v.axis(first)?, v.shape());
+        if !joins_axes {
+            let Floats { x, rank } = v;
+            let x = activation::softmax(x, axis);
+            return Ok(Floats { x, rank }.into());
+        }
+        let rows = [shape[..first].iter().product(), shape[first..].iter().product()];
+        let Floats { x, rank } = v.reshaped(&rows)?;
+        let x = activation::softmax(x, RANK - 1);
+        Floats { x, rank }.reshaped(&shape).map(Value::Floats)
     })
 }
 
@@ -50,6 +58,9 @@ fn product(a: Floats, b: Floats) -> Result<Floats> {
     if !fit {
         return Err(NetworkFault::Mismatch("matrices", left, right));
     }
+    let (rows, columns) = (left[left.len() - 2], right[right.len() - 1]);
+    let stack = broadcast(&left[..left.len() - 2], &right[..right.len() - 2])?;
+    bounded(stack.into_iter().chain([rows, columns]))?;
     let (x, rank) = (a.x.matmul(b.x), a.rank.max(b.rank));
     Ok(Floats { x, rank })
 }
@@ -61,6 +72,10 @@ fn layer_norm(first: i64, epsilon: f64) -> Operator {
         let scale = inputs.floats(1)?;
         let shift = inputs.optional_floats(2)?;
         let axes = RANK - rank + axis_of(first, rank)?..RANK;
+        let shape = Floats { x: x.clone(), rank }.shape();
+        for other in [Some(&scale), shift.as_ref()].into_iter().flatten() {
+            bounded(broadcast(&shape, &other.shape())?)?;
+        }
         let mean = |x: Tensor<RANK>| axes.clone().fold(x, Tensor::mean_dim);
         let centred = x.clone() - mean(x);
         let variance = mean(centred.clone() * centred.clone());
@@ -110,15 +125,17 @@ fn gemm(alpha: f32, beta: f32, turns: [bool; 2]) -> Operator {
             x = x.mul_scalar(alpha);
         }
         if let Some(c) = added {
-            x = x + c.x.mul_scalar(beta);
+            let product = Floats { x, rank };
+            bounded(broadcast(&product.shape(), &c.shape())?)?;
+            x = product.x + c.x.mul_scalar(beta);
         }
         Ok(Floats { x, rank }.into())
     })
 }
 
-pub(super) fn read(node: &Node) -> Option<Operator> {
+pub(super) fn read(node: &Node, opset: i64) -> Option<Operator> {
     Some(match node {
-        Node::Softmax(n) => softmax(n.config.axis),
+        Node::Softmax(n) => softmax(n.config.axis, opset < 13),
         Node::ReduceSum(n) => reduce(&n.config, |x, axis| x.sum_dim(axis)),
         Node::ReduceMean(n) => reduce(&n.config, |x, axis| x.mean_dim(axis)),
         Node::ReduceMax(n) => reduce(&n.config, |x, axis| x.max_dim(axis)),

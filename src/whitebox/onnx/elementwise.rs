@@ -5,7 +5,7 @@ use onnx_ir::Node;
 use onnx_ir::node::clip::ClipInput;
 
 use super::operator::{Inputs, Operator, Rearranged};
-use super::value::{Floats, Integers, RANK, Result, Value};
+use super::value::{Floats, Integers, RANK, Result, Value, bounded, broadcast};
 use crate::whitebox::NetworkFault;
 
 /// y = f(x).
@@ -69,8 +69,10 @@ fn clip(low: Option<ClipInput>, high: Option<ClipInput>) -> Operator {
 
 /// A derivative per channel for what is below zero.
 fn prelu(mut inputs: Inputs) -> Result<Value> {
-    let Floats { x, rank } = inputs.floats(0)?;
+    let value = inputs.floats(0)?;
     let derivative = inputs.floats(1)?;
+    bounded(broadcast(&value.shape(), &derivative.shape())?)?;
+    let Floats { x, rank } = value;
     let x = activation::relu(x.clone()) - activation::relu(x.neg()) * derivative.x;
     Ok(Floats { x, rank }.into())
 }

@@ -10,6 +10,9 @@ use crate::whitebox::NetworkFault;
 
 pub(super) type Slot = usize;
 
+/// All numbers of all tensors of one image; those of the largest detectors are a tenth of this.
+const MOST_KEPT: usize = 1 << 30;
+
 #[derive(Clone)]
 pub(super) struct GraphStep {
     /// For messages: the node's name in the file.
@@ -34,10 +37,15 @@ pub(super) struct Graph {
 impl Graph {
     /// Every slot's value, for an image.
     pub(super) fn run_all(&self, image: Value) -> Result<Vec<Option<Value>>, NetworkFault> {
-        let mut values = self.start(image);
+        let (mut values, mut kept) = (self.start(image), 0);
         for step in &self.steps {
             let inputs = step.inputs.iter().map(|slot| values[(*slot)?].clone()).collect();
             step.run(self.inputs(inputs), &mut values)?;
+            let made = step.outputs.iter().filter_map(|slot| values[*slot].as_ref());
+            kept += made.map(|value| value.shape().iter().product::<usize>()).sum::<usize>();
+            if kept > MOST_KEPT {
+                return Err(NetworkFault::TooLarge(MOST_KEPT));
+            }
         }
         Ok(values)
     }

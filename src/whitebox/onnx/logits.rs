@@ -4,7 +4,7 @@
 //! outputs are sigmoids that were only moved about afterwards, the network is therefore run up to their logits instead, and σ is left to
 //! the reader of the outputs, in 64 bits.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use burn::tensor::Device;
 
@@ -22,6 +22,15 @@ pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Resu
         added: Vec::new(),
         values,
     };
+    // In the order of the steps: no twin waits for another, however long the chain, and what reads a list's new order is copied after it.
+    let asked = moved_to_outputs(graph);
+    for i in 0..graph.steps.len() {
+        for slot in graph.steps[i].outputs.clone() {
+            if asked.contains(&slot) {
+                twins.of(graph, slot)?;
+            }
+        }
+    }
     let mut masks = Vec::new();
     for i in 0..graph.outputs.len() {
         let twin = twins.of(graph, graph.outputs[i].1)?;
@@ -41,6 +50,22 @@ pub(super) fn expose_logits(graph: &mut Graph, values: &[Option<Value>]) -> Resu
         }
     }
     Ok(masks)
+}
+
+/// The outputs, and whatever is only moved on the way to them.
+fn moved_to_outputs(graph: &Graph) -> BTreeSet<Slot> {
+    let mut asked: BTreeSet<Slot> = graph.outputs.iter().map(|(_, slot)| *slot).collect();
+    for step in graph.steps.iter().rev() {
+        if step.outputs.iter().any(|slot| asked.contains(slot)) {
+            let moved = match step.operator.rearranged {
+                Rearranged::Nothing => 0,
+                Rearranged::All => step.inputs.len(),
+                Rearranged::First | Rearranged::Ordered => 1,
+            };
+            asked.extend(step.inputs.iter().take(moved).flatten());
+        }
+    }
+    asked
 }
 
 /// Which step makes a slot, and which of its outputs that is.

@@ -23,10 +23,13 @@ pub(super) fn read(
         reason,
     };
     let not_parsed = |said: String| unreadable(NetworkFault::Framework(said.replace('\n', " ")));
+    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
+    let own = model.opset_import.iter().find(|opset| opset.domain.is_empty());
+    let opset = own.map_or(1, |opset| opset.version);
     // Simplified, it would have operators of the parser's own.
     let parsed = OnnxGraphBuilder::new().simplify(false).parse_bytes(bytes);
     let parsed = parsed.map_err(|e| not_parsed(e.to_string()))?;
-    let operators: Vec<Option<Operator>> = parsed.nodes.iter().map(operator).collect();
+    let operators: Vec<Option<Operator>> = parsed.nodes.iter().map(|node| operator(node, opset)).collect();
     let unknown: BTreeSet<String> = (parsed.nodes.iter().zip(&operators))
         .filter(|(node, operator)| operator.is_none() && !matches!(node, Node::Constant(_)))
         .map(|(node, _)| kind(node))
@@ -45,20 +48,19 @@ pub(super) fn read(
         .graph(&parsed, photo_size, operators)
         .map_err(unreadable)?;
     // The parser gives outputs names of its own.
-    let model = ModelProto::parse_from_bytes(bytes).map_err(|e| not_parsed(e.to_string()))?;
     for ((name, _), written) in graph.outputs.iter_mut().zip(&model.graph.output) {
         name.clone_from(&written.name);
     }
     Ok(graph)
 }
 
-fn operator(node: &Node) -> Option<Operator> {
+fn operator(node: &Node, opset: i64) -> Option<Operator> {
     elementwise::read(node)
         .or_else(|| arithmetic::read(node))
         .or_else(|| convolution::read(node))
         .or_else(|| rearrange::read(node))
         .or_else(|| resize::read(node))
-        .or_else(|| combine::read(node))
+        .or_else(|| combine::read(node, opset))
         .or_else(|| choice::read(node))
         .or_else(|| shapes::read(node))
 }

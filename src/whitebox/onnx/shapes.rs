@@ -53,16 +53,15 @@ fn range(bounds: [IntegerSetting; 3]) -> Operator {
             let first = numbers.first().copied();
             first.ok_or(NetworkFault::Malformed("a bound of it is empty"))
         };
-        let (mut at, limit, step) = (number(0)?, number(1)?, number(2)?);
-        if step == 0 || (limit - at) / step > 1 << 24 {
+        let (start, limit, step) = (number(0)?, number(1)?, number(2)?);
+        if step == 0 {
             return Err("it counts without end".into());
         }
-        let mut data = Vec::new();
-        while (step > 0 && at < limit) || (step < 0 && at > limit) {
-            data.push(at);
-            at += step;
-        }
-        Ok(listed(data))
+        // In 128 bits, where nothing of 64 overflows.
+        let (span, by) = (i128::from(limit) - i128::from(start), i128::from(step));
+        let count = usize::try_from(((span + by - by.signum()) / by).max(0)).unwrap_or(usize::MAX);
+        let count = bounded([count])?;
+        Ok(listed((0..count as i64).map(|i| start + i * step).collect()))
     })
 }
 

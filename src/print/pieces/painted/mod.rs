@@ -309,11 +309,16 @@ fn cut(
         paints.map(one).collect::<Result<Vec<_>, NoStencil>>()
     };
     let slit = material::sheet((piece, pieces), seams, &region.upright, rim, true);
-    let made = all_from(&slit)?;
+    let made = all_from(&slit);
     let whole = material::sheet((piece, pieces), seams, &region.upright, rim, false);
+    if slit == whole {
+        return Ok((slit, made?));
+    }
     // What holds together beside a slit is not enough everywhere; then the rim stays whole.
     let is_one = |stencil: &PieceStencil| slit.without(&stencil.openings).pieces.len() == slit.pieces.len();
-    if slit == whole || made.iter().all(is_one) {
+    if let Ok(made) = made
+        && made.iter().all(is_one)
+    {
         return Ok((slit, made));
     }
     let made = all_from(&whole)?;
