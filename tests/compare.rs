@@ -6,7 +6,7 @@ use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stder
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof::geometry::BoxPx;
-use scaleproof::score::{ImageBoxes, average_precision, pairs_needed, power};
+use scaleproof::score::{ImageBoxes, average_precision, pairs_needed, places_needed, power, power_by_place};
 use scaleproof::statistics::{holm, interval_95, mcnemar_p};
 use serde_json::Value;
 
@@ -188,6 +188,43 @@ fn the_planned_pairs_show_the_drop_as_often_as_planned() {
     println!("drop 0.2 from 0.9: {pairs} pairs, power {stated:.3}, simulated {simulated:.3}");
     assert!((simulated - stated).abs() < 0.025 && stated >= 0.8);
     assert!(power(pairs - 1, base_rate, drop, 0.05) < 0.8);
+}
+
+/// `compare` flips the sign of a place as a whole from six places on: simulated photo by photo, with a test that tries every pattern of signs.
+#[test]
+fn the_plan_of_places_is_what_compare_delivers() {
+    let (bins, base_rate) = (8, 0.9);
+    let shows = |sums: &[i64]| {
+        let seen: i64 = sums.iter().sum();
+        let far = (0..1_u32 << sums.len()).filter(|signs| {
+            let flipped = sums.iter().enumerate();
+            let sum: i64 = flipped.map(|(i, d)| if signs >> i & 1 == 1 { -d } else { *d }).sum();
+            sum.abs() >= seen
+        });
+        seen > 0 && (far.count() as f64) < 0.05 * f64::from(1_u32 << sums.len())
+    };
+    let mut rng = Pcg64Mcg::seed_from_u64(21);
+    for (places, drop) in [(6, 0.25), (6, 0.4), (8, 0.25)] {
+        let runs = 4000;
+        let shown = (0..runs).filter(|_| {
+            let mut hit = |rate: f64| i64::from(rng.random_range(0.0..1.0) < rate);
+            let mut place = |_| (0..bins).map(|_| hit(base_rate) - hit(base_rate - drop)).sum();
+            shows(&(0..places).map(&mut place).collect::<Vec<i64>>())
+        });
+        let (counted, stated) = (
+            shown.count() as f64 / f64::from(runs),
+            power_by_place(places, bins, base_rate, drop),
+        );
+        println!("{places} places of {bins} bins, drop {drop}: power {stated:.3}, counted {counted:.3}");
+        assert!((counted - stated).abs() < 0.04, "{places} {drop}: {counted} {stated}");
+    }
+    // Below six places the pairs count by themselves; six clusters show less than five times eight pairs.
+    let five = power(40, base_rate, 0.25, 0.05);
+    assert!((power_by_place(5, bins, base_rate, 0.25) - five).abs() < 1e-12);
+    assert!(power_by_place(6, bins, base_rate, 0.25) < five - 0.2);
+    // What five places show and six do not is not promised for five.
+    let needed = places_needed(bins, base_rate, 0.25, 0.7).unwrap();
+    assert!(five >= 0.7 && needed > 6, "{five} {needed}");
 }
 
 fn compare(session: &std::path::Path, out: &std::path::Path, more: &[&str]) -> std::process::Output {

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
-use scaleproof::score::{pairs_needed, power, smallest_drop};
+use scaleproof::score::{pairs_needed, power_by_place, smallest_drop_by_place};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {
@@ -213,7 +213,7 @@ fn the_comparison_says_how_many_more_photos_would_tell() {
     // yolox_nano: 6 of 8 against 4 of 8.
     let needed = pairs_needed(0.75, 0.25, 0.8, 0.05).unwrap();
     let wanted = format!(
-        "if the true drop is the 0.25 seen, {needed} pairs show it with a chance of 0.8: {} pairs more, {} photos",
+        "if the true drop is the 0.25 seen, {needed} independent pairs show it with a chance of 0.8, and these photos count as 8: {} pairs more, {} photos",
         needed - 8,
         2 * (needed - 8)
     );
@@ -239,8 +239,8 @@ fn a_plan_by_places_is_a_table() {
         (&plan_json["bins"], &plan_json["planned_places"]),
         (&8.into(), &3.into())
     );
-    let needed = pairs_needed(0.9, 0.2, 0.8, 0.05).unwrap();
-    assert_eq!(plan_json["places_needed"], needed.div_ceil(8));
+    let needed = plan_json["places_needed"].as_u64().unwrap() as usize;
+    assert!(power_by_place(needed, 8, 0.9, 0.2) >= 0.8 && power_by_place(needed - 1, 8, 0.9, 0.2) < 0.8);
     for row in plan_json["table"].as_array().unwrap() {
         let number = |key: &str| row[key].as_u64().unwrap() as usize;
         assert_eq!(
@@ -249,11 +249,8 @@ fn a_plan_by_places_is_a_table() {
         );
         // The smallest drop is shown as often as asked, and one of 0.01 less is not.
         if let Some(drop) = row["smallest_drop"].as_f64() {
-            let pairs = number("pairs");
-            assert!(
-                power(pairs, 0.9, drop, 0.05) >= 0.8 && power(pairs, 0.9, drop - 0.01, 0.05) < 0.8,
-                "{row}"
-            );
+            let power = |drop| power_by_place(number("places"), 8, 0.9, drop);
+            assert!(power(drop) >= 0.8 && power(drop - 0.01) < 0.8, "{row}");
         }
     }
     let text = stdout(&plan(&["--places", "3"]));
@@ -264,8 +261,8 @@ fn a_plan_by_places_is_a_table() {
     );
     // Six certain pairs are the fewest that show anything.
     assert_eq!(
-        (smallest_drop(5, 1.0, 0.8, 0.05), smallest_drop(6, 1.0, 0.8, 0.05)),
-        (None, Some(0.97))
+        [1, 5, 6].map(|pairs| smallest_drop_by_place(1, pairs, 1.0, 0.8)),
+        [None, None, Some(0.97)]
     );
     assert_refused(&plan(&["--bins", "3"]), &["--bins"]);
     assert_refused(

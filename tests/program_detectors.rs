@@ -333,6 +333,14 @@ fn what_a_program_does_wrong_ends_with_one_sentence_and_with_the_program() {
         STORED,
     );
     refused(&lost, &[], &["cannot read /no/weights"]);
+    // What it is asked does not fit into its pipe, and nobody waits for that.
+    let hello = HELLO.replace("\"path\"", "\"rgb\"");
+    let blind = r#"id=0; while [ $id -lt 9999 ]; do id=$((id + 1)); echo "{\"id\": $id, \"detections\": []}"; done; sleep 1000"#;
+    refused(
+        &desk.bare_script(&format!("echo '{hello}'\n{blind}\n")),
+        &["--threads", "1"],
+        &["cannot be used: it answers without reading its requests"],
+    );
     // Started for a second thread, it is another.
     let twice = format!(
         "if mkdir '{0}/first' 2>/dev/null; then name=one; else name=two; fi\n",

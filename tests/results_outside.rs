@@ -294,6 +294,12 @@ fn what_results_leave_open_is_refused() {
             json!([{"image_id": "tree.jpg", "category_id": 3, "bbox": [1, 2, 30, 40], "score": 0.5}]),
             vec!["no detection in any photo", "it has tree.jpg"],
         ),
+        (
+            changed("image_id", json!("b/normal_000.jpg")),
+            vec![
+                "detection 2 (of b/normal_000.jpg): normal_000 and b/normal_000.jpg may both be the photo normal_000.jpg",
+            ],
+        ),
         (json!([3]), vec!["results.json, line 1"]),
     ] {
         refused(&results.to_string(), &[], &words);

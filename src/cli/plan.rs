@@ -9,7 +9,8 @@ use crate::{score, spelling};
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
 ///
-/// Exact for McNemar's test at 5 %, with one photo of each texture a place and bin, and hits independent within a pair.
+/// Exact for McNemar's test at 5 %, with one photo of each texture a place and bin, and independent hits; simulated for six places of a scene or
+/// more, each of which `compare` takes as one cluster.
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// The drop of the hit rate that shall be shown, 0 to 1.
@@ -74,18 +75,17 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
     let bins = &Scene::open(scene)?.bins;
     let bins = bins.azimuth_centres().len() * bins.pitch_deg.len() * bins.distance_mm.len();
-    let needed = match args.drop {
-        Some(drop) => Some(score::pairs_needed(args.base_rate, drop, args.power, 0.05)?),
+    let places = match args.drop {
+        Some(drop) => Some(score::places_needed(bins, args.base_rate, drop, args.power)?),
         // What is wrong with the other numbers is found out in any case.
         None => score::pairs_needed(args.base_rate, args.base_rate, args.power, 0.05).map(|_| None)?,
     };
     let planned = usize::from(args.places);
-    let places = needed.map(|pairs| pairs.div_ceil(bins));
     let mut rows: Vec<usize> = PLACES.into_iter().chain([planned]).chain(places).collect();
     rows.sort_unstable();
     rows.dedup();
     rows.retain(|row| *row <= 2 * planned.max(places.unwrap_or(planned)).max(3));
-    let drop = |places: usize| score::smallest_drop(places * bins, args.base_rate, args.power, 0.05);
+    let drop = |places: usize| score::smallest_drop_by_place(places, bins, args.base_rate, args.power);
     if args.json {
         let row = |places: &usize| {
             serde_json::json!({
@@ -114,17 +114,19 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
             2 * places * bins
         )?;
     }
-    if let (Some(drop), Some(pairs), Some(places)) = (args.drop, needed, places) {
+    if let (Some(drop), Some(places)) = (args.drop, places) {
+        let places_in_words = spelling::count(places, "place");
         writeln!(
             out,
-            "A drop of {drop} needs {pairs} pairs: {}.",
-            spelling::count(places, "place")
+            "A drop of {drop} needs {places_in_words}: {} pairs.",
+            places * bins
         )?;
     }
     writeln!(
         out,
         "{bins} bins, one photo of each texture at each place and bin; hit rate of the base {}, shown with a chance of {} (McNemar, p < 0.05, all bins \
-         together).\nPhotos of one place are alike, and from six places on `compare` takes each as one cluster: rather more places than more bins.",
+         together).\nPhotos of one place are alike, and from six places on `compare` takes each as one cluster, as is counted here: rather more places than \
+         more bins.",
         args.base_rate, args.power
     )?;
     Ok(Outcome::Done)

@@ -1,5 +1,7 @@
 //! Label maps: what the class numbers of a detector mean.
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Serialize};
 
 /// A list of labels: in a manifest, one of the names below or a list of its own, `["car", "truck"]`.
@@ -26,7 +28,12 @@ pub enum LabelsError {
     Twice { name: String },
     #[error("the list of labels is empty")]
     Empty,
+    #[error("there are {0} labels, more than the {MOST_LABELS} that are read")]
+    TooMany(usize),
 }
+
+/// More labels than any detector has.
+const MOST_LABELS: usize = 20_000;
 
 /// Labels as a manifest writes them.
 #[derive(Deserialize, Serialize)]
@@ -87,9 +94,12 @@ impl Labels {
     }
 
     fn custom(names: Vec<String>) -> Result<Labels, LabelsError> {
-        let twice = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n));
-        match twice {
-            Some((_, name)) => Err(LabelsError::Twice { name: name.clone() }),
+        if names.len() > MOST_LABELS {
+            return Err(LabelsError::TooMany(names.len()));
+        }
+        let mut seen = HashSet::new();
+        match names.iter().find(|name| !seen.insert(name.as_str())) {
+            Some(name) => Err(LabelsError::Twice { name: name.clone() }),
             None if names.is_empty() => Err(LabelsError::Empty),
             None => Ok(Labels::Custom(Box::leak(names.into_boxed_slice()))),
         }
@@ -213,5 +223,8 @@ mod tests {
             let error = read(text).unwrap_err();
             assert!(error.contains(word), "{text}: {error}");
         }
+        let many = Labels::of_names((0..=MOST_LABELS).map(|i| i.to_string()).collect());
+        assert_eq!(many, Err(LabelsError::TooMany(20_001)));
+        assert!(Labels::of_names((0..MOST_LABELS).map(|i| i.to_string()).collect()).is_ok());
     }
 }

@@ -59,22 +59,24 @@ pub(super) fn basis(r: &Compared) -> String {
     }
 }
 
-/// How many more pairs would show the drop of the hit rate that was seen, if it is the true one; none where it is shown already or there is none.
+/// How many more independent pairs would show the drop of the hit rate that was seen, if it is the true one; none where it is shown already or there is none.
 pub(super) fn more_photos(r: &Compared) -> Option<String> {
     let d = &r.hit_rate.rate;
     if is_shown(d) || d.drop <= 0.0 {
         return None;
     }
     let needed = pairs_needed(d.base, d.drop.min(d.base), POWER, 0.05).ok();
-    Some(match needed.map(|needed| (needed, needed.saturating_sub(r.pairs))) {
+    Some(match needed.map(|needed| (needed, needed.saturating_sub(r.clusters))) {
         None => format!("a drop as small as {:.2} is beyond what photos can show", d.drop),
         Some((needed, 0)) => format!(
-            "{needed} pairs show a drop of {:.2} with a chance of {POWER}: these happened not to",
+            "{needed} independent pairs show a drop of {:.2} with a chance of {POWER}: these happened not to",
             d.drop
         ),
         Some((needed, more)) => format!(
-            "if the true drop is the {:.2} seen, {needed} pairs show it with a chance of {POWER}: {} more, {} photos, best at other places",
+            "if the true drop is the {:.2} seen, {needed} independent pairs show it with a chance of {POWER}, and these photos count as {}: {} more, {} \
+             photos, each pair at another place or bin, best at other places",
             d.drop,
+            r.clusters,
             spelling::count(more, "pair"),
             2 * more
         ),

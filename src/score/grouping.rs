@@ -72,7 +72,7 @@ impl GroupBy {
         let value = value(photo, &self.condition)?;
         match self.step.zip(value.parse::<f64>().ok()) {
             Some((step, number)) => {
-                let low = (number / step).floor() * step;
+                let low = whole_steps(number / step) * step;
                 Some(format!("{} to {}", plain(low), plain(low + step)))
             }
             None => Some(value),
@@ -141,6 +141,15 @@ impl GroupBy {
     }
 }
 
+/// How many steps lie whole below a number of them; 0.3 / 0.1 is 2.9999999999999996, and means 3.
+fn whole_steps(steps: f64) -> f64 {
+    let nearest = steps.round();
+    match (steps - nearest).abs() <= 1e-9 * nearest.abs() {
+        true => nearest,
+        false => steps.floor(),
+    }
+}
+
 /// A condition of a photo: its own, or one that follows from its place and bin.
 fn value(photo: &ScoredPhoto, condition: &str) -> Option<String> {
     if let Some(own) = photo.conditions.get(condition) {
@@ -173,4 +182,24 @@ pub(super) fn in_order(mut groups: Vec<String>) -> Vec<String> {
         (a, b) => b.is_some().cmp(&a.is_some()),
     });
     groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_at_the_border_of_a_group_is_the_first_of_the_next() {
+        for (number, step, whole) in [
+            (0.3, 0.1, 3.0),
+            (0.6, 0.1, 6.0),
+            (0.7, 0.1, 7.0),
+            (0.299, 0.1, 2.0),
+            (-0.3, 0.1, -3.0),
+            (0.0, 0.1, 0.0),
+            (299.0, 100.0, 2.0),
+        ] {
+            assert_eq!(whole_steps(number / step), whole, "{number} in steps of {step}");
+        }
+    }
 }

@@ -31,12 +31,13 @@ pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 #[cfg(test)]
 pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
-#[cfg(test)]
-pub(crate) use compare::power;
 pub(crate) use compare::{
-    ClusteredBy, Compared, Difference, Finding, compare_with, paired, pairs_needed, smallest_drop,
+    ClusteredBy, Compared, Difference, Finding, compare_with, paired, pairs_needed, places_needed,
+    smallest_drop_by_place,
 };
 pub use compare::{CompareError, Comparison, compare};
+#[cfg(test)]
+pub(crate) use compare::{power, power_by_place};
 pub use criteria::Criteria;
 pub(crate) use curves::{Curves, HitRateFrom, curves};
 pub(crate) use disagreement::disagreements;

@@ -145,6 +145,8 @@ struct Photos {
     by_photo: Vec<PhotoBoxes>,
     /// The photo of each image, where there is one.
     by_id: BTreeMap<ImageId, Option<usize>>,
+    /// What the results call a photo, where they name it themselves.
+    called: BTreeMap<usize, String>,
     unknown: BTreeSet<String>,
 }
 
@@ -153,6 +155,7 @@ impl Photos {
         Photos {
             by_photo: (0..count).map(|_| PhotoBoxes::default()).collect(),
             by_id: BTreeMap::new(),
+            called: BTreeMap::new(),
             unknown: BTreeSet::new(),
         }
     }
@@ -184,12 +187,8 @@ impl Photos {
                 continue;
             };
             if let Some(other) = called.insert(index, image) {
-                let (a, b) = (&other.file_name, &image.file_name);
-                return Err(refuse(format!(
-                    "{a} and {b} may both be the photo {}",
-                    request.photos[index].file
-                ))
-                .into());
+                let file = &request.photos[index].file;
+                return Err(refuse(one_photo(&other.file_name, &image.file_name, file)).into());
             }
             photo.is_listed = true;
             photo.size = image.width.zip(image.height).map(|(w, h)| [w, h]);
@@ -227,6 +226,10 @@ impl Photos {
                     Found::Several(a, b) => return Err(NoPhoto::Several(names.several(name, a, b))),
                 };
                 self.by_id.insert(id.clone(), index);
+                let other = index.and_then(|index| self.called.insert(index, name.clone()));
+                if let Some((other, photo)) = other.zip(index.and_then(|index| request.photos.get(index))) {
+                    return Err(NoPhoto::Several(one_photo(&other, name, &photo.file)));
+                }
                 index
             }
         };
@@ -236,6 +239,11 @@ impl Photos {
         }
         Ok(photo)
     }
+}
+
+/// Why two names of one photo are refused.
+fn one_photo(a: &str, b: &str, file: &str) -> String {
+    format!("{a} and {b} may both be the photo {file}")
 }
 
 /// Boxes that all lie in the first pixel are shares of the photo.

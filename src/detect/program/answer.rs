@@ -140,7 +140,11 @@ pub(super) fn garbage(line: &str, e: &serde_json::Error) -> String {
         .find(|word| e.is_syntax() && line.contains(word));
     match number {
         Some(word) => format!("it has {word} where a number belongs"),
-        None => format!("it begins with {start:?}, which is no answer ({e})"),
+        // The error may quote a whole key.
+        None => format!(
+            "it begins with {start:?}, which is no answer ({})",
+            one_line(&e.to_string())
+        ),
     }
 }
 
@@ -223,5 +227,7 @@ mod tests {
             let error = answered(&line).unwrap_err();
             assert!(error.contains(words) && !error.contains('\n'), "{error}");
         }
+        let long = format!(r#"{{"id": 7, "{}": 1}}"#, "x".repeat(1 << 20));
+        assert!(answered(&long).unwrap_err().len() < 1000);
     }
 }

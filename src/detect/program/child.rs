@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child as Process, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::groups::Group;
@@ -22,6 +22,8 @@ pub(super) enum Silence {
     Ended,
     HugeLine,
     NoText,
+    /// It has not read what it was asked before, and yet answered.
+    Unread,
 }
 
 /// What the thread that listens is to read.
@@ -79,10 +81,13 @@ impl Child {
         })
     }
 
-    /// Hands a message over; what keeps the program from reading it shows when its answer is awaited.
-    pub(super) fn send(&mut self, message: Vec<u8>) {
-        if let Some(to) = &self.to {
-            let _ = to.send(message);
+    /// Hands a message over and never waits; a program that has ended shows when its answer is awaited.
+    ///
+    /// There is room for one message behind the one being written, so that a program which reads each before it answers never meets a full channel.
+    pub(super) fn send(&mut self, message: Vec<u8>) -> Result<(), Silence> {
+        match self.to.as_ref().map(|to| to.try_send(message)) {
+            Some(Err(TrySendError::Full(_))) => Err(Silence::Unread),
+            _ => Ok(()),
         }
     }
 

@@ -5,13 +5,12 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use super::super::{Labels, Manifest};
+use super::answer::one_line;
 
 /// The protocol's version, which a hello states.
 const VERSION: u32 = 1;
 /// No text of a hello is longer, in characters.
 const LONGEST_TEXT: usize = 1000;
-/// More labels than any detector has.
-const MOST_LABELS: usize = 20_000;
 const MOST_FILES: usize = 1000;
 const MOST_WORKERS: usize = 1024;
 
@@ -94,6 +93,11 @@ impl Hello {
     /// # Errors
     /// What is wrong with it, as the end of a sentence.
     pub(super) fn parse(line: &str) -> Result<Hello, String> {
+        // The fault may quote what the program says.
+        Hello::read(line).map_err(|fault| one_line(&fault))
+    }
+
+    fn read(line: &str) -> Result<Hello, String> {
         if !line.trim_start().starts_with('{') {
             let start: String = line.trim().chars().take(60).collect();
             return Err(format!(
@@ -132,8 +136,8 @@ impl Hello {
                 "the text {start:?} has control characters or more than {LONGEST_TEXT} characters"
             ));
         }
-        if self.labels.count() > MOST_LABELS || self.files.len() > MOST_FILES {
-            return Err(format!("it has more than {MOST_LABELS} labels or {MOST_FILES} files"));
+        if self.files.len() > MOST_FILES {
+            return Err(format!("it has more than {MOST_FILES} files"));
         }
         if self.gradients != Gradients::Nothing && self.input != InputRule::Rgb {
             return Err("gradients need pixels: its input must be \"rgb\"".to_owned());
@@ -183,6 +187,14 @@ mod tests {
                 .unwrap_err()
                 .contains("\"Loading weights…\" and not its hello")
         );
+        let long = "x".repeat(1 << 20);
+        for change in [
+            format!(r#""name": "{long}""#),
+            format!(r#""name": "mine", "{long}": 1"#),
+            format!(r#""name": "mine", "gradients": "{long}""#),
+        ] {
+            assert!(hello(&change).unwrap_err().len() < 1000);
+        }
         let other = r#"{"scaleproof_detector": 2, "name": "mine", "version": "", "labels": ["a"], "input": "path"}"#;
         assert!(Hello::parse(other).unwrap_err().contains("version 2"));
     }

@@ -241,8 +241,8 @@ impl ProgramDetector {
         read: impl FnOnce(&str, &mut Child) -> Result<T, Distrust>,
     ) -> Result<T, ProgramError> {
         let mut child = self.lease()?;
-        child.send(request);
-        let line = child.line(self.limit).map_err(Distrust::Silence);
+        let line = child.send(request).and_then(|()| child.line(self.limit));
+        let line = line.map_err(Distrust::Silence);
         let fault = match line.and_then(|line| read(&line, &mut child)) {
             Ok(answer) => {
                 self.pool().idle.push(child);
@@ -353,6 +353,10 @@ fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration
         Silence::Ended => status.map_or("ended".to_owned(), ended),
         Silence::HugeLine => "wrote a line that has no end".to_owned(),
         Silence::NoText => "wrote what is no UTF-8 text".to_owned(),
+        Silence::Unread => {
+            let fault = "it answers without reading its requests".to_owned();
+            return ProgramError::Hello { command, fault };
+        }
     };
     ProgramError::Ended {
         command,

@@ -1,5 +1,6 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
+mod by_place;
 mod pairs;
 mod plan;
 mod result;
@@ -7,8 +8,11 @@ mod result;
 use std::collections::BTreeSet;
 
 #[cfg(test)]
+pub(crate) use by_place::power_by_place;
+pub(crate) use by_place::{places_needed, smallest_drop_by_place};
+pub(crate) use plan::pairs_needed;
+#[cfg(test)]
 pub(crate) use plan::power;
-pub(crate) use plan::{pairs_needed, smallest_drop};
 pub use result::Comparison;
 pub(crate) use result::{BinHits, ClusteredBy, Compared, Difference, Finding, Hits};
 

@@ -17,25 +17,23 @@ pub(crate) enum PlanError {
 }
 
 /// More pairs than anyone photographs.
-const MOST_PAIRS: usize = 2000;
+pub(super) const MOST_PAIRS: usize = 2000;
 
 /// The chance that McNemar's exact test shows the drop at level `alpha` with `pairs` pairs, one a place and bin.
 ///
 /// Exact: the hits of a pair are taken as independent of each other (photos alike in difficulty need fewer pairs), so that the
 /// discordant pairs are binomial, and those of them that speak for the drop are binomial again.
-#[cfg(test)]
 pub(crate) fn power(pairs: usize, base_rate: f64, drop: f64, alpha: f64) -> f64 {
     Tails::new(pairs, base_rate, drop, alpha).power(pairs)
 }
 
-/// The smallest drop, in steps of 0.01, that so many pairs show with the chance asked for; `None` when not even the largest is.
-pub(crate) fn smallest_drop(pairs: usize, base_rate: f64, target: f64, alpha: f64) -> Option<f64> {
+/// The smallest drop, in steps of 0.01, that is shown; `None` when not even the largest is.
+pub(super) fn smallest_drop(base_rate: f64, shows: impl Fn(f64) -> bool) -> Option<f64> {
     let steps = (base_rate * 100.0 + 1e-9).floor() as u32;
-    let shows = |step: &u32| Tails::new(pairs, base_rate, f64::from(*step) / 100.0, alpha).power(pairs) >= target;
-    let steps: Vec<u32> = (1..=steps).collect();
+    let drops: Vec<f64> = (1..=steps).map(|step| f64::from(step) / 100.0).collect();
     // The larger the drop, the surer it is shown.
-    let first = steps.partition_point(|step| !shows(step));
-    steps.get(first).map(|step| f64::from(*step) / 100.0)
+    let first = drops.partition_point(|drop| !shows(*drop));
+    drops.get(first).copied()
 }
 
 /// The fewest pairs from which on the power is reached (it falls back a little at single numbers, which are passed over).
@@ -106,7 +104,7 @@ impl Tails {
 }
 
 /// The probabilities of 0 to `n` successes; not finite when `p` is no probability.
-fn binomial(n: usize, p: f64) -> Vec<f64> {
+pub(super) fn binomial(n: usize, p: f64) -> Vec<f64> {
     let distribution = Binomial::new(p, n as u64);
     let chance = |k| distribution.as_ref().map_or(f64::NAN, |b| b.pmf(k));
     (0..=n as u64).map(chance).collect()
