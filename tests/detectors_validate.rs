@@ -1,6 +1,7 @@
 //! `detectors validate`: the AP of labelled photos beside the published one, and the change of a manifest that explains a difference.
 
 use crate::tests::common;
+use crate::tests::common::onnx;
 
 use std::path::{Path, PathBuf};
 
@@ -73,6 +74,8 @@ fn what_a_manifest_says_otherwise_than_its_origin_is_named() {
     let more = text.replace("\"categories\":[", "\"categories\":[{\"id\":99,\"name\":\"zeppelin\"},");
     assert_ne!(more, text);
     std::fs::write(&labels, more).unwrap();
+    let text = stdout(&validate(&right, &labels, &["--published", "0.5"]));
+    assert!(text.contains(", over other labels: 1 left out"), "{text}");
     let output = validate(&right, &labels, &["--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(stderr(&output).contains("no label for these categories, which are left out: zeppelin"));
@@ -91,6 +94,7 @@ fn what_a_manifest_says_otherwise_than_its_origin_is_named() {
         "{text}"
     );
     // As published, nothing is tried.
+    let labels = labelled(folder.path());
     let output = validate(&right, &labels, &["--published", &format!("{:.3}", ap - 0.005)]);
     let text = stdout(&output);
     assert!(
@@ -166,4 +170,99 @@ fn bad_labels_are_one_sentence() {
         &validate(&right, &labels, &["--published", "25.8"]),
         &["--published is 25.8: give an AP from 0 to 1"],
     );
+}
+
+/// A network that answers by colour: each photo is a car if red, and a person if blue, over the whole of a wide photo at the top of its input.
+fn colour_network() -> Vec<u8> {
+    let whole = [0.0, 0.0, 64.0, 32.0];
+    let parts = [
+        onnx::step(
+            "ReduceMean",
+            &["images"],
+            &["mean"],
+            &[
+                onnx::list_attribute("axes", &[2, 3]),
+                onnx::whole_attribute("keepdims", 0),
+            ],
+        ),
+        onnx::constant("colours", &[3, 2], &[20.0, -20.0, 0.0, 0.0, -20.0, 20.0]),
+        onnx::step("MatMul", &["mean", "colours"], &["red_or_blue"], &[]),
+        onnx::step("Sigmoid", &["red_or_blue"], &["scores"], &[]),
+        onnx::whole_constant("shape", &[3], &[1, 2, 1]),
+        onnx::step("Reshape", &["scores", "shape"], &["column"], &[]),
+        onnx::constant("boxes", &[1, 2, 4], &[whole, whole].concat()),
+        onnx::constant("labels", &[1, 2, 1], &[2.0, 0.0]),
+        onnx::step(
+            "Concat",
+            &["boxes", "column", "labels"],
+            &["output0"],
+            &[onnx::whole_attribute("axis", 2)],
+        ),
+    ];
+    onnx::graph(
+        &onnx::Input::floats("images", &[1, 3, 64, 64]),
+        &parts,
+        &["output0"],
+        13,
+    )
+}
+
+/// Wide photos, red ones with a car and blue ones with a person, labelled in `labels.json`.
+fn coloured_photos(folder: &Path) -> PathBuf {
+    let (mut images, mut annotations) = (Vec::new(), Vec::new());
+    for id in 0..24 {
+        let (colour, category) = match id % 2 {
+            0 => ([200, 90, 60], 3),
+            _ => ([60, 90, 200], 1),
+        };
+        let file = format!("{id}.png");
+        let photo = image::RgbImage::from_pixel(128, 64, image::Rgb(colour));
+        photo.save(folder.join(&file)).unwrap();
+        images.push(json!({"id": id, "file_name": file}));
+        annotations.push(json!({"image_id": id, "category_id": category, "bbox": [0, 0, 128, 64]}));
+    }
+    let categories = json!([{"id": 1, "name": "person"}, {"id": 3, "name": "car"}]);
+    let labels = folder.join("labels.json");
+    let file = json!({"images": images, "annotations": annotations, "categories": categories});
+    std::fs::write(&labels, file.to_string()).unwrap();
+    labels
+}
+
+#[test]
+fn the_order_of_channels_and_the_way_of_resizing_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let labels = coloured_photos(folder.path());
+    let network = colour_network();
+    std::fs::write(folder.path().join("made.onnx"), &network).unwrap();
+    let manifest = |channels: &str, resize: &str| {
+        format!(
+            "name = \"made\"\ntitle = \"Made\"\nlicence = \"none\"\norigin = \"this test\"\nlabels = \"coco80\"\npublished_ap = 1.0\n[weights]\n\
+             file = \"made.onnx\"\nsha256 = \"{}\"\n[input]\nsize_px = [64, 64]\nresize = \"{resize}\"\nkernel = \"opencv_linear\"\npad = 114\n\
+             channels = \"{channels}\"\nmean = [0.0, 0.0, 0.0]\nstd = [255.0, 255.0, 255.0]\n[head]\nkind = \"yolov10\"\n",
+            scaleproof::files::sha256_hex(&network)
+        )
+    };
+    let path = folder.path().join("made.toml");
+    let cases = [
+        ("rgb", "letterbox_top_left", "published 1.000: the same within 0.01"),
+        ("bgr", "letterbox_top_left", "explained by: channels rgb"),
+        ("rgb", "stretch", "explained by: resize letterbox_top_left"),
+        ("rgb", "letterbox_centre", "explained by: resize letterbox_top_left"),
+    ];
+    for (channels, resize, expected) in cases {
+        std::fs::write(&path, manifest(channels, resize)).unwrap();
+        let mut command = program();
+        command
+            .args(["detectors", "validate"])
+            .arg(&path)
+            .arg("--coco")
+            .arg(&labels);
+        let output = command.arg("--photos").arg(folder.path()).output().unwrap();
+        let text = stdout(&output);
+        assert!(
+            text.contains(expected),
+            "{channels} {resize}: {text}{}",
+            stderr(&output)
+        );
+    }
 }

@@ -165,7 +165,7 @@ fn compare_takes_the_confidence_of_a_hit() {
     let (_, usual, _) = scored(&skyline(), &[]);
     assert_ne!(page["results"], usual["paired"], "a lower threshold finds more");
     let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
-    assert!(html.contains("a hit from confidence 0.25"));
+    assert!(html.contains("a hit: confidence ≥ 0.25 and IoU ≥ 0.5"));
 }
 
 /// Six places: the eight directions of one place are one cluster, and a difference in all of them is six discordant clusters: p = 2 / 2⁶.

@@ -59,7 +59,7 @@ def run(
         "input": input,
         "files": [os.fspath(file) for file in files],
         "deterministic": deterministic,
-        "gradients": "partial" if partial_gradient else loss_and_gradient is not None,
+        "gradients": loss_and_gradient is not None and ("partial" if partial_gradient else True),
         "workers": workers,
     }
     about = {"title": title, "licence": licence, "origin": origin}

@@ -8,9 +8,7 @@ const THRESHOLDS: u32 = 10;
 /// The means of AP and of the recall reached over COCO's ten IoU thresholds; `None` without any truth.
 pub(crate) fn over_ious(definition: ApDefinition, images: &[ImageBoxes]) -> Option<AveragePrecision> {
     let mut sum = AveragePrecision { ap: 0.0, recall: 0.0 };
-    for i in 0..THRESHOLDS {
-        // As numpy's linspace makes them.
-        let iou = 0.5 + f64::from(i) * (0.45 / 9.0);
+    for iou in ious() {
         let own = average_precision_as(definition, images, iou)?;
         sum.ap += own.ap;
         sum.recall += own.recall;
@@ -20,4 +18,9 @@ pub(crate) fn over_ious(definition: ApDefinition, images: &[ImageBoxes]) -> Opti
         ap: sum.ap / count,
         recall: sum.recall / count,
     })
+}
+
+/// IoU 0.5 to 0.95, as numpy's linspace makes them.
+pub(crate) fn ious() -> impl Iterator<Item = f64> {
+    (0..THRESHOLDS).map(|i| 0.5 + f64::from(i) * (0.45 / 9.0))
 }

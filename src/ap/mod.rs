@@ -5,7 +5,7 @@
 mod averages;
 mod definition;
 
-pub(crate) use averages::over_ious;
+pub(crate) use averages::{ious, over_ious};
 pub use definition::ApDefinition;
 
 use crate::geometry::BoxPx;

@@ -114,10 +114,9 @@ fn name_of(path: &Path) -> PathBuf {
 /// it stands beside the figures too.
 pub(super) fn explained(scores: Result<Scores, ScoreError>, sets: &[SessionFiles]) -> Result<Scores, ScoreError> {
     match scores {
-        Ok(mut scores) => {
-            let causes: Vec<String> = scores.sessions.iter().filter_map(|s| cause_in(&scores, s)).collect();
-            scores.cautions.extend(causes);
-            Ok(scores)
+        Ok(scores) => {
+            let causes = scores.sessions.iter().filter_map(|s| cause_in(&scores, s)).collect();
+            Ok(scores.with_causes(causes))
         }
         Err(ScoreError::NothingScored { photos, file, reason }) => {
             let causes = sets.iter().filter_map(SessionFiles::cause);
@@ -136,10 +135,10 @@ fn cause_in(scores: &Scores, session: &Session) -> Option<String> {
     Some(format!("{}: {cause}", session.name))
 }
 
-/// Whether the cautions have a session's cause.
+/// Whether a session's cause was found.
 fn is_explained(scores: &Scores, session: &Session) -> bool {
     let name = format!("{}: ", session.name);
-    is_alike(scores, session) && scores.cautions.iter().any(|caution| caution.starts_with(&name))
+    is_alike(scores, session) && scores.causes.iter().any(|cause| cause.starts_with(&name))
 }
 
 /// Whether most photos of a session were left out. Sessions of one name cannot be told apart here: theirs are listed.

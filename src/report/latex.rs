@@ -108,14 +108,14 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         format!(
             "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
              % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
-             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: from confidence {}{}. Counts as the model: {}.",
+             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.",
             env!("CARGO_PKG_VERSION"),
             comparison.ap_definition,
             comparison.base,
             comparison.bootstrap_draws,
             comparison.bootstrap_seed,
             comparison.base,
-            scores.criteria.hit_confidence,
+            scores.criteria.hit().replace('≥', ">="),
             scores
                 .criteria
                 .protocol

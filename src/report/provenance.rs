@@ -91,13 +91,26 @@ fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
         title: c.manifest.title.clone(),
         weights_sha256: foreign.is_none().then(|| c.manifest.weights.sha256.clone()),
         version: foreign.and_then(|card| card.version.clone()),
-        files: foreign.iter().flat_map(|card| card.files.iter().cloned()).collect(),
+        files: foreign.map_or_else(BTreeMap::new, |card| by_name(&card.files)),
         counted_labels: counted::labels_of(c),
         origin: c.manifest.origin.clone(),
         licence: c.manifest.licence.clone(),
         source: c.source_name(),
         recorded_by,
     }
+}
+
+/// Hashes by the names of their files; the second of a name is “name (2)”.
+fn by_name(files: &[(String, String)]) -> BTreeMap<String, String> {
+    let mut all = BTreeMap::new();
+    for (name, hash) in files {
+        let numbered = (2..).map(|n| format!("{name} ({n})"));
+        let free = std::iter::once(name.clone())
+            .chain(numbered)
+            .find(|name| !all.contains_key(name));
+        all.extend(free.map(|name| (name, hash.clone())));
+    }
+    all
 }
 
 fn session(scores: &Scores, index: usize) -> SessionProvenance {

@@ -80,6 +80,10 @@ fn few_places(photos: &[ScoredPhoto]) -> Option<String> {
     let places: BTreeSet<Option<&str>> = photos.iter().map(|p| p.place.as_deref()).collect();
     match places.len() {
         0 => None,
+        1 if places.contains(&None) => Some(
+            "no photo names a place, and all are taken as of one: what is found holds for where, how and in what light they were taken"
+                .to_owned(),
+        ),
         1 => Some(
             "all photos are of one place: what is found holds for this place, this print and this light".to_owned(),
         ),
@@ -122,7 +126,7 @@ fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
         let name = variant.to_lowercase();
         CONTROLS.iter().any(|control| name.contains(control))
     };
-    let lacks = !others.is_empty() && !others.iter().any(is_control);
+    let lacks = !others.is_empty() && !is_control(&base) && !others.iter().any(is_control);
     lacks.then(|| {
         "no variant is a random control (by its name): a drop may come from any print of such colours, and not from this pattern".to_owned()
     })

@@ -47,6 +47,12 @@ impl Criteria {
         }
     }
 
+    /// From when on a detection of the class is a hit, in words.
+    pub(crate) fn hit(&self) -> String {
+        let (sign, confidence, iou) = (self.sign(), self.hit_confidence, self.match_iou());
+        format!("confidence {sign} {confidence} and IoU {sign} {iou}")
+    }
+
     pub(super) fn thresholds(&self) -> Thresholds {
         let least = |threshold: f64| match self.protocol.is_some_and(Protocol::is_strict) {
             true => threshold.next_up(),

@@ -1,6 +1,7 @@
 //! AP and hit rate that tell different stories, explained where they stand: AP ranks weak finds too, a hit must be confident.
 
-use super::{Scores, Summary};
+use super::summary::boxes;
+use super::{ApDefinition, ImageBoxes, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
 
 /// From this difference on a reader wonders.
 const TELLING: f64 = 0.3;
@@ -12,30 +13,92 @@ pub(crate) fn disagreements(scores: &Scores) -> Vec<String> {
 
 fn explained(scores: &Scores, s: &Summary) -> Option<String> {
     let index = scores.detectors.iter().position(|d| d.manifest.name == s.detector)?;
-    let (f, criteria) = (&s.overall, &scores.criteria);
+    let f = &s.overall;
     let difference = f.ap50 - f.hit_rate.rate;
-    let head = format!(
-        "{} on “{}”: AP@0.5 is {:.2} beside {} of {} photos hit",
+    if difference.abs() < TELLING {
+        return None;
+    }
+    let own = Own {
+        scores,
+        index,
+        photos: scores.photos.iter().filter(|p| p.variant == s.variant).collect(),
+    };
+    let causes = match difference > 0.0 {
+        true => [own.by_ramp(f.ap50), own.weak()],
+        false => [own.by_overlap(), own.false_positives()],
+    };
+    let causes: Vec<String> = causes.into_iter().flatten().collect();
+    let why = match causes.is_empty() {
+        true => String::new(),
+        false => format!(", since {}", causes.join(", and ")),
+    };
+    Some(format!(
+        "{} on “{}”: AP@0.5 is {:.2} beside {} of {} photos hit{why}",
         scores.title(&s.detector),
         s.variant,
         f.ap50,
         f.hit_rate.count,
         f.photos
-    );
-    let own = || scores.photos.iter().filter(|p| p.variant == s.variant);
-    let weak = own().filter(|p| p.outcomes[index].confidence > 0.0 && !p.outcomes[index].is_hit());
-    if difference >= TELLING {
-        return Some(format!(
-            "{head}, since {} more photos show the model at a confidence below {}, which AP counts by rank and a hit does not",
-            weak.count(),
-            criteria.hit_confidence
-        ));
+    ))
+}
+
+/// The photos of one variant, as one detector saw them.
+struct Own<'a> {
+    scores: &'a Scores,
+    index: usize,
+    photos: Vec<&'a ScoredPhoto>,
+}
+
+impl Own<'_> {
+    /// YOLOv5's definition joins the last recall reached to recall 1 by a ramp, whose area counts.
+    fn by_ramp(&self, ap50: f64) -> Option<String> {
+        let is_ramp = self.scores.criteria.ap == ApDefinition::Yolov5Ramp;
+        let counted = &self.scores.detectors[self.index].counted;
+        let of = |p: &&ScoredPhoto| boxes(p, self.index, counted);
+        let images: Vec<ImageBoxes> = is_ramp.then(|| self.photos.iter().map(of).collect())?;
+        let without = average_precision_as(ApDefinition::Coco101, &images, MATCH_IOU)?.ap;
+        (ap50 - without >= TELLING / 2.0)
+            .then(|| format!("YOLOv5's definition counts recalls that are not reached (COCO's gives {without:.2})"))
     }
-    (difference <= -TELLING).then(|| {
-        let wrong: usize = own().map(|p| p.outcomes[index].false_positives).sum();
-        format!(
-            "{head}, since AP counts false positives too: {wrong} from confidence {} up, and weaker ones",
-            criteria.hit_confidence
-        )
-    })
+
+    /// Finds too weak for a hit.
+    fn weak(&self) -> Option<String> {
+        let outcomes = self.photos.iter().map(|p| &p.outcomes[self.index]);
+        let count = outcomes.filter(|o| o.confidence > 0.0 && !o.is_hit()).count();
+        let least = self.scores.criteria.hit_confidence;
+        (count > 0).then(|| {
+            format!(
+                "{count} more photos show the model at a confidence below {least}, which AP counts by rank and a hit does not"
+            )
+        })
+    }
+
+    /// Hits of a protocol that asks for less overlap than AP.
+    fn by_overlap(&self) -> Option<String> {
+        let (criteria, counted) = (&self.scores.criteria, &self.scores.detectors[self.index].counted);
+        let least = criteria.thresholds();
+        let is_loose = |p: &&&ScoredPhoto| {
+            let is_close = |d: &crate::detect::Detection| {
+                counted.contains(&d.label) && d.score >= least.confidence && d.box_px.iou(&p.truth) >= MATCH_IOU
+            };
+            p.outcomes[self.index].is_hit() && !p.detections[self.index].iter().any(is_close)
+        };
+        let count = self.photos.iter().filter(is_loose).count();
+        (count > 0).then(|| {
+            format!(
+                "{count} of the hits overlap the truth box by less than {MATCH_IOU}, which is enough for a hit of this protocol and not for AP"
+            )
+        })
+    }
+
+    fn false_positives(&self) -> Option<String> {
+        let wrong: usize = self.photos.iter().map(|p| p.outcomes[self.index].false_positives).sum();
+        let loose = self.scores.criteria.match_iou() < MATCH_IOU;
+        (wrong > 0 || !loose).then(|| {
+            format!(
+                "AP counts false positives too: {wrong} from confidence {} up, and weaker ones",
+                self.scores.criteria.hit_confidence
+            )
+        })
+    }
 }

@@ -69,7 +69,8 @@ impl Protocol {
             Protocol::Armory => {
                 "Armory Library, `ObjectDetectionRates`, and Armory, `object_detection_AP_per_class`: confidence > 0.5, IoU > 0.5, all labels; a photo with a \
                  right and a wrong label counts as both, so that the disappearance rate (1 − the two) may fall below 0; AP over 11 recalls, two \
-                 digits"
+                 digits. Armory's mAP is the mean over all true and found labels, for photos labelled in full: here only the model is labelled, and \
+                 its AP is given"
             }
             Protocol::Apricot => {
                 "Braunegg et al., “APRICOT: A Dataset of Physical Adversarial Attacks on Object Detection”, ECCV 2020 (arXiv 1912.08166), as in \

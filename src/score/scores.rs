@@ -29,6 +29,8 @@ pub struct Scores {
     pub criteria: Criteria,
     /// What a reader must know before believing the figures, as sentences.
     pub cautions: Vec<String>,
+    /// Why most photos of a session were left out, found by whoever opened its files; among the cautions.
+    pub(crate) causes: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every detector was played back.
     pub runtime: Option<String>,
     /// Of the textures whose patterns are known.
@@ -64,6 +66,7 @@ impl Scores {
         }
         let mut scores = Scores {
             cautions: Vec::new(),
+            causes: Vec::new(),
             summaries: Vec::new(),
             base: BASE_VARIANT.to_owned(),
             criteria: Criteria::default(),
@@ -95,7 +98,15 @@ impl Scores {
             &self.detectors,
             (&self.base, &self.summaries),
         );
+        self.cautions.extend_from_slice(&self.causes);
         self.paired = OnceLock::new();
+    }
+
+    /// The same run with causes that photos share which were left out.
+    pub(crate) fn with_causes(mut self, causes: Vec<String>) -> Scores {
+        self.causes = causes;
+        self.sum_up();
+        self
     }
 
     /// The same photos and detections under other criteria; nothing is detected again.

@@ -69,8 +69,8 @@ struct Trials {
 struct Trial {
     change: String,
     averages: Averages,
-    /// In AP@0.5, beyond chance.
-    least_gain: f64,
+    /// Beyond chance; `None` with too few photos.
+    least_gain: Option<f64>,
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
@@ -148,8 +148,9 @@ fn trials(manifest: &Manifest, sample: &LabelledPhotos, look: &Look) -> Result<T
         });
     }
     changed.sort_by(|a, b| b.averages.ap_50_95.total_cmp(&a.averages.ap_50_95));
-    let explains =
-        |trial: &&Trial| trial.least_gain >= LEAST_GAIN && trial.averages.ap_50_95 >= base.ap_50_95 + LEAST_GAIN;
+    let explains = |trial: &&Trial| {
+        trial.least_gain.is_some_and(|gain| gain >= LEAST_GAIN) && trial.averages.ap_50_95 >= base.ap_50_95 + LEAST_GAIN
+    };
     Ok(Trials {
         photos: sample.photos.len(),
         as_the_manifest_says: base,
@@ -184,18 +185,11 @@ fn text(validated: &Validated) -> String {
     }
     if let Some(trials) = &validated.trials {
         let head = format!("on {} of the photos", trials.photos);
-        lines.push(format!("\n{head:<34} AP@[.5:.95]  gain of AP@0.5 at least"));
+        lines.push(format!("\n{head:<34} AP@[.5:.95]  gain at least"));
         let row = |what: &str, averages: &Averages| format!("  {what:<32} {:<12.3}", averages.ap_50_95);
         let base = row("as the manifest says", &trials.as_the_manifest_says);
         lines.push(base.trim_end().to_owned());
-        // Below −1 stands for too few photos.
-        let least = |gain: f64| {
-            if gain < -1.0 {
-                "not known".to_owned()
-            } else {
-                format!("{gain:+.3}")
-            }
-        };
+        let least = |gain: Option<f64>| gain.map_or("not known".to_owned(), |gain| format!("{gain:+.3}"));
         let changed = trials.changed.iter();
         lines.extend(
             changed.map(|trial| format!("{} {}", row(&trial.change, &trial.averages), least(trial.least_gain))),

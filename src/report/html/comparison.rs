@@ -15,10 +15,10 @@ const WIDTH: f64 = 1060.0;
 /// The whole page.
 pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> String {
     let lead = format!(
-        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit from confidence {}{}; counts as the model: {}.",
+        "Textures against “{}” on photos paired by place and bin; AP@0.5: {}; a hit: {}{}; counts as the model: {}.",
         comparison.base,
         comparison.ap_definition,
-        scores.criteria.hit_confidence,
+        scores.criteria.hit(),
         scores
             .criteria
             .protocol

@@ -44,9 +44,8 @@ pub(super) fn headline(scores: &Scores) -> Markup {
         @for sentence in disagreements(scores) { p.explained { (sentence) "." } }
         p.note {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }
-            "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: confidence " (scores.criteria.sign()) " "
-            (scores.criteria.hit_confidence) " and IoU " (scores.criteria.sign()) " " (scores.criteria.match_iou()) ". Confidence: misses count 0. Drop: "
-            (scores.base) " minus this texture; above 0, the detector does worse"
+            "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "). A hit: " (scores.criteria.hit())
+            ". Confidence: misses count 0. Drop: " (scores.base) " minus this texture; above 0, the detector does worse"
             @match variants.contains(&scores.base.as_str()) {
                 true => { " " (bases(scores)) ". Red: a drop is shown at 5 %; grey: none is shown, or too few photos can tell. " }
                 false => { ". This run lacks " (scores.base) ", so no drop is given. " }

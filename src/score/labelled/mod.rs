@@ -6,7 +6,7 @@ mod feeding;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, over_ious};
+use crate::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, ious, over_ious};
 use crate::detect::{DetectError, Detection, Detector, Labels, Manifest, Runtime};
 use crate::files::FileError;
 use crate::geometry::BoxPx;
@@ -134,9 +134,9 @@ impl LabelledPhotos {
         })
     }
 
-    /// What a change gains in AP@0.5 at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
-    /// interval over photos.
-    pub(crate) fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> f64 {
+    /// What a change gains in AP@[.5:.95] at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
+    /// interval over photos. `None` with too few of them.
+    pub(crate) fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> Option<f64> {
         let labels: BTreeSet<usize> = self
             .photos
             .iter()
@@ -146,28 +146,26 @@ impl LabelledPhotos {
         let ranked = |found: &Found, label: usize, shift: i64| {
             let images = self.photos.iter().zip(found);
             let images: Vec<ImageBoxes> = images.map(|(photo, found)| boxes(photo, found, label, shift)).collect();
-            Ranked::new(&images, 0.5)
+            ious().map(move |iou| Ranked::new(&images, iou))
         };
-        let sides: Vec<[Ranked; 2]> = labels
-            .iter()
-            .map(|label| [ranked(before, *label, 0), ranked(after, *label, shift)])
-            .collect();
+        let of_label = |label: &usize| ranked(before, *label, 0).zip(ranked(after, *label, shift));
+        let sides: Vec<(Ranked, Ranked)> = labels.iter().flat_map(of_label).collect();
         let [interval] = statistics::intervals_95(self.photos.len(), |times| [gain(&sides, times)]);
         match interval {
-            Some(interval) => interval.low,
+            Some(interval) => Some(interval.low),
             // Every draw gained the same.
-            None if self.photos.len() >= statistics::FEWEST_CLUSTERS => gain(&sides, &vec![1; self.photos.len()]),
-            None => f64::NEG_INFINITY,
+            None if self.photos.len() >= statistics::FEWEST_CLUSTERS => Some(gain(&sides, &vec![1; self.photos.len()])),
+            None => None,
         }
     }
 }
 
-/// The mean difference over the labels that have an object in the resample.
-fn gain(sides: &[[Ranked; 2]], times: &[u32]) -> f64 {
+/// The mean difference over the labels that have an object in the resample, and over the thresholds.
+fn gain(sides: &[(Ranked, Ranked)], times: &[u32]) -> f64 {
     let ap = |ranked: &Ranked| Some(ApDefinition::Coco101.of_curve(&ranked.curve(|image| times[image])?));
     let gains: Vec<f64> = sides
         .iter()
-        .filter_map(|[before, after]| Some(ap(after)? - ap(before)?))
+        .filter_map(|(before, after)| Some(ap(after)? - ap(before)?))
         .collect();
     gains.iter().sum::<f64>() / gains.len().max(1) as f64
 }
