@@ -130,6 +130,8 @@ mod tests {
         let square = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]];
         let found: Vec<(i64, f64)> = slices(&square, &column, column.cells(&square))
             .map(|(cell, part)| (cell, area(&part)))
+            // The far corner may be a part by itself, without area.
+            .filter(|(_, mm2)| *mm2 > 1e-12)
             .collect();
         // x + y from 0 to 2, 4 and 6.
         assert_eq!(found.len(), 3, "{found:?}");
