@@ -1,6 +1,8 @@
 //! Work spread over threads that each own a state (a tag detector, inference sessions) which must not be shared; and how long
 //! some takes.
 
+pub(crate) mod stopwatch;
+
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;

@@ -169,6 +169,77 @@ fn the_charts_are_files_that_a_browser_can_show() {
     }
 }
 
+/// Two detectors on four photos: every stage takes time, tags only where poses come from them, and the bars are as long as the times.
+#[test]
+fn scoring_is_charted_by_stages() {
+    let Some(weights) = common::shared("detectors/fastestdet.onnx") else {
+        return;
+    };
+    let folder = copy_of_skyline();
+    let out = folder.path().join("charts");
+    let mut command = program();
+    command.args([
+        "chart",
+        "score",
+        "--detector",
+        "fastestdet",
+        "--rounds",
+        "1",
+        "--json",
+        "--detectors",
+    ]);
+    command
+        .arg(weights.parent().unwrap())
+        .arg("--session")
+        .arg(folder.path());
+    let output = command.arg("-o").arg(&out).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let numbers: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let rows = numbers["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    for (row, poses) in rows.iter().zip(["tags", "given"]) {
+        assert_eq!((&row["poses"], &row["photos"]), (&poses.into(), &16.into()));
+        let stages = row["stages"].as_array().unwrap();
+        let ms = |name: &str| {
+            let stage = stages.iter().find(|stage| stage["stage"] == name);
+            stage.unwrap()["ms"].as_f64().unwrap()
+        };
+        for name in ["read", "colour", "resize", "network"] {
+            assert!(ms(name) > 0.0, "{name}: {row}");
+        }
+        assert_eq!(ms("tags") > 0.0, poses == "tags", "{row}");
+        let all: f64 = stages.iter().map(|stage| stage["ms"].as_f64().unwrap()).sum();
+        assert!((row["photos_per_second"].as_f64().unwrap() * all / 1e3 - 1.0).abs() < 1e-9);
+    }
+    let text = std::fs::read_to_string(out.join("score.svg")).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let bars = document
+        .descendants()
+        .filter(|n| n.has_tag_name("rect") && n.children().any(|c| c.has_tag_name("title")));
+    assert_eq!(bars.count(), 14);
+    // Without a photo that can be scored there is nothing to time.
+    let list = folder.path().join("session.json");
+    let session = std::fs::read_to_string(&list).unwrap();
+    std::fs::write(&list, session.replace("normal_", "lost_").replace("random_", "lost_")).unwrap();
+    let mut command = program();
+    command.args([
+        "chart",
+        "score",
+        "--detector",
+        "fastestdet",
+        "--rounds",
+        "1",
+        "--detectors",
+    ]);
+    command
+        .arg(weights.parent().unwrap())
+        .arg("--session")
+        .arg(folder.path());
+    let again = folder.path().join("again");
+    assert_refused(&command.arg("-o").arg(&again).output().unwrap(), &["lost_000.jpg"]);
+    assert!(!again.exists());
+}
+
 #[test]
 fn bad_input_is_one_sentence() {
     let folder = tempfile::tempdir().unwrap();

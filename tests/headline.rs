@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
-use scaleproof::score::{pairs_needed, power_by_place, smallest_drop_by_place};
+use scaleproof::score::{power_by_place, smallest_drop_by_place};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {
@@ -211,11 +211,16 @@ fn the_comparison_says_how_many_more_photos_would_tell() {
     assert!(command.output().unwrap().status.success());
     let page = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
     // yolox_nano: 6 of 8 against 4 of 8.
-    let needed = pairs_needed(0.75, 0.25, 0.8, 0.05).unwrap();
+    let scene = skyline().join("scene.toml");
+    let mut plan = program();
+    plan.args(["plan", "--drop", "0.25", "--base-rate", "0.75", "--json", "--scene"])
+        .arg(scene);
+    let planned: Value = serde_json::from_slice(&plan.output().unwrap().stdout).unwrap();
+    let needed = planned["places_needed"].as_u64().unwrap();
     let wanted = format!(
-        "if the true drop is the 0.25 seen, {needed} independent pairs show it with a chance of 0.8, and these photos count as 8: {} pairs more, {} photos",
-        needed - 8,
-        2 * (needed - 8)
+        "if the true drop is the 0.25 seen, {needed} places of these 8 bins show it with a chance of 0.8, and these photos are of 1: {} places more, {} photos",
+        needed - 1,
+        16 * (needed - 1)
     );
     assert!(page.contains(&wanted), "{wanted}");
     assert!(page.contains("How many more photos would tell"));
@@ -253,6 +258,12 @@ fn a_plan_by_places_is_a_table() {
             assert!(power(drop) >= 0.8 && power(drop - 0.01) < 0.8, "{row}");
         }
     }
+    // Fewer than six places show it too, in a way that the table alone would leave open.
+    let text = stdout(&plan(&["--places", "3", "--drop", "0.3"]));
+    assert!(
+        text.contains("A drop of 0.3 needs 8 places: 64 pairs.\n5 places show it too, but for themselves alone"),
+        "{text}"
+    );
     let text = stdout(&plan(&["--places", "3"]));
     let planned = text.lines().find(|line| line.contains("← planned")).unwrap();
     assert!(

@@ -4,6 +4,7 @@
 pub(crate) mod capture;
 pub(crate) mod envelope;
 pub(crate) mod locate;
+pub(crate) mod score;
 mod spoil;
 pub(crate) mod stability;
 mod truth;

@@ -10,7 +10,7 @@ pub(super) type Advise = fn(&(dyn Error + 'static)) -> Option<String>;
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
     match wrapped.find_map(|e| super::ADVICE.iter().find_map(|advise| advise(e))) {
-        Some(advice) if advice.starts_with([',', ' ']) => format!("{error}{advice}"),
+        Some(advice) if advice.starts_with([',', ' ', ';']) => format!("{error}{advice}"),
         Some(advice) => format!("{error}: {advice}"),
         None => error.to_string(),
     }

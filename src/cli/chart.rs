@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Subcommand;
 use serde::Serialize;
 
-use super::{CommandResult, Outcome, Result, print, progress};
+use super::detectors::Folder;
+use super::results::Results;
+use super::{CommandResult, Outcome, Result, at_hand, print, progress};
 use crate::chart::locate::PhotoSample;
-use crate::chart::{capture, envelope as envelope_chart, locate, stability, true_boxes, true_views};
+use crate::chart::{
+    capture, envelope as envelope_chart, locate, score as score_chart, stability, true_boxes, true_views,
+};
 use crate::envelope::{self, EnvelopeShape};
 use crate::files;
 use crate::locate::locate_photo;
@@ -33,6 +37,8 @@ enum What {
     Stability(StabilityArgs),
     /// Guided capture by every tag detector: milliseconds from frame to advice
     Capture(CaptureArgs),
+    /// Scoring, stage by stage: where the milliseconds of a photo go, poses from tags and truth given
+    Score(ScoreArgs),
 }
 
 #[derive(clap::Args)]
@@ -77,6 +83,27 @@ struct CaptureArgs {
     json: bool,
 }
 
+#[derive(clap::Args)]
+struct ScoreArgs {
+    /// A session folder; every detector looks at its photos alone
+    #[arg(long, value_name = "DIR")]
+    session: PathBuf,
+    /// Detectors: names of the list or manifests (`detectors list`); otherwise those whose weights are present
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: Folder,
+    /// Each photo's fastest of so many rounds counts
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    rounds: u32,
+    /// Folder for the chart (SVG) and its numbers (JSON)
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// One JSON object instead of a table: the numbers, and the files that were written
+    #[arg(long)]
+    json: bool,
+}
+
 /// The photos and the truth about them.
 #[derive(clap::Args)]
 struct ChartInput {
@@ -101,6 +128,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::Envelope(args) => chart_envelope(&args, out),
         What::Stability(args) => chart_stability(&args, out),
         What::Capture(args) => chart_capture(&args, out),
+        What::Score(args) => chart_score(&args, out),
     }
 }
 
@@ -228,6 +256,26 @@ fn chart_capture(args: &CaptureArgs, out: &mut dyn Write) -> CommandResult {
         name: "capture",
         table: capture::table(&rows),
         drawn: vec![("", capture::draw(&rows))],
+        numbers: numbers(&session, &[], &rows)?,
+    };
+    chart.write(&args.output, args.json, out)
+}
+
+fn chart_score(args: &ScoreArgs, out: &mut dyn Write) -> CommandResult {
+    let session = Session::open(&args.session)?;
+    let none = Results::default();
+    let sessions = std::slice::from_ref(&session);
+    let detectors = at_hand::evaluated(sessions, &args.detectors, false, &args.folder, &none)?;
+    files::check_writable(&args.output)?;
+    let rounds = args.rounds as usize;
+    let ways = score_chart::ways(&session).len();
+    let bar = progress::photos("timing", session.photos.len() * detectors.len() * ways * (rounds + 1));
+    let rows = score_chart::measure(&session, detectors, rounds, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let chart = ChartOutput {
+        name: "score",
+        table: score_chart::table(&rows),
+        drawn: vec![("", score_chart::draw(&rows))],
         numbers: numbers(&session, &[], &rows)?,
     };
     chart.write(&args.output, args.json, out)

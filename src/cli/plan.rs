@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome};
 use crate::scene::Scene;
+use crate::statistics::FEWEST_CLUSTERS;
 use crate::{score, spelling};
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
@@ -120,6 +121,17 @@ fn table(args: &Args, scene: &Path, out: &mut dyn Write) -> CommandResult {
             out,
             "A drop of {drop} needs {places_in_words}: {} pairs.",
             places * bins
+        )?;
+    }
+    let at_fewer = args.drop.zip(places).and_then(|(asked, places)| {
+        let shows = |fewer: &usize| *fewer < places && drop(*fewer).is_some_and(|shown| shown <= asked);
+        (1..FEWEST_CLUSTERS).find(shows)
+    });
+    if let Some(fewer) = at_fewer {
+        writeln!(
+            out,
+            "{} show it too, but for themselves alone: below {FEWEST_CLUSTERS} places the pairs count one by one, from {FEWEST_CLUSTERS} on the places.",
+            spelling::count(fewer, "place")
         )?;
     }
     writeln!(

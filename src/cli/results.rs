@@ -13,7 +13,7 @@ use crate::score::{EvaluatedDetector, EvaluatedDetectorError, ScoreError};
 use crate::session::Session;
 
 /// Detections from outside.
-#[derive(clap::Args)]
+#[derive(Default, clap::Args)]
 pub(super) struct Results {
     /// Detections of another program, under a name of your choice: a COCO results list (.json), or a folder with YOLO's text files, one a
     /// photo; see `scaleproof session export` for what to run it on. Once for each detector.
@@ -22,7 +22,7 @@ pub(super) struct Results {
     /// With --results: the COCO file whose images the results number.
     #[arg(long, value_name = "JSON", requires = "results")]
     images: Option<PathBuf>,
-    /// With --results: what the numbers of its classes mean: a COCO file with `categories`, or a text file of names, one a line; COCO's own
+    /// With --results: what the numbers of its classes mean: a COCO file with `categories`, the `names` of a YOLO data set's YAML file, or a text file of names, one a line; COCO's own
     /// when left out.
     #[arg(long, value_name = "FILE", requires = "results")]
     categories: Option<PathBuf>,

@@ -18,6 +18,7 @@ use super::manifest::{Input, Layout, Values};
 use super::{Detection, MAX_DETECTIONS, Manifest};
 use crate::files;
 use crate::geometry::BoxPx;
+use crate::workers::stopwatch::{Stage, timed};
 
 /// Why a detector could not run.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -158,7 +159,8 @@ impl Detector {
             what,
         };
         let placement = InputPlacement::new(&self.manifest.input, width, height);
-        let tensor = input::tensor(photo, &self.manifest.input, &placement).map_err(|e| failed(e.to_string()))?;
+        let tensor = timed(Stage::Resize, || input::tensor(photo, &self.manifest.input, &placement));
+        let tensor = tensor.map_err(|e| failed(e.to_string()))?;
         let outputs = run(&mut self.session, &self.manifest, tensor, &placement, self.time_limit);
         let outputs = outputs.map_err(|e| match e {
             NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),

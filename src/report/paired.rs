@@ -1,6 +1,6 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
-use crate::score::{ClusteredBy, Compared, Difference, Finding, Scores, paired, pairs_needed};
+use crate::score::{ClusteredBy, Compared, Difference, Finding, Scores, paired, places_needed};
 use crate::spelling;
 
 /// What the pairs of a variant and the base say of one detector; none where no photos pair.
@@ -59,26 +59,28 @@ pub(super) fn basis(r: &Compared) -> String {
     }
 }
 
-/// How many more independent pairs would show the drop of the hit rate that was seen, if it is the true one; none where it is shown already or there is none.
+/// How many more places would show the drop of the hit rate that was seen, if it is the true one; none where it is shown already or there is none.
 pub(super) fn more_photos(r: &Compared) -> Option<String> {
     let d = &r.hit_rate.rate;
     if is_shown(d) || d.drop <= 0.0 {
         return None;
     }
-    let needed = pairs_needed(d.base, d.drop.min(d.base), POWER, 0.05).ok();
-    Some(match needed.map(|needed| (needed, needed.saturating_sub(r.clusters))) {
+    let needed = places_needed(r.bins, d.base, d.drop.min(d.base), POWER).ok();
+    let bins = spelling::count(r.bins, "bin");
+    Some(match needed.map(|needed| (needed, needed.saturating_sub(r.places))) {
         None => format!("a drop as small as {:.2} is beyond what photos can show", d.drop),
         Some((needed, 0)) => format!(
-            "{needed} independent pairs show a drop of {:.2} with a chance of {POWER}: these happened not to",
+            "{} of {bins} show a drop of {:.2} with a chance of {POWER}: these happened not to",
+            spelling::count(needed, "place"),
             d.drop
         ),
         Some((needed, more)) => format!(
-            "if the true drop is the {:.2} seen, {needed} independent pairs show it with a chance of {POWER}, and these photos count as {}: {} more, {} \
-             photos, each pair at another place or bin, best at other places",
+            "if the true drop is the {:.2} seen, {} of these {bins} show it with a chance of {POWER}, and these photos are of {}: {}, {} photos",
             d.drop,
-            r.clusters,
-            spelling::count(more, "pair"),
-            2 * more
+            spelling::count(needed, "place"),
+            r.places,
+            spelling::choose(more, "1 place more", &format!("{more} places more")),
+            2 * more * r.bins
         ),
     })
 }

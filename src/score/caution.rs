@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{EvaluatedDetector, NotScored, ScoredPhoto, Summary};
+use super::{EvaluatedDetector, MATCH_IOU, NotScored, ScoredPhoto, Summary};
+use crate::detect::Detection;
+use crate::geometry::BoxPx;
 use crate::scene::{Bin, Envelope};
 use crate::session::Session;
 use crate::spelling;
@@ -21,6 +23,7 @@ pub(super) fn cautions(
     cautions.extend(few_clusters(photos, base));
     cautions.extend(few_places(photos));
     cautions.extend(hardly_found(summaries, base));
+    cautions.extend(never_the_model(photos, detectors));
     cautions.extend(no_control(photos, base));
     cautions.extend(copies(photos));
     cautions.extend(uneven_directions(photos, base));
@@ -114,6 +117,36 @@ fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
 
 /// A plain model found in fewer photos than this leaves hardly anything to lose.
 const HARDLY_FOUND: f64 = 0.5;
+
+/// Boxes of another scale and labels of another numbering look like a model that is never found.
+fn never_the_model(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<String> {
+    let of = |(index, detector): (usize, &EvaluatedDetector)| {
+        let found = || {
+            photos
+                .iter()
+                .flat_map(move |p| p.detections[index].iter().map(move |d| (d, &p.truth)))
+        };
+        let counts = |d: &Detection| detector.counted.contains(&d.label);
+        let name = &detector.manifest.name;
+        if !found().any(|(d, _)| counts(d)) {
+            let mut labels: BTreeMap<usize, usize> = BTreeMap::new();
+            found().for_each(|(d, _)| *labels.entry(d.label).or_default() += 1);
+            let (label, _) = labels.into_iter().max_by_key(|(_, count)| *count)?;
+            let usual = detector.labels().name(label).unwrap_or("?");
+            return Some(format!(
+                "{name} gives no detection the label of the model, and most often “{usual}”: do the numbers of its classes mean what its labels say?"
+            ));
+        }
+        let overlaps = |(d, truth): (&Detection, &BoxPx)| counts(d) && d.box_px.iou(truth) >= MATCH_IOU;
+        (!found().any(overlaps)).then(|| {
+            format!(
+                "no box of {name} overlaps a truth box by {MATCH_IOU} in any of {}: are its boxes in pixels of the whole, upright photo?",
+                spelling::count(photos.len(), "photo")
+            )
+        })
+    };
+    detectors.iter().enumerate().filter_map(of).collect()
+}
 
 /// Any print of a pattern changes what detectors see; only a random one tells what the optimised one adds.
 fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {

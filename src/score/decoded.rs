@@ -3,6 +3,7 @@
 use image::RgbImage;
 
 use crate::photo::{Photo, PhotoError};
+use crate::workers::stopwatch::{Stage, timed};
 
 /// The colours of a photo at the sizes that were requested.
 pub(super) struct DecodedPhoto<'a> {
@@ -26,7 +27,8 @@ impl DecodedPhoto<'_> {
         let at = match self.images.iter().position(|(r, _)| *r == reduction) {
             Some(at) => at,
             None => {
-                self.images.push((reduction, self.file.rgb(reduction)?));
+                let image = timed(Stage::Colour, || self.file.rgb(reduction))?;
+                self.images.push((reduction, image));
                 self.images.len() - 1
             }
         };

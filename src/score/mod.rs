@@ -58,7 +58,7 @@ pub(crate) use protocol_table::{apricot_ap, rates_as_armory};
 pub(crate) use record::{RecordError, check_recordings, record};
 pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
 pub use run::score;
-pub(crate) use run::{merge, observe};
+pub(crate) use run::{TimedPhoto, merge, observe, timed_photos};
 pub use scores::Scores;
 pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};

@@ -14,6 +14,7 @@ use crate::scene::TagFamily;
 use crate::session::{PhotoEntry, Session};
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use crate::workers;
+use crate::workers::stopwatch::{Stage, timed};
 
 /// How a run is done; none of it changes a result.
 #[derive(Debug)]
@@ -217,7 +218,7 @@ impl<'a> Observer<'a> {
 
     /// Tags first: no detector looks at a photo that cannot be placed.
     fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
-        let photo = Photo::open(&job.session.photo_path(job.entry))?;
+        let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
         let shot = photo.shot();
         let mut seen = Observation {
             sha256: photo.sha256.clone(),
@@ -233,7 +234,7 @@ impl<'a> Observer<'a> {
             detections: Vec::new(),
             preview_jpeg: Vec::new(),
         };
-        let place = place(job, &seen).map_err(Stop::Photo)?;
+        let place = timed(Stage::Pose, || place(job, &seen)).map_err(Stop::Photo)?;
         let mut decoded = DecodedPhoto::of(&photo);
         for index in 0..self.detectors.len() {
             seen.detections.push(self.detections(index, job, &mut decoded)?);
@@ -248,7 +249,10 @@ impl<'a> Observer<'a> {
 
     fn tags(&mut self, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
         let key = self.key(&["tags", &photo.sha256, &format!("{:?}", self.families)]);
-        self.kept(key, |own| Ok(own.tags.find(&photo.luma()?)))
+        self.kept(key, |own| {
+            let luma = timed(Stage::Read, || photo.luma())?;
+            Ok(timed(Stage::Tags, || own.tags.find(&luma)))
+        })
     }
 
     fn detections(
@@ -286,7 +290,8 @@ impl<'a> Observer<'a> {
             let (width, height) = (decoded.file.width, decoded.file.height);
             let image = decoded.at_least(manifest.least_px(width, height))?;
             let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
-            loaded.detect_reduced(image, width, height).map_err(|e| match e {
+            let found = timed(Stage::Network, || loaded.detect_reduced(image, width, height));
+            found.map_err(|e| match e {
                 DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(e)),
                 e => Stop::Run(e.into()),
             })

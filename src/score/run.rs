@@ -10,9 +10,10 @@ use super::shard::{ShardId, ShardObservations};
 use super::{Criteria, NotScored, NotScoredReason, PhotoOutcome, ScoredPhoto, TagMark};
 use crate::detect::Runtime;
 use crate::locate::Located;
-use crate::session::Session;
+use crate::session::{PhotoEntry, Session};
 use crate::tags::SeenTag;
 use crate::workers;
+use crate::workers::stopwatch::{self, Stage, StageMs};
 
 /// Scores every photo of the sessions with every detector, by the default criteria. `on_photo` is called after each photo.
 pub fn score(
@@ -42,6 +43,62 @@ pub(crate) fn observe(
             .map_err(|left_out| NotScoredReason(left_out.reason));
         Ok((job.id, observation))
     })
+}
+
+/// A photo of which the pose is known, and what the work on it took.
+pub(crate) struct TimedPhoto {
+    /// The photo with its box and viewpoint, as a session has it that says where the model is.
+    pub with_truth: PhotoEntry,
+    pub ms: StageMs,
+}
+
+/// Times every photo on one thread with nothing kept, so many rounds after one that does not count. Photos that are left out are in no round.
+pub(crate) fn timed_photos(
+    session: &Session,
+    detectors: &[EvaluatedDetector],
+    rounds: usize,
+    on_photo: impl Fn() + Sync,
+) -> Result<Vec<Vec<TimedPhoto>>, ScoreError> {
+    let sessions = std::slice::from_ref(session);
+    let jobs = ScoringJob::all(sessions);
+    let families = session.scene.families().into_iter().collect::<Vec<_>>();
+    let mut observer = Observer::new(&families, detectors, runtime(detectors)?, None, jobs.len())?;
+    let mut timed = Vec::new();
+    for round in 0..=rounds {
+        let (mut photos, mut left_out) = (Vec::new(), None);
+        for job in &jobs {
+            stopwatch::take();
+            let seen = stopwatch::timed(Stage::Rest, || observer.photo(job))?;
+            match seen {
+                Ok((_, place)) => photos.push(TimedPhoto {
+                    with_truth: with_truth(job, &place),
+                    ms: stopwatch::take(),
+                }),
+                Err(reason) => left_out = left_out.or(Some(reason)),
+            }
+            on_photo();
+        }
+        if let (true, Some(first)) = (photos.is_empty(), left_out) {
+            return Err(ScoreError::NothingScored {
+                photos: jobs.len(),
+                file: first.file,
+                reason: first.reason,
+            });
+        }
+        if round > 0 {
+            timed.push(photos);
+        }
+    }
+    Ok(timed)
+}
+
+fn with_truth(job: &ScoringJob, place: &PlacedModel) -> PhotoEntry {
+    let seen = place.located.as_ref().map(|located| located.viewpoint);
+    PhotoEntry {
+        box_xyxy_px: Some(place.truth),
+        viewpoint: job.entry.viewpoint.or(seen),
+        ..job.entry.clone()
+    }
 }
 
 /// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.

@@ -51,11 +51,18 @@ impl Categories {
         }
     }
 
-    /// Reads a COCO file's `categories`, or a text file with one name a line.
+    /// Reads a COCO file's `categories`, the `names` of a YOLO data set's YAML file, or a text file with one name a line.
     pub(super) fn open(path: &Path) -> Result<Categories, OutsideError> {
         let text = files::read_text(path)?;
         let whose = format!("{}'s", path.display());
         let refuse = |message: String| OutsideError::from(FileError::content(path, message));
+        let is_yaml = path
+            .extension()
+            .is_some_and(|ending| ending == "yaml" || ending == "yml");
+        if is_yaml {
+            let names = yaml_names(&text).map_err(refuse)?;
+            return Ok(Categories::numbered(labels_of(names, path)?, whose));
+        }
         if !text.trim_start().starts_with(['{', '[']) {
             let names = names(&text).map_err(refuse)?;
             return Ok(Categories::numbered(labels_of(names, path)?, whose));
@@ -107,6 +114,35 @@ impl Categories {
         }
         Ok(())
     }
+}
+
+/// A YOLO data set's description, as Ultralytics writes it: names in the order of their numbers, or by number.
+#[derive(Deserialize)]
+struct YoloDataSet {
+    names: YoloNames,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum YoloNames {
+    Listed(Vec<String>),
+    Numbered(BTreeMap<u64, String>),
+}
+
+fn yaml_names(text: &str) -> Result<Vec<String>, String> {
+    let read: Result<YoloDataSet, _> = serde_saphyr::from_str(text);
+    let names = match read
+        .map_err(|_| "it has no `names`, neither a list nor by number".to_owned())?
+        .names
+    {
+        YoloNames::Listed(names) => names,
+        YoloNames::Numbered(names) => match (0..).zip(names.keys()).find(|(expected, number)| expected != *number) {
+            Some((expected, _)) => return Err(format!("its `names` have no number {expected}")),
+            None => names.into_values().collect(),
+        },
+    };
+    check_count(names.len())?;
+    Ok(names)
 }
 
 /// Names, one a line.

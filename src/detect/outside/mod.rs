@@ -265,6 +265,17 @@ fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
             spelling::count(request.photos.len(), "photo"),
         ));
     }
+    let bare =
+        || (request.photos.iter().zip(&read.by_photo)).filter(|(_, boxes)| boxes.is_listed && boxes.boxes.is_empty());
+    if let (false, Some((first, _))) = (request.path.is_dir(), bare().next()) {
+        notes.push(format!(
+            "the results of {name} have no detection in {} of {} (the first: {}): there they count as if nothing was found, and a list of results \
+             does not say whether its program looked at these",
+            bare().count(),
+            spelling::count(request.photos.len(), "photo"),
+            first.file,
+        ));
+    }
     if let Some(first) = read.unknown.first() {
         notes.push(format!(
             "the results of {name} are also of {} that this run does not have (the first: {first})",
