@@ -1,4 +1,4 @@
-//! The known name that a misspelt one was probably meant to be; words that go with a number.
+//! The known name that a misspelt one was probably meant to be; words that go with a number, and its digits.
 
 /// `; did you mean NAME?`, to be added to a sentence that refuses `text`; empty when no known name is near, or several are.
 pub(crate) fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String {
@@ -8,6 +8,15 @@ pub(crate) fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> 
 /// A number of things: `1 photo`, `2 photos`.
 pub(crate) fn count(number: usize, one: &str) -> String {
     format!("{number} {one}{}", choose(number, "", "s"))
+}
+
+/// So many digits behind the point, a five rounded away from zero as papers do; no minus before a zero.
+pub(crate) fn digits(value: f64, behind: usize) -> String {
+    let scale = 10_f64.powi(behind as i32);
+    // What is a five to twelve digits is one: 100 · 0.0875 is not always 8.75.
+    let scaled = value * scale;
+    let rounded = (scaled + 1e-9 * scaled.signum()).round() / scale;
+    format!("{:.behind$}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
 /// Ids one after the other: `1, 2, 3`.
@@ -74,6 +83,15 @@ mod tests {
             [0, 1, 2].map(|n| count(n, "photo")),
             ["0 photos", "1 photo", "2 photos"]
         );
+    }
+
+    #[test]
+    fn a_five_is_rounded_away_from_zero() {
+        assert_eq!(
+            [0.125, 0.625, 0.375, -0.125, -0.0001].map(|v| digits(v, 2)),
+            ["0.13", "0.63", "0.38", "-0.13", "0.00"]
+        );
+        assert_eq!(digits(8.75, 1), "8.8");
     }
 
     #[test]

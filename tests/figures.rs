@@ -121,7 +121,7 @@ fn the_charts_are_files_that_look_like_the_page() {
         ("reliability", &report, "Share correct", "path", &["d"]),
         ("heat_maps", &report, "Mean confidence by azimuth, pitch", "title", &[]),
         ("ap_against_time", &report, "AP at IoU 0.5", "circle", &["cx", "cy"]),
-        ("drops", &comparison, "Drop: ", "circle", &["cx", "cy", "fill"]),
+        ("drops", &comparison, "Drop of ", "circle", &["cx", "cy", "fill"]),
     ] {
         let file = format!("figure_{name}");
         let text = std::fs::read_to_string(out.path().join(format!("{file}.svg"))).unwrap();
@@ -149,6 +149,21 @@ fn the_charts_are_files_that_look_like_the_page() {
         let pdf = lopdf::Document::load(out.path().join(format!("{file}.pdf"))).unwrap();
         let is_font_file = |o: &lopdf::Object| o.as_dict().is_ok_and(|d| d.has(b"FontFile2"));
         assert!(pdf.objects.values().any(is_font_file), "{name} has no font");
+    }
+    // A figure without its page says what its panels and marks are.
+    let read = |name: &str| std::fs::read_to_string(out.path().join(name)).unwrap();
+    let drops = read("figure_drops.svg");
+    for words in [
+        "Drop of the hit rate<",
+        "Drop of AP@0.5<",
+        "Filled: a difference is shown at 5 %",
+        "6 findings are tested",
+    ] {
+        assert!(drops.contains(words), "{words}");
+    }
+    let polar = read("figure_polar.svg");
+    for words in ["Distance from the middle: mean confidence", "hollow: not every one"] {
+        assert!(polar.contains(words), "{words}");
     }
     // Without times there is no chart of them, and none stays that an earlier run drew.
     done("score", out.path(), &[]);

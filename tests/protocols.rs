@@ -292,6 +292,9 @@ fn a_protocol_is_named_in_every_output() {
         assert!(read("report.html").contains(&format!("<b>{name}</b>")));
         assert!(read("table.tex").contains(&format!("Protocol: {name}.")));
         assert!(read("protocol.tex").contains(&format!("protocol {name}.")));
+        for text in [&stdout(&output), &read("report.html"), &read("protocol.tex")] {
+            assert!(text.contains("photos: 8 normal, 8 random"), "{text}");
+        }
         assert!(!read("protocol.csv").is_empty());
         for file in ["figures.csv", "photos.csv"] {
             let text = read(file);
@@ -307,6 +310,7 @@ fn a_protocol_is_named_in_every_output() {
             &["--protocol", name, "--detector", "yolox_nano"],
         );
         assert!(output.status.success(), "{}", stderr(&output));
+        assert!(stdout(&output).contains(&format!("protocol {name}: {}", protocol.source())));
         for file in ["comparison.html", "comparison.tex", "comparison.json"] {
             let text = std::fs::read_to_string(compared.path().join(file)).unwrap();
             assert!(text.contains(name), "{file} does not name {name}");

@@ -80,7 +80,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         false => writeln!(
             out,
             "{}\ncounts as the model: {}\npage: {}",
-            report::comparison_table(&comparison),
+            report::comparison_table(&scores, &comparison),
             report::counted(&scores),
             page.display()
         )?,

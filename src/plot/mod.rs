@@ -8,7 +8,7 @@ mod panels;
 mod scatter;
 
 pub(crate) use axis::{PlotAxis, Scale, tick_label};
-pub(crate) use drawing::{Drawing, figure};
+pub(crate) use drawing::{Drawing, Explained, figure};
 pub(crate) use panels::{PlotLine, PlotPanel, panels};
 pub(crate) use scatter::{Cloud, Dot, scatter};
 

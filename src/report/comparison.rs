@@ -5,16 +5,20 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::certainty::Corrected;
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, counted, figures, latex, p_value, paired};
+use super::{ReportError, certainty, counted, figures, latex, p_value, paired};
 use crate::files;
-use crate::score::{Comparison, Difference, NotScored, Scores, comparison_definitions};
+use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
+use crate::spelling::digits;
 
 #[derive(Serialize)]
 struct Page<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
+    /// The p of each hit rate, corrected over the detectors of its texture.
+    hit_rate_over_detectors: Vec<Corrected<'a>>,
     /// The labels that count as the model.
     classes: &'a [String],
     cautions: &'a [String],
@@ -51,6 +55,7 @@ pub(crate) fn write_comparison(
 pub(crate) fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = Page {
         comparison,
+        hit_rate_over_detectors: certainty::over_detectors(&certainty::compared(comparison)),
         classes: counted::classes(scores).labels(),
         cautions: &scores.cautions,
         not_scored: &scores.not_scored,
@@ -60,30 +65,48 @@ pub(crate) fn comparison_json(scores: &Scores, comparison: &Comparison) -> Resul
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// Three lines per detector and variant: the drop of each figure, its interval, and the finding.
-pub(crate) fn comparison_table(comparison: &Comparison) -> String {
+/// The protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+pub(crate) fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     let mut lines = Vec::new();
+    if let Some(protocol) = scores.criteria.protocol {
+        lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
+    }
     for r in &comparison.results {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
         lines.push(format!("{head}, {}", paired::basis(r)));
         let p = format!("McNemar p {}: ", p_value(r.hit_rate.mcnemar_p));
-        lines.push(line("hit rate", &r.hit_rate.rate, &p));
-        lines.push(line("mean confidence", &r.mean_confidence, ""));
-        lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), &r.ap50, ""));
+        lines.push(line("hit rate", r, &r.hit_rate.rate, &p));
+        lines.push(line("mean confidence", r, &r.mean_confidence, ""));
+        lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50, ""));
         for bin in r.azimuth_bins.iter().filter_map(|bin| Some((bin, bin.holm_p?))) {
             let name = format!("hit rate at {}°", bin.0.azimuth_deg);
-            lines.push(line(&name, &bin.0.hits.rate, &format!("Holm p {}: ", p_value(bin.1))));
+            lines.push(bin_line(
+                &name,
+                &bin.0.hits.rate,
+                &format!("Holm p {}: ", p_value(bin.1)),
+            ));
         }
     }
+    lines.extend(certainty::tested(scores, &certainty::compared(comparison)));
     lines.join("\n")
 }
 
-fn line(name: &str, d: &Difference, test: &str) -> String {
-    let number = |v: f64| format!("{v:.2}");
-    let interval = paired::interval(d, number).unwrap_or_else(|| "no interval".to_owned());
-    let (asr, finding) = (paired::asr(d, number), paired::in_words(d.finding));
-    format!(
-        "  {name:<24} {:.3} → {:.3}, drop {:.3} {interval}, ASR {asr}  {test}{finding}",
-        d.base, d.other, d.drop
-    )
+fn line(name: &str, r: &Compared, d: &Difference, test: &str) -> String {
+    with_asr(name, d, &certainty::asr_text(r, d, two), test)
+}
+
+/// Of the photos of one bin, which have clusters of their own.
+fn bin_line(name: &str, d: &Difference, test: &str) -> String {
+    with_asr(name, d, &paired::asr(d, two), test)
+}
+
+fn with_asr(name: &str, d: &Difference, asr: &str, test: &str) -> String {
+    let interval = paired::interval(d, two).unwrap_or_else(|| "no interval".to_owned());
+    let [base, other, drop] = [d.base, d.other, d.drop].map(|v| digits(v, 3));
+    let finding = paired::in_words(d.finding);
+    format!("  {name:<24} {base} → {other}, drop {drop} {interval}, ASR {asr}  {test}{finding}")
+}
+
+fn two(value: f64) -> String {
+    digits(value, 2)
 }

@@ -2,7 +2,7 @@
 
 use super::counted;
 use crate::score::{BASE_VARIANT, Comparison, Difference, EvaluatedDetector, Figures, Finding, Scores};
-use crate::spelling;
+use crate::spelling::{self, digits};
 
 /// What the tables of an evaluation are made of.
 pub(crate) struct Evaluation<'a> {
@@ -63,12 +63,12 @@ pub(crate) fn evaluation_tables(evaluation: &Evaluation) -> String {
         spelling::count(photos, "photo")
     )];
     lines.extend(table(evaluation, &targets, |f| {
-        format!("{:.2} / {:.2}", f.ap50, f.mean_confidence)
+        format!("{} / {}", digits(f.ap50, 2), digits(f.mean_confidence, 2))
     }));
     if !others.is_empty() {
         lines.push(String::new());
         lines.push("Table 2. Transfer to other detectors, AP@0.5".to_owned());
-        lines.extend(table(evaluation, &others, |f| format!("{:.2}", f.ap50)));
+        lines.extend(table(evaluation, &others, |f| digits(f.ap50, 2)));
     }
     lines.push(String::new());
     lines.push("Difference of AP@0.5, paired, [95 % interval]; * shown at 5 %".to_owned());
@@ -124,14 +124,14 @@ fn line(base: &str, pattern: &str, detector: &EvaluatedDetector, d: &Difference)
 
 /// The difference with its interval, and whether the photos suffice to show one.
 pub(super) fn interval(d: &Difference) -> String {
-    let range = d
-        .interval_95
-        .map_or(String::new(), |i| format!(" [{:.2}, {:.2}]", i.low, i.high));
+    let range = d.interval_95.map_or(String::new(), |i| {
+        format!(" [{}, {}]", digits(i.low, 2), digits(i.high, 2))
+    });
     let doubt = match d.finding {
         Finding::TooFewPhotosToTell => " (too few photos to tell)",
         _ => "",
     };
-    format!("{:.2}{range}{doubt}", d.drop)
+    format!("{}{range}{doubt}", digits(d.drop, 2))
 }
 
 pub(super) fn is_shown(d: &Difference) -> bool {

@@ -1,10 +1,11 @@
 //! The charts as files for papers, SVG and PDF, of the marks that the pages show.
 
-use super::{ReportError, html};
+use super::{ReportError, certainty, html};
 use crate::detect::Speeds;
-use crate::plot::{Drawing, figure};
+use crate::plot::{Drawing, Explained, figure};
 use crate::print::figure::pdf_of_svg;
 use crate::score::{Comparison, Scores};
+use crate::spelling;
 
 /// The chart that a report has only when times are given.
 const AGAINST_TIME: &str = "ap_against_time";
@@ -61,7 +62,13 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
     }
     let files = all.into_iter().filter(|(.., drawings)| !drawings.is_empty());
     let files = files.map(|(name, title, legend, drawings)| {
-        files_of(name, title, &legend, if name == "heat_maps" { 2 } else { 3 }, &drawings)
+        let notes = match name {
+            "polar" => vec![html::polar::MARKS.to_owned()],
+            "heat_maps" => vec![html::heat::CELLS.to_owned()],
+            _ => Vec::new(),
+        };
+        let across = if name == "heat_maps" { 2 } else { 3 };
+        files_of(name, title, &Explained { legend, notes }, across, &drawings)
     });
     Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
 }
@@ -69,7 +76,20 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
 /// The drops of a comparison, one chart for each figure.
 pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<Vec<File>, ReportError> {
     let drawings = html::comparison::charts(scores, comparison);
-    files_of("drops", "Drops with 95 % intervals", &[], 1, &drawings)
+    let explained = Explained {
+        notes: vec![
+            format!(
+                "Dot: the figure of “{}” minus that of the texture; line: its 95 % interval. Filled: a difference is shown at 5 %.",
+                comparison.base
+            ),
+            format!(
+                "{} are tested at 5 % each, without correction for their number; behind McNemar's p that by Holm over the detectors.",
+                spelling::count(certainty::FIGURES * comparison.results.len(), "finding")
+            ),
+        ],
+        ..Explained::default()
+    };
+    files_of("drops", "Drops with 95 % intervals", &explained, 1, &drawings)
 }
 
 /// What an earlier report may have left that this one does not write.
@@ -88,11 +108,11 @@ fn file_name(name: &str, ending: &str) -> String {
 fn files_of(
     name: &str,
     title: &str,
-    legend: &[(String, String)],
+    explained: &Explained,
     across: usize,
     drawings: &[(&str, Drawing)],
 ) -> Result<Vec<File>, ReportError> {
-    let svg = figure(title, legend, across, drawings);
+    let svg = figure(title, explained, across, drawings);
     let pdf = pdf_of_svg(title, &svg)?;
     Ok(vec![
         (file_name(name, "svg"), svg.into_bytes()),

@@ -1,10 +1,11 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals.
 
 use super::evaluation::Evaluation;
-use super::{p_value, paired, rounded};
+use super::{certainty, p_value, paired};
 use crate::score::{
     Compared, Comparison, Difference, Drop, EvaluatedDetector, Finding, Scores, Summary, disagreements,
 };
+use crate::spelling::digits;
 
 /// The whole file: a comment that says what the numbers mean, and one `tabular`.
 pub(super) fn table(scores: &Scores) -> String {
@@ -48,7 +49,7 @@ fn comment(scores: &Scores) -> String {
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}.{}\n\
          % Hit: confidence {sign} {} and IoU {sign} {}; Wilson 95 % interval. Confidence: mean, misses count 0. Drop: {} minus texture,\n\
          % on pairs by place and bin, with its cluster bootstrap interval. Bold: a difference is shown at 5 %; dagger: too few photos to tell;\n\
-         % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}",
+         % double dagger: no photos pair, over all photos. Counts as the model: {}.{explained}{}",
         env!("CARGO_PKG_VERSION"),
         criteria.ap.name(),
         criteria
@@ -58,7 +59,29 @@ fn comment(scores: &Scores) -> String {
         criteria.match_iou(),
         scores.base.replace(char::is_control, " "),
         commented(scores),
+        below(scores, &certainty::all(scores)),
     )
+}
+
+/// What stands below the notes of a table: how many findings were tested, rates without an interval, and every caution; a line each.
+fn below(scores: &Scores, results: &[&Compared]) -> String {
+    let open = results.iter().flat_map(|r| {
+        let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
+        let open = figures
+            .into_iter()
+            .filter(|(_, d)| d.asr.is_some() && d.asr_interval_95.is_none());
+        open.map(|(name, d)| {
+            let (title, why) = (scores.title(&r.detector), certainty::without_interval(r, d));
+            format!("ASR of the {name}, {title} on {}: {why}", r.variant)
+        })
+    });
+    let cautions = scores.cautions.iter().map(|caution| format!("Note: {caution}"));
+    let all = certainty::tested(scores, results)
+        .into_iter()
+        .chain(open)
+        .chain(cautions);
+    all.map(|sentence| format!("\n% {}.", sentence.replace(char::is_control, " ")))
+        .collect()
 }
 
 /// What counts as the model, as one line of a comment.
@@ -108,7 +131,7 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         format!(
             "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Figures: {} then texture, on pairs by place and bin.\n\
              % Drop with its cluster bootstrap interval ({} draws, seed {}); p: McNemar, exact. Bold: a difference is shown at 5 %;\n\
-             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.",
+             % dagger: too few photos to tell. ASR: 1 - texture / {}. Hit: {}{}. Counts as the model: {}.{}",
             env!("CARGO_PKG_VERSION"),
             comparison.ap_definition,
             comparison.base,
@@ -120,7 +143,8 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
                 .criteria
                 .protocol
                 .map_or(String::new(), |p| format!(", protocol {}", p.name())),
-            commented(scores)
+            commented(scores),
+            below(scores, &certainty::compared(comparison))
         ),
         "\\begin{tabular}{llrrllrlrlrl}".into(),
         "\\toprule".into(),
@@ -134,7 +158,7 @@ pub(super) fn comparison(scores: &Scores, comparison: &Comparison) -> String {
 
 fn compared_cells(scores: &Scores, r: &Compared) -> [String; 12] {
     let asr = |d: &Difference| paired::asr(d, |v| number(v, 2)).replace('–', "--");
-    let both = |d: &Difference, digits| format!("{} / {}", number(d.base, digits), number(d.other, digits));
+    let both = |d: &Difference, behind| format!("{} / {}", number(d.base, behind), number(d.other, behind));
     [
         escaped(scores.title(&r.detector)),
         escaped(&r.variant),
@@ -233,8 +257,8 @@ fn row<const N: usize>(cells: [String; N]) -> String {
 }
 
 /// A number with a true minus sign.
-fn number(value: f64, digits: usize) -> String {
-    let text = rounded(value, digits);
+fn number(value: f64, behind: usize) -> String {
+    let text = digits(value, behind);
     text.strip_prefix('-').map(|size| format!("$-{size}$")).unwrap_or(text)
 }
 

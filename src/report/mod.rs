@@ -1,5 +1,6 @@
 //! Scores become files people and programs read: HTML, LaTeX, JSON, CSV, COCO.
 
+mod certainty;
 mod coco;
 mod comparison;
 mod counted;
@@ -26,6 +27,7 @@ use crate::detect::{Manifest, Speeds, coco_results};
 use crate::files;
 use crate::print::SheetError;
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::spelling::digits;
 
 pub(crate) use comparison::{comparison_json, comparison_table, write_comparison};
 pub(crate) use counted::counted;
@@ -153,21 +155,12 @@ fn results_name(detector: &str) -> String {
     format!("coco_results_{detector}.json")
 }
 
-/// A number without a minus before a zero.
-fn rounded(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.to_owned(),
-        _ => text,
-    }
-}
-
 /// A p value with its sign, as behind `p`.
 fn p_value(p: f64) -> String {
     if p < 0.001 {
         "< 0.001".to_owned()
     } else {
-        format!("= {p:.3}")
+        format!("= {}", digits(p, 3))
     }
 }
 

@@ -11,7 +11,7 @@ pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportErro
     };
     Ok(vec![
         (NAMES[0].to_owned(), csv(&table)?),
-        (NAMES[1].to_owned(), tex(&table)),
+        (NAMES[1].to_owned(), tex(&table, &photos(scores))),
     ])
 }
 
@@ -27,17 +27,26 @@ fn csv(table: &ProtocolTable) -> Result<String, ReportError> {
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
-fn tex(table: &ProtocolTable) -> String {
+/// `photos: 8 normal, 8 random`: what the figures rest on, which not every paper's table has a column for.
+pub(super) fn photos(scores: &Scores) -> String {
+    let first = scores.summaries.chunk_by(|a, b| a.detector == b.detector).next();
+    let counts = first.unwrap_or_default().iter();
+    let counts: Vec<String> = counts.map(|s| format!("{} {}", s.overall.photos, s.variant)).collect();
+    format!("photos: {}", counts.join(", "))
+}
+
+fn tex(table: &ProtocolTable, photos: &str) -> String {
     let row = |cells: &Vec<String>| {
         let cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
         format!("{} \\\\", cells.join(" & "))
     };
     let mut lines = vec![
         format!(
-            "% scaleproof {}, protocol {}. Needs \\usepackage{{booktabs}}.\n% {}.",
+            "% scaleproof {}, protocol {}. Needs \\usepackage{{booktabs}}.\n% {}.\n% {}.",
             env!("CARGO_PKG_VERSION"),
             table.name,
-            table.source
+            table.source,
+            photos.replace(char::is_control, " ")
         ),
         format!(
             "\\begin{{tabular}}{{l{}}}",
@@ -53,9 +62,9 @@ fn tex(table: &ProtocolTable) -> String {
 }
 
 /// The table for the terminal, with its source above it.
-pub(super) fn lines(table: &ProtocolTable) -> Vec<String> {
+pub(super) fn lines(scores: &Scores, table: &ProtocolTable) -> Vec<String> {
     let rows: Vec<&Vec<String>> = [&table.columns].into_iter().chain(&table.rows).collect();
-    let head = format!("protocol {}: {}", table.name, table.source);
+    let head = format!("protocol {}: {}; {}", table.name, table.source, photos(scores));
     [head].into_iter().chain(aligned(&rows)).collect()
 }
 

@@ -1,6 +1,7 @@
 //! Where a result came from: enough to repeat it, or to see why a repetition differs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -54,6 +55,12 @@ pub(super) struct SessionProvenance {
     pub folder: String,
     pub model: String,
     pub scale: f64,
+    /// As the photos name them, each once.
+    pub places: Vec<String>,
+    /// The first and the last time a photo was taken, as the session or EXIF says.
+    pub taken: Option<[String; 2]>,
+    /// The name of the camera's file.
+    pub camera: Option<String>,
     /// `box`, `hull` or `mesh`: what truth boxes are drawn around where the session gives none.
     pub truth_envelope: &'static str,
     /// Name of the mesh's file; its hash is in `files`.
@@ -115,15 +122,18 @@ fn by_name(files: &[(String, String)]) -> BTreeMap<String, String> {
 
 fn session(scores: &Scores, index: usize) -> SessionProvenance {
     let session = &scores.sessions[index];
-    let photos = scores
-        .photos
-        .iter()
-        .filter(|p| p.session == index)
-        .map(|p| (p.file.clone(), p.sha256.clone()));
+    let own = || scores.photos.iter().filter(|p| p.session == index);
+    let photos = own().map(|p| (p.file.clone(), p.sha256.clone()));
+    let places: BTreeSet<&String> = own().filter_map(|p| p.place.as_ref()).collect();
+    let taken = || own().filter_map(|p| p.taken.clone());
+    let camera = session.camera_path.as_deref().and_then(Path::file_name);
     SessionProvenance {
         folder: session.name.clone(),
         model: session.scene.model.name.clone(),
         scale: session.scene.model.scale,
+        places: places.into_iter().cloned().collect(),
+        taken: taken().min().zip(taken().max()).map(<[String; 2]>::from),
+        camera: camera.map(|name| name.to_string_lossy().into_owned()),
         truth_envelope: session.scene.model.envelope.name(),
         truth_mesh: session.scene.model.envelope.mesh().map(super::truth::file_name),
         files: session.hashes.iter().cloned().chain(photos).collect(),

@@ -1,7 +1,8 @@
 //! The headline figures as plain text for the terminal.
 
-use super::{counted, paired, protocol};
+use super::{certainty, counted, paired, protocol};
 use crate::score::{Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, protocol_table};
+use crate::spelling::digits;
 
 /// A line per detector: AP@0.5, hit rate and mean confidence of every variant. Below it what became of the misses, the figures that papers
 /// compare, the drops from the base with what the pairs say of them, the groups and the protocol that were asked for, and which labels
@@ -27,10 +28,11 @@ pub fn summary_table(scores: &Scores) -> String {
         comparable_cell,
     ));
     lines.extend(drops(scores));
+    lines.extend(certainty::tested(scores, &certainty::all(scores)));
     lines.extend(groups(scores));
     if let Some(table) = protocol_table(scores) {
         lines.push(String::new());
-        lines.extend(protocol::lines(&table));
+        lines.extend(protocol::lines(scores, &table));
     }
     lines.push(String::new());
     lines.push(format!("counts as the model: {}", counted(scores)));
@@ -60,22 +62,21 @@ fn line(first: &str, cells: impl Iterator<Item = String>, (head, width): (usize,
 
 fn headline_cell(s: &Summary) -> String {
     let f = &s.overall;
-    let hits = format!("{}/{} ({:.0} %)", f.hit_rate.count, f.photos, 100.0 * f.hit_rate.rate);
-    format!("{:.3} / {hits} / {:.2}", f.ap50, f.mean_confidence)
+    let share = digits(100.0 * f.hit_rate.rate, 0);
+    let hits = format!("{}/{} ({share} %)", f.hit_rate.count, f.photos);
+    format!("{} / {hits} / {}", digits(f.ap50, 3), digits(f.mean_confidence, 2))
 }
 
 fn misses_cell(s: &Summary) -> String {
     let f = &s.overall;
     let (other, gone) = (f.misclassification_rate.count, f.disappearance_rate.count);
-    format!("{other} / {gone} / {:.2}", f.hallucinations_per_image)
+    format!("{other} / {gone} / {}", digits(f.hallucinations_per_image, 2))
 }
 
 fn comparable_cell(s: &Summary) -> String {
     let f = &s.overall;
-    format!(
-        "{:.3} / {:.3} / {:.3} / {:.2}",
-        f.ap50_95, f.mar, f.mar50, f.false_positives_per_image
-    )
+    let averages = [f.ap50_95, f.mar, f.mar50].map(|v| digits(v, 3)).join(" / ");
+    format!("{averages} / {}", digits(f.false_positives_per_image, 2))
 }
 
 /// For each variant but the base, and each detector: drops, what the pairs say of them, and attack success rates.
@@ -107,13 +108,13 @@ fn drops(scores: &Scores) -> Vec<String> {
 
 fn drop_lines(s: &Summary, drop: &Drop, compared: Option<&Compared>) -> [String; 2] {
     let line = |head: &str, name: &str, overall: f64, of: fn(&Compared) -> &Difference| {
-        let said = compared.map(of).map_or_else(
-            || format!("{overall:.3}, over all photos: not paired"),
-            |d| {
-                let number = |v: f64| format!("{v:.2}");
+        let said = compared.map_or_else(
+            || format!("{}, over all photos: not paired", digits(overall, 3)),
+            |r| {
+                let (d, number) = (of(r), |v: f64| digits(v, 2));
                 let interval = paired::interval(d, number).unwrap_or_else(|| "no interval".into());
-                let asr = paired::asr(d, number);
-                format!("{:.3} {interval}: {}; ASR {asr}", d.drop, paired::briefly(d.finding))
+                let (drop, asr) = (digits(d.drop, 3), certainty::asr_text(r, d, number));
+                format!("{drop} {interval}: {}; ASR {asr}", paired::briefly(d.finding))
             },
         );
         format!("{head:<14}  {name:<8}  {said}")
@@ -156,7 +157,7 @@ fn groups(scores: &Scores) -> Vec<String> {
 
 fn group_cell(c: &ConditionFigures) -> String {
     let f = &c.figures;
-    format!("{:.3} / {}/{}", f.ap50, f.hit_rate.count, f.photos)
+    format!("{} / {}/{}", digits(f.ap50, 3), f.hit_rate.count, f.photos)
 }
 
 /// The variants in the order of the summaries.

@@ -2,6 +2,7 @@
 
 use super::summary::boxes;
 use super::{ApDefinition, ImageBoxes, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
+use crate::spelling::digits;
 
 /// From this difference on a reader wonders.
 const TELLING: f64 = 0.3;
@@ -33,10 +34,10 @@ fn explained(scores: &Scores, s: &Summary) -> Option<String> {
         false => format!(", since {}", causes.join(", and ")),
     };
     Some(format!(
-        "{} on “{}”: AP@0.5 is {:.2} beside {} of {} photos hit{why}",
+        "{} on “{}”: AP@0.5 is {} beside {} of {} photos hit{why}",
         scores.title(&s.detector),
         s.variant,
-        f.ap50,
+        digits(f.ap50, 2),
         f.hit_rate.count,
         f.photos
     ))
@@ -57,8 +58,12 @@ impl Own<'_> {
         let of = |p: &&ScoredPhoto| boxes(p, self.index, counted);
         let images: Vec<ImageBoxes> = is_ramp.then(|| self.photos.iter().map(of).collect())?;
         let without = average_precision_as(ApDefinition::Coco101, &images, MATCH_IOU)?.ap;
-        (ap50 - without >= TELLING / 2.0)
-            .then(|| format!("YOLOv5's definition counts recalls that are not reached (COCO's gives {without:.2})"))
+        (ap50 - without >= TELLING / 2.0).then(|| {
+            format!(
+                "YOLOv5's definition counts recalls that are not reached (COCO's gives {})",
+                digits(without, 2)
+            )
+        })
     }
 
     /// Finds too weak for a hit.

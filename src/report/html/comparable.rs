@@ -3,7 +3,8 @@
 use maud::{Markup, html};
 
 use super::{number, summary, variants};
-use crate::report::paired;
+use crate::report::protocol::photos;
+use crate::report::{certainty, paired};
 use crate::score::{ConditionFigures, Scores, Summary, protocol_table};
 
 /// A row for each detector and texture.
@@ -30,7 +31,7 @@ pub(super) fn figures(scores: &Scores) -> Markup {
         }
         p.note {
             "ASR: attack success rate, 1 − this texture ÷ " (scores.base) ", on paired photos where there are pairs; its interval is of the same bootstrap "
-            "as the drop's, and absent with too few clusters, where all draws agree, and where " (scores.base) " is hardly found."
+            "as the drop's. A rate without an interval is not certain: where no photo was hit, Wilson's interval says up to which hit rate these photos leave open."
         }
     }
 }
@@ -39,17 +40,21 @@ fn cells(scores: &Scores, s: &Summary) -> Markup {
     let f = &s.overall;
     let two = |v: f64| number(v, 2);
     let rates = match (paired::compared(scores, &s.detector, &s.variant), s.asr) {
-        (Some(r), _) => [paired::asr(&r.ap50, two), paired::asr(&r.hit_rate.rate, two)],
-        (None, Some(asr)) => [asr.ap50, asr.hit_rate].map(|asr| asr.map_or("–".to_owned(), two)),
-        (None, None) => [String::new(), String::new()],
+        (Some(r), _) => [&r.ap50, &r.hit_rate.rate].map(|d| certainty::asr(r, d, two)),
+        (None, Some(asr)) => [asr.ap50, asr.hit_rate].map(|asr| (asr.map_or("–".to_owned(), two), None)),
+        (None, None) => [(); 2].map(|()| (String::new(), None)),
     };
     html! {
         td { (number(f.ap50_95, 3)) } td { (number(f.mar, 3)) } td { (number(f.mar50, 3)) }
         td { (number(f.false_positives_per_image, 2)) }
-        @for rate in rates {
-            @match rate.split_once(' ') {
-                Some((value, interval)) => { td { (value) " " small { (interval) } } }
-                None => { td { (rate) } }
+        @for (rate, interval) in rates {
+            td {
+                (rate)
+                @match interval {
+                    Some(interval) if interval.starts_with('[') => { " " small { (interval) } }
+                    Some(why) => { br; small.why { (why) } }
+                    None => {}
+                }
             }
         }
     }
@@ -130,7 +135,7 @@ fn group_cell(found: Option<&ConditionFigures>) -> Markup {
 pub(super) fn protocol(scores: &Scores) -> Option<Markup> {
     let table = protocol_table(scores)?;
     Some(html! {
-        p.note { b { (table.name) } ": " (table.source) "." }
+        p.note { b { (table.name) } ": " (table.source) "; " (photos(scores)) "." }
         div.scroll {
             table {
                 thead { tr { @for column in &table.columns { th { (column) } } } }

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::{filters, side, variants};
+use super::{filters, number, side, variants};
 use crate::detect::Detection;
 use crate::report::other_label;
 use crate::score::{EvaluatedDetector, PhotoOutcome, ScoredPhoto, Scores, Verdict};
@@ -70,9 +70,10 @@ pub(super) fn sheet(scores: &Scores) -> Markup {
     });
     html! {
         ul.legend {
-            li { i style="background:var(--found)" {} "found as the class" }
-            li { i style="background:var(--other)" {} "found, but another label on it too" }
-            li { i style="background:var(--missed)" {} "missed" }
+            li { i style="background:var(--found)" {} "hit: found as the class" }
+            li { i style="background:var(--other)" {} "hit, but another label on it too" }
+            li { i.misclassified {} "missed: misclassified, only another class at this confidence" }
+            li { i.disappeared {} "missed: disappeared, no detection of any class at this confidence" }
             li.note {
                 "dashed white: truth box; solid: detections at confidence ≥ " (scores.criteria.hit_confidence)
                 " (blue: the class, orange: another label)"
@@ -106,17 +107,17 @@ fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let outcome = &p.outcomes[index];
     let texture = variants(scores).iter().position(|v| *v == p.variant);
     let texture = texture.unwrap_or_default();
-    let class = ["missed", "found_with_other", "found"][rank(outcome)];
-    let word = if outcome.is_hit() { "found" } else { "missed" };
+    let class = filters::outcome_key(outcome);
+    let word = if outcome.is_hit() { "found" } else { class };
     html! {
         figure class=(format!("photo {class}")) data-detector=(detector.manifest.name) data-variant=(p.variant)
             data-outcome=(filters::outcome_key(outcome)) data-azimuth=[p.bin.map(|b| b.azimuth_deg)]
             data-pitch=[p.bin.map(|b| b.pitch_deg)] data-distance=[p.bin.map(|b| b.distance_mm)] data-texture=(texture) {
             (photo_view(scores, p, index))
             figcaption {
-                b { (word) } @if outcome.confidence > 0.0 { (format!(" {:.2}", outcome.confidence)) }
+                b { (word) } @if outcome.confidence > 0.0 { (format!(" {}", number(outcome.confidence, 2))) }
                 @if let Some((label, confidence)) = other_label(p, index, detector) {
-                    (format!(", {label} {confidence:.2}"))
+                    (format!(", {label} {}", number(confidence, 2)))
                 }
                 br; (p.variant) " · " (direction(p))
                 br; (detector.manifest.title)
@@ -196,7 +197,7 @@ fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup 
         p,
         [d.box_px.x1, y],
         paint(d, detector),
-        &format!("{label} {:.2}", d.score),
+        &format!("{label} {}", number(d.score, 2)),
     )
 }
 

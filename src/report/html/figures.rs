@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::{number, summary, variants};
-use crate::report::paired;
+use crate::report::{certainty, paired};
 use crate::score::{Compared, Difference, Drop, Figures, Finding, Scores, Summary, disagreements};
 
 /// Each number beside how many photos it rests on, and its drop from the base variant.
@@ -51,6 +51,7 @@ pub(super) fn headline(scores: &Scores) -> Markup {
                 false => { ". This run lacks " (scores.base) ", so no drop is given. " }
             }
         }
+        @if let Some(sentence) = certainty::tested(scores, &certainty::all(scores)) { p.note { (sentence) "." } }
     }
 }
 

@@ -18,6 +18,9 @@ const CELL: (f64, f64) = (34.0, 28.0);
 const NAME: f64 = 17.0;
 const GAP: f64 = 7.0;
 
+/// What stands in a cell.
+pub(in crate::report) const CELLS: &str = "In each cell mean confidence, hits / photos below; “–”: no photo";
+
 /// A map for each detector, its textures below each other.
 pub(super) fn maps(scores: &Scores) -> Markup {
     let is_wide = scores.sessions[0].scene.bins.azimuth_centres().len() > 12;
@@ -36,7 +39,7 @@ pub(super) fn maps(scores: &Scores) -> Markup {
                 }
             }
             p.note {
-                "In each cell mean confidence, hits / photos below; “–”: no photo. Rows: pitch and distance at model scale, those that have "
+                (CELLS) ". Rows: pitch and distance at model scale, those that have "
                 "photos. AP and intervals per cell are in figures.csv."
             }
         }
@@ -155,7 +158,12 @@ fn title(s: &Summary, bin: &Bin, found: Option<&CellFigures>) -> String {
     };
     let r = &f.hit_rate;
     format!(
-        "{place}: mean confidence {:.3}, {} hits of {} [{:.2}, {:.2}], AP@0.5 {:.3}",
-        f.mean_confidence, r.count, f.photos, r.low, r.high, f.ap50
+        "{place}: mean confidence {}, {} hits of {} [{}, {}], AP@0.5 {}",
+        number(f.mean_confidence, 3),
+        r.count,
+        f.photos,
+        number(r.low, 2),
+        number(r.high, 2),
+        number(f.ap50, 3)
     )
 }

@@ -10,11 +10,13 @@ use crate::score::{Compared, Difference, Figures, Scores, TransferDrop, Transfer
 /// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {
     let variants = variants(scores);
+    let criteria = &scores.criteria;
+    let confidence = format!("confidence {} {}", criteria.sign(), criteria.hit_confidence);
     html! {
         ul.legend {
             li { i.hit {} "hit" }
-            li { i.misclassified {} "misclassified: only another class found on the model" }
-            li { i.disappeared {} "disappeared: nothing found on the model" }
+            li { i.misclassified {} "misclassified: only another class on the model at " (confidence) }
+            li { i.disappeared {} "disappeared: no detection of any class on the model at " (confidence) "; a weaker one does not count" }
         }
         div.scroll {
             table.outcomes {
@@ -49,7 +51,7 @@ fn bar(f: &Figures) -> Markup {
             @for (class, rate) in parts {
                 @if rate.count > 0 {
                     i class=(class) style=(format!("flex-grow:{}", rate.count))
-                        title=(format!("{class}: {} of {}, [{:.2}, {:.2}]", rate.count, f.photos, rate.low, rate.high)) {
+                        title=(format!("{class}: {} of {}, [{}, {}]", rate.count, f.photos, number(rate.low, 2), number(rate.high, 2))) {
                         b { (rate.count) }
                     }
                 }

@@ -19,9 +19,9 @@ pub(super) mod speed;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::detect::{ForeignKind, Speeds};
-use crate::report::{counted, rounded};
+use crate::report::counted;
 use crate::score::{EvaluatedDetector, Scores, Summary};
-use crate::spelling;
+use crate::spelling::{self, digits};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -177,8 +177,8 @@ fn colour(index: usize) -> &'static str {
     ["#5b6573", "#0f7f8c", "#1f4fb4", "#a0522d", "#b03a9b", "#4a4a9c"][index % 6]
 }
 
-fn number(value: f64, digits: usize) -> String {
-    rounded(value, digits).replace('-', "−")
+fn number(value: f64, behind: usize) -> String {
+    digits(value, behind).replace('-', "−")
 }
 
 /// A tenth of a pixel is all a screen shows.

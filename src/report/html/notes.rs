@@ -45,6 +45,22 @@ pub(super) fn definitions(scores: &Scores) -> Markup {
     }
 }
 
+/// What is known, or that it is not.
+fn stated(text: String) -> String {
+    match text.is_empty() {
+        true => "not stated".to_owned(),
+        false => text,
+    }
+}
+
+/// From the first to the last, or the one time there is.
+fn taken(times: Option<&[String; 2]>) -> String {
+    times.map_or(String::new(), |[first, last]| match first == last {
+        true => first.clone(),
+        false => format!("{first} to {last}"),
+    })
+}
+
 /// `chance` says which random numbers the figures rest on.
 pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
     let p = provenance::of(scores);
@@ -59,7 +75,10 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
                 (p.ap_definition)
             }
             @if let Some(protocol) = p.protocol { dt { "protocol" } dd { (protocol) } }
-            @for s in &p.sessions { dt { "session " (s.folder) } dd { (s.model) ", 1:" (s.scale) ", truth envelope: " (s.truth_envelope) } }
+            @for s in &p.sessions { dt { "session " (s.folder) } dd {
+                (s.model) ", 1:" (s.scale) ", truth envelope: " (s.truth_envelope) "; places: " (stated(s.places.join(", ")))
+                "; photos taken: " (stated(taken(s.taken.as_ref()))) "; camera file: " (stated(s.camera.clone().unwrap_or_default()))
+            } }
             dt { "chance" } dd { (chance) "; the same input gives the same files, byte for byte" }
         }
         div.scroll {

@@ -8,6 +8,10 @@ use crate::score::{BinFigures, Scores};
 
 const RADIUS: f64 = 88.0;
 
+/// What the marks mean.
+pub(in crate::report) const MARKS: &str = "Distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit, hollow: not every one; \
+    a line where every bin has several photos";
+
 /// So many photos make a bin's mean more than one photo's chance.
 const SEVERAL: usize = 2;
 
@@ -18,7 +22,7 @@ pub(super) fn row(scores: &Scores) -> Markup {
             @for (i, variant) in variants(scores).iter().enumerate() {
                 li { i style=(format!("background:{}", colour(i))) {} (variant) }
             }
-            li.note { "distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit; a line where every bin has several photos" }
+            li.note { (MARKS) }
         }
         div.small-charts.polars {
             @for (title, chart) in charts(scores) { figure { (chart.inline(None)) figcaption { (title) } } }

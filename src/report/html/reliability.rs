@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::round;
+use super::{number, round};
 use crate::plot::Drawing;
 use crate::score::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use crate::spelling;
@@ -43,7 +43,9 @@ fn verdict(r: &Reliability) -> String {
         (Some(error), Some(chance)) => {
             let few = if count < FEW { ": few" } else { "" };
             format!(
-                "ECE {error:.2} ({chance:.2} by chance), {}{few}",
+                "ECE {} ({} by chance), {}{few}",
+                number(error, 2),
+                number(chance, 2),
                 spelling::count(count, "detection")
             )
         }

@@ -12,6 +12,7 @@ use super::summary::{boxes, variants};
 use super::{EvaluatedDetector, ImageBoxes, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
 use crate::detect::Detection;
 use crate::geometry::BoxPx;
+use crate::spelling::digits;
 use apricot::targeted_ap;
 #[cfg(test)]
 pub(crate) use apricot::targeted_ap as apricot_ap;
@@ -234,15 +235,6 @@ fn armory_digits(ap: f64) -> String {
     digits(ap * (1.0 - 1e-8), 2)
 }
 
-/// So many digits behind the point, a five rounded away from zero as papers do.
-fn digits(value: f64, behind: usize) -> String {
-    let scale = 10_f64.powi(behind as i32);
-    // What is a five to twelve digits is one: 100 · 0.0875 is not always 8.75.
-    let scaled = value * scale;
-    let rounded = (scaled + 1e-9 * scaled.signum()).round() / scale;
-    format!("{:.behind$}", if rounded == 0.0 { 0.0 } else { rounded })
-}
-
 /// Three significant digits, one of them behind the point at least.
 fn significant(value: f64) -> String {
     digits(value, if value < 10.0 { 2 } else { 1 })
@@ -266,9 +258,5 @@ mod tests {
         ] {
             assert_eq!(significant(100.0 * f64::from(hits) / 240.0), printed);
         }
-        assert_eq!(
-            [digits(0.125, 2), digits(-0.0001, 2), digits(-0.125, 2)],
-            ["0.13", "0.00", "-0.13"]
-        );
     }
 }

@@ -47,8 +47,8 @@ fn steps(request: &PaintedRequest) -> Vec<String> {
     let mut steps = vec![
         "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.".to_owned(),
         "Spray the whole model with paint 1, the base coat: it has no stencil. Let it dry.".to_owned(),
-        "Cut the pieces of the sheets 'numbers' out along their lines, lay them on the model as the views and the letters \
-         of their seams say, and go around each with a soft pencil."
+        "Cut the pieces of the sheets 'numbers' out along their lines, lay them on the model as the views (grey: the back of a piece) and the \
+         letters of their seams say, and go around each with a soft pencil."
             .to_owned(),
         "Paint by paint, in the order below: cut out what is tinted, the round holes too, and each stencil at its outer line. P and a number \
          beside the ring name the paint."
