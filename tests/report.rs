@@ -226,7 +226,7 @@ fn the_times_of_the_photos_are_a_range() {
     let out = tempfile::tempdir().unwrap();
     let mut command = program();
     command.arg("score").arg(session.path()).args(["--recorded", "--out"]);
-    assert!(command.arg(out.path()).status().unwrap().success());
+    assert!(command.arg(out.path()).output().unwrap().status.success());
     let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
     assert!(page.contains("photos taken: 2026-05-05 12:30:05 to 2026-05-20 12:30:05"));
 }
