@@ -12,6 +12,10 @@ use super::area::averaged;
 const LEAST_NOISY_BLOCK: u32 = 4;
 /// The part of the changes at borders, beyond chance, that makes a grid. Photos reach 0.1, grids in JPEGs of quality 40 stay above 0.85.
 const LEAST_SHARE: f64 = 0.75;
+/// The part of the borders at which something changes. A grid with a border around it, or a gap, is hit by a finer grid most of whose borders hold nothing.
+const LEAST_BUSY: f64 = 0.5;
+/// A border with so small a part of the mean change is a part of a cell.
+const QUIET: f64 = 0.05;
 /// Cells are square in a pattern; blocks may be off by rounding.
 const MOST_OBLONG: f64 = 1.05;
 /// Blocks of a JPEG bleed into their neighbours.
@@ -66,7 +70,15 @@ impl Changes {
         let total: f64 = (1..self.0.len()).map(above).sum();
         let borders = self.borders(cells);
         let held: f64 = borders.iter().map(|at| above(*at)).sum();
+        let mean = held / borders.len().max(1) as f64;
+        let pixel = |border: u32| f64::from(border) * f64::from(self.pixels()) / f64::from(cells);
+        let is_busy = |border: &u32| {
+            let at = pixel(*border);
+            above(at.floor() as usize).max(above(at.ceil() as usize)) > QUIET * mean
+        };
+        let busy = (1..cells).filter(is_busy).count();
         BorderShare {
+            of_busy: busy as f64 / f64::from(cells.saturating_sub(1).max(1)),
             of_changes: if total > 0.0 { held / total } else { 0.0 },
             of_pixels: borders.len() as f64 / (self.0.len() - 1).max(1) as f64,
         }
@@ -94,6 +106,8 @@ impl Changes {
 
 /// What is at the borders of some cells.
 struct BorderShare {
+    /// Of the borders, those at which something changes.
+    of_busy: f64,
     of_changes: f64,
     of_pixels: f64,
 }
@@ -104,7 +118,7 @@ impl BorderShare {
     }
 
     fn is_grid(&self) -> bool {
-        self.gain() >= LEAST_SHARE * (1.0 - self.of_pixels)
+        self.of_busy >= LEAST_BUSY && self.gain() >= LEAST_SHARE * (1.0 - self.of_pixels)
     }
 }
 

@@ -68,7 +68,10 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
     let needed = places_needed(r.bins, d.base, d.drop.min(d.base), POWER).ok();
     let bins = spelling::count(r.bins, "bin");
     Some(match needed.map(|needed| (needed, needed.saturating_sub(r.places))) {
-        None => format!("a drop as small as {} is beyond what photos can show", digits(d.drop, 2)),
+        None => format!(
+            "a drop as small as {} is beyond what photos can show",
+            digits(d.drop, 2)
+        ),
         Some((needed, 0)) => format!(
             "{} of {bins} show a drop of {} with a chance of {POWER}: these happened not to",
             spelling::count(needed, "place"),

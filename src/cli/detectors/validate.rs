@@ -196,6 +196,7 @@ fn text(validated: &Validated) -> String {
         );
         lines.push(match &trials.explained_by {
             Some(change) => format!("explained by: {change}"),
+            None if validated.published_ap.is_none() => format!("none of these changes gains {LEAST_GAIN} beyond chance"),
             None => format!("none of these changes gains {LEAST_GAIN} beyond chance: something else differs, or the photos are too few"),
         });
     }
