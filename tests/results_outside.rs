@@ -227,6 +227,119 @@ fn results_from_outside_go_through_shards_and_comparisons_and_beside_other_detec
     assert_eq!(compared("recorded", &["--recorded"]), compared("outside", &strings));
 }
 
+/// What makes a model look as if it were never found, and is not the pattern: photos that were not looked at, boxes of another scale, classes of
+/// another numbering.
+#[test]
+fn results_that_cannot_be_of_these_photos_are_said() {
+    let desk = Desk::new();
+    let images = desk.at("report/coco_truth.json");
+    let own = read_json(&desk.at("report/coco_results_yolox_nano.json"));
+    let with = |change: &dyn Fn(&mut Value) -> bool| {
+        let mut lines = own.as_array().unwrap().clone();
+        lines.retain_mut(change);
+        desk.write("yolox_nano.json", &Value::Array(lines))
+    };
+    let said = |file: &Path| {
+        let (given, session) = (format!("yolox_nano={}", file.display()), skyline());
+        let out = desk.at("said");
+        let output = done(&[
+            "score",
+            text(&session),
+            "--results",
+            &given,
+            "--images",
+            text(&images),
+            "-o",
+            text(&out),
+        ]);
+        let cautions = read_json(&out.join("summary.json"))["cautions"].to_string();
+        (stderr(&output), cautions)
+    };
+    let cases: [(&dyn Fn(&mut Value) -> bool, &str); 3] = [
+        (
+            &|line| line["image_id"].as_u64().unwrap() <= 8,
+            "the results of yolox_nano have no detection in 8 of 16 photos (the first: random_008.jpg)",
+        ),
+        (
+            &|line| {
+                for number in line["bbox"].as_array_mut().unwrap() {
+                    *number = (number.as_f64().unwrap() / 2.0).into();
+                }
+                true
+            },
+            "no box of yolox_nano overlaps a truth box by 0.5 in any of 16 photos",
+        ),
+        (
+            &|line| {
+                line["category_id"] = 1.into();
+                true
+            },
+            "yolox_nano gives no detection the label of the model, and most often “person”",
+        ),
+    ];
+    for (change, sentence) in cases {
+        let (terminal, cautions) = said(&with(change));
+        assert!(
+            terminal.contains(sentence) && cautions.contains(sentence),
+            "{sentence}: {terminal}"
+        );
+    }
+    let (terminal, _) = said(&with(&|_| true));
+    assert!(
+        !terminal.contains("yolox_nano has") && !terminal.contains("no detection"),
+        "{terminal}"
+    );
+}
+
+/// The names of a YOLO data set's own description, listed or by number.
+#[test]
+fn categories_are_read_from_a_yolo_data_set() {
+    let desk = Desk::new();
+    desk.write_yolo("yolox_nano");
+    let results = desk.at("yolo/yolox_nano");
+    let score = |yaml: &str| {
+        std::fs::write(desk.at("data.yaml"), yaml).unwrap();
+        let (given, session) = (format!("yolox_nano={}", results.display()), skyline());
+        let (data, out) = (desk.at("data.yaml"), desk.at("out"));
+        run(&[
+            "score",
+            text(&session),
+            "--results",
+            &given,
+            "--categories",
+            text(&data),
+            "-o",
+            text(&out),
+        ])
+    };
+    let names: Vec<String> = (0..80)
+        .map(|n| if n == 2 { "car".into() } else { format!("c{n}") })
+        .collect();
+    let numbered: String = names
+        .iter()
+        .enumerate()
+        .map(|(n, name)| format!("  {n}: {name}\n"))
+        .collect();
+    for yaml in [
+        format!("path: .\nnames: [{}]\n", names.join(", ")),
+        format!("path: .\nnames:\n{numbered}"),
+    ] {
+        let output = score(&yaml);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let ap =
+            |folder: &str| read_json(&desk.at(folder).join("summary.json"))["results"][0]["overall"]["ap50"].clone();
+        assert_eq!(ap("out"), ap("report"));
+    }
+    assert_refused(
+        &score("path: .\n"),
+        &["data.yaml: it has no `names`, neither a list nor by number"],
+    );
+    assert_refused(
+        &score("names: {0: car, 2: truck}\n"),
+        &["data.yaml: its `names` have no number 1"],
+    );
+}
+
 /// A detection of the first photo.
 fn line(bbox: [f64; 4], score: f64) -> Value {
     json!({"image_id": "normal_000", "category_id": 3, "bbox": bbox, "score": score})
