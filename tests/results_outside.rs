@@ -227,6 +227,9 @@ fn results_from_outside_go_through_shards_and_comparisons_and_beside_other_detec
     assert_eq!(compared("recorded", &["--recorded"]), compared("outside", &strings));
 }
 
+/// Changes a line of results; false removes it.
+type Change<'a> = &'a dyn Fn(&mut Value) -> bool;
+
 /// What makes a model look as if it were never found, and is not the pattern: photos that were not looked at, boxes of another scale, classes of
 /// another numbering.
 #[test]
@@ -234,7 +237,7 @@ fn results_that_cannot_be_of_these_photos_are_said() {
     let desk = Desk::new();
     let images = desk.at("report/coco_truth.json");
     let own = read_json(&desk.at("report/coco_results_yolox_nano.json"));
-    let with = |change: &dyn Fn(&mut Value) -> bool| {
+    let with = |change: Change| {
         let mut lines = own.as_array().unwrap().clone();
         lines.retain_mut(change);
         desk.write("yolox_nano.json", &Value::Array(lines))
@@ -255,7 +258,7 @@ fn results_that_cannot_be_of_these_photos_are_said() {
         let cautions = read_json(&out.join("summary.json"))["cautions"].to_string();
         (stderr(&output), cautions)
     };
-    let cases: [(&dyn Fn(&mut Value) -> bool, &str); 3] = [
+    let cases: [(Change, &str); 3] = [
         (
             &|line| line["image_id"].as_u64().unwrap() <= 8,
             "the results of yolox_nano have no detection in 8 of 16 photos (the first: random_008.jpg)",
