@@ -8,7 +8,7 @@ use super::error::ScoreError;
 use super::{DetectionSource, EvaluatedDetector, NotScored, preview};
 use crate::detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
 use crate::geometry::BoxPx;
-use crate::locate::{Located, locate_tags};
+use crate::locate::{Located, locate_luma, locate_tags};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
 use crate::session::{PhotoEntry, Session};
@@ -52,7 +52,7 @@ pub(crate) struct Observation {
     /// When and how it was taken, as EXIF says.
     pub taken: Option<String>,
     pub exposure: Option<String>,
-    /// Empty when the session says where the model is.
+    /// Empty when the session says where the model is. Of the scene's tags, those that were needed for its pose.
     pub tags: Vec<SeenTag>,
     /// One list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
@@ -227,7 +227,7 @@ impl<'a> Observer<'a> {
             taken: shot.taken,
             exposure: shot.exposure,
             tags: match job.needs_tags() {
-                true => self.tags(&photo)?,
+                true => self.tags(job.session, &photo)?,
                 false => Vec::new(),
             },
             detections: Vec::new(),
@@ -246,9 +246,17 @@ impl<'a> Observer<'a> {
         Ok((seen, place))
     }
 
-    fn tags(&mut self, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
-        let key = self.key(&["tags", &photo.sha256, &format!("{:?}", self.families)]);
-        self.kept(key, |own| Ok(own.tags.find(&photo.luma()?)))
+    /// The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
+    fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
+        let scene = &session.scene;
+        let camera = session
+            .known_camera()
+            .map_err(|e| Stop::Photo(NotScoredReason::of(e)))?;
+        let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
+        let key = self.key(&["tags", &photo.sha256, &searched]);
+        self.kept(key, |own| {
+            Ok(locate_luma(&photo.luma()?, photo.turned_deg, scene, camera, own.tags.as_mut()).seen)
+        })
     }
 
     fn detections(
