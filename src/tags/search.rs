@@ -48,6 +48,21 @@ fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>)
     }
 }
 
+/// A library that is shown the image twice as large.
+pub(super) struct Enlarged<S>(pub S);
+
+impl<S: Search> Search for Enlarged<S> {
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
+        let (width, height) = grey.dimensions();
+        let large = image::imageops::resize(grey, 2 * width, 2 * height, image::imageops::FilterType::CatmullRom);
+        let mut found = self.0.search(&large);
+        for tag in &mut found {
+            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5));
+        }
+        found
+    }
+}
+
 /// The least whole factor by which an image has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
 /// AprilTag ends the program at longer ones, and OpenCV refuses them.
 pub(crate) fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
