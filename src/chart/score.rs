@@ -3,7 +3,7 @@
 use maud::html;
 use serde::Serialize;
 
-use crate::plot::{Drawing, colour, figure};
+use crate::plot::{Drawing, Explained, colour, figure};
 use crate::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
 use crate::session::{PhotoEntry, Session};
 use crate::workers::stopwatch::{Stage, StageMs};
@@ -150,14 +150,16 @@ pub(crate) fn draw(rows: &[ScoreRow]) -> String {
         label: "Milliseconds a photo by stage".to_owned(),
         marks,
     };
-    let legend: Vec<(String, String)> = Stage::ALL
-        .into_iter()
-        .enumerate()
-        .map(|(n, stage)| (colour(n).to_owned(), name(stage).to_owned()))
-        .collect();
+    let entry = |(n, stage): (usize, Stage)| (colour(n).to_owned(), name(stage).to_owned());
     let photos = rows.first().map_or(0, |row| row.photos);
-    let head = format!("Milliseconds a photo, one thread, median of {photos} photos");
-    figure("Scoring: where the time goes", &legend, 1, &[(&head, drawing)])
+    let explained = Explained {
+        legend: Stage::ALL.into_iter().enumerate().map(entry).collect(),
+        notes: vec![format!(
+            "Median of {photos} photos, one thread, nothing kept from before. Poses from tags, or given by the session."
+        )],
+    };
+    let title = "Scoring: where the time goes";
+    figure(title, &explained, 1, &[("milliseconds a photo", drawing)])
 }
 
 /// The same as lines of text.
