@@ -99,16 +99,18 @@ pub(crate) fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
     let (f, w) = (factor as usize, width as usize);
     let stride = grey.width() as usize;
     let mut bytes = Vec::with_capacity(w * height as usize);
-    let mut sums = vec![0u32; w];
+    // Down first: neighbours are then added side by side.
+    let mut sums = vec![0u32; stride];
+    let area = factor * factor;
     for rows in grey.as_raw().chunks_exact(stride * f) {
         sums.fill(0);
         for row in rows.chunks_exact(stride) {
-            for (sum, pixels) in sums.iter_mut().zip(row.chunks_exact(f)) {
-                *sum += pixels.iter().map(|p| u32::from(*p)).sum::<u32>();
+            for (sum, pixel) in sums.iter_mut().zip(row) {
+                *sum += u32::from(*pixel);
             }
         }
-        let area = factor * factor;
-        bytes.extend(sums.iter().map(|sum| ((sum + area / 2) / area) as u8));
+        let squares = sums.chunks_exact(f).map(|sums| sums.iter().sum::<u32>());
+        bytes.extend(squares.map(|sum| ((sum + area / 2) / area) as u8));
     }
     GrayImage::from_raw(width, height, bytes).unwrap_or_default()
 }

@@ -93,8 +93,9 @@ impl<const N: usize> Transform<N> {
     }
 }
 
-/// Samples are stored as differences from it.
-const MIDDLE: f32 = 128.0;
+/// Samples are stored as differences from 128. Blocks of one colour often lie at a half, which is rounded up, as libjpeg does: to the even
+/// neighbour it would be a bias.
+const MIDDLE: f32 = 128.0 + 1.0 / 1024.0;
 
 /// To the next whole number of 0 to 255. Adding 1.5 · 2²³ leaves a whole number in the lowest bits of a float, which takes fewer steps than
 /// `as u8`.

@@ -32,7 +32,7 @@ impl Coefficients {
                 (Colours::Rgb, [r, g, b]) => colour::together([r, g, b], &mut row),
                 (Colours::Cmyk, [c, m, y, k]) => colour::from_cmyk([c, m, y], k, &mut row),
                 (Colours::Ycck, [y, cb, cr, k]) => colour::from_ycck([y, cb, cr], k, &mut row),
-                (_, rows) => colour::together([&rows[0]; 3], &mut row),
+                (_, rows) => colour::together([rows[0]; 3], &mut row),
             }
             canvas.put(y, &row);
         });
@@ -54,7 +54,7 @@ impl Coefficients {
         components: &[Component],
         reduction: u32,
         reducing: Reducing,
-        mut with: impl FnMut(usize, usize, &[Vec<u8>]),
+        mut with: impl FnMut(usize, usize, &[&[u8]]),
     ) {
         let [width, height] = self.size.map(|side| (side / reduction) as usize);
         let across = self.most_sampling.map(|most| (8 / reduction * most) as usize);
@@ -62,7 +62,7 @@ impl Coefficients {
             .iter()
             .map(|c| Plane::of(c, self.most_sampling, 8 / reduction, reducing))
             .collect();
-        let mut rows: Vec<Vec<u8>> = planes.iter().map(|plane| vec![0; plane.row_px()]).collect();
+        let mut buffers: Vec<Buffer> = planes.iter().map(Plane::buffer).collect();
         for y in 0..height {
             // The group of rows below is there too, since rows between two are made of both.
             if y % across[1] == 0 {
@@ -74,10 +74,11 @@ impl Coefficients {
                     plane.read(group + 1);
                 }
             }
-            for (plane, row) in planes.iter_mut().zip(&mut rows) {
-                plane.row(y, row);
-            }
-            with(y, width, &rows);
+            let rows = planes
+                .iter()
+                .zip(&mut buffers)
+                .map(|(plane, buffer)| plane.row(y, buffer));
+            with(y, width, &rows.collect::<Vec<&[u8]>>());
         }
     }
 }
@@ -154,6 +155,11 @@ struct Plane<'a> {
     size: [usize; 2],
     /// Three groups of rows in turn.
     kept: Vec<u8>,
+}
+
+/// Where a row is enlarged.
+struct Buffer {
+    row: Vec<u8>,
     sums: Vec<u16>,
 }
 
@@ -192,7 +198,6 @@ impl<'a> Plane<'a> {
         Plane {
             size: [0, 1].map(|i| (component.size[i] * block[i]).div_ceil(8)),
             kept: vec![0; 3 * group * component.blocks[0] * block[0]],
-            sums: Vec::new(),
             component,
             transform,
             block,
@@ -204,9 +209,11 @@ impl<'a> Plane<'a> {
         self.component.blocks[0] * self.block[0]
     }
 
-    /// Bytes of an enlarged row.
-    fn row_px(&self) -> usize {
-        self.stride() * self.enlarged[0]
+    fn buffer(&self) -> Buffer {
+        Buffer {
+            row: vec![0; self.stride() * self.enlarged[0]],
+            sums: Vec::new(),
+        }
     }
 
     /// Rows of blocks in a group.
@@ -239,7 +246,7 @@ impl<'a> Plane<'a> {
     }
 
     /// A row of the image, of samples that are kept.
-    fn row(&mut self, y: usize, to: &mut [u8]) {
+    fn row<'b>(&'b self, y: usize, buffer: &'b mut Buffer) -> &'b [u8] {
         let [width, height] = self.size;
         let stride = self.stride();
         let rows = 3 * self.blocks_down() * self.block[1];
@@ -251,13 +258,15 @@ impl<'a> Plane<'a> {
             true => near.saturating_sub(1),
             false => (near + 1).min(height - 1),
         };
+        let to = buffer.row.as_mut_slice();
         match (across, down) {
-            (1, 1) => to[..width].copy_from_slice(row(near)),
+            (1, 1) => return row(near),
             (2, 1) if width > 2 => upsample::across(row(near), to),
-            (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut self.sums, to),
+            (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut buffer.sums, to),
             (1, 2) => upsample::down([row(near), row(far)], y % 2 == 0, to),
             _ => upsample::repeated(row(near), across, to),
         }
+        &buffer.row
     }
 }
 
