@@ -1,7 +1,7 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
 use crate::score::{ClusteredBy, Compared, Difference, Finding, Scores, paired, places_needed};
-use crate::spelling;
+use crate::spelling::{self, digits};
 
 /// What the pairs of a variant and the base say of one detector; none where no photos pair.
 pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Compared> {
@@ -68,15 +68,15 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
     let needed = places_needed(r.bins, d.base, d.drop.min(d.base), POWER).ok();
     let bins = spelling::count(r.bins, "bin");
     Some(match needed.map(|needed| (needed, needed.saturating_sub(r.places))) {
-        None => format!("a drop as small as {:.2} is beyond what photos can show", d.drop),
+        None => format!("a drop as small as {} is beyond what photos can show", digits(d.drop, 2)),
         Some((needed, 0)) => format!(
-            "{} of {bins} show a drop of {:.2} with a chance of {POWER}: these happened not to",
+            "{} of {bins} show a drop of {} with a chance of {POWER}: these happened not to",
             spelling::count(needed, "place"),
-            d.drop
+            digits(d.drop, 2)
         ),
         Some((needed, more)) => format!(
-            "if the true drop is the {:.2} seen, {} of these {bins} show it with a chance of {POWER}, and these photos are of {}: {}, {} photos",
-            d.drop,
+            "if the true drop is the {} seen, {} of these {bins} show it with a chance of {POWER}, and these photos are of {}: {}, {} photos",
+            digits(d.drop, 2),
             spelling::count(needed, "place"),
             r.places,
             spelling::choose(more, "1 place more", &format!("{more} places more")),
