@@ -95,7 +95,7 @@ pub use score::{
     Options, Protocol, ScoreError, ScoredPhoto, Scores, compare, score,
 };
 pub use session::{Conditions, PhotoEntry, Session, SessionError};
-pub use tags::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
+pub use tags::{CornersBy, ExpectedTag, SeenTag, StartError, StillMissing, TagDetector, TagDetectorChoice};
 
 #[cfg(feature = "attack")]
 pub use attack::run::augmentation::Eot;

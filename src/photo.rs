@@ -3,12 +3,14 @@
 mod budget;
 mod decode;
 mod heif;
+mod jpeg;
 mod lens;
 mod problem;
 mod shot;
-mod structure;
+mod shrink;
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use image::{GrayImage, RgbImage, imageops};
 
@@ -18,9 +20,10 @@ use decode::{Header, heif_kind, orientation_of, turned_deg};
 pub(crate) use budget::Budget;
 pub(crate) use decode::open_png;
 pub(crate) use heif::reads_heif;
+use jpeg::Coefficients;
 pub(crate) use lens::Lens;
-use problem::DecodeProblem;
 use shot::Shot;
+pub(crate) use shrink::shrunk;
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +65,8 @@ fn convert_sentence(path: &Path, kind: &str) -> String {
 /// How much smaller a JPEG can be decoded: its blocks of 8 × 8 pixels come back as 1 × 1, 2 × 2 or 4 × 4.
 const REDUCTIONS: [u32; 3] = [8, 4, 2];
 
-/// A photo: its file is read and hashed and its header understood, its pixels are decoded on request. Damage inside shows then.
+/// A photo: its file is read and hashed and its header understood. The data of a JPEG is decoded once, when pixels are first requested;
+/// damage inside shows then. Pixels of any size follow from what is kept of it.
 #[derive(Debug)]
 pub struct Photo {
     path: PathBuf,
@@ -79,6 +83,7 @@ pub struct Photo {
     exif: Option<Vec<u8>>,
     header: Header,
     budget: Budget,
+    coefficients: OnceLock<Coefficients>,
 }
 
 impl Photo {
@@ -116,6 +121,7 @@ impl Photo {
             exif,
             header,
             budget,
+            coefficients: OnceLock::new(),
         })
     }
 
@@ -146,23 +152,33 @@ impl Photo {
 
     /// `jpg` or `png`, by the content.
     pub fn extension(&self) -> &'static str {
-        match self.header.jpeg {
-            Some(_) => "jpg",
-            None => "png",
-        }
+        self.header.extension()
     }
 
     /// A JPEG for print, whose colours depend on a printer.
     pub(crate) fn is_cmyk(&self) -> bool {
-        self.header.is_cmyk
+        self.header.is_cmyk()
     }
 
     /// Luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is
-    /// measured on it. Decoding it alone takes less than half the time of decoding colours too.
+    /// measured on it.
     pub fn luma(&self) -> Result<GrayImage, PhotoError> {
-        self.header
-            .luma(&self.bytes, &self.budget)
-            .map_err(|e| e.at(&self.path))
+        match self.coefficients()? {
+            Some(coefficients) if self.header.has_luma() => Ok(coefficients.luma(1, self.header.orientation)),
+            _ => Ok(imageops::grayscale(&self.rgb(1)?)),
+        }
+    }
+
+    /// What a JPEG's data says, read when it is first needed; `None` for a PNG.
+    fn coefficients(&self) -> Result<Option<&Coefficients>, PhotoError> {
+        if let Some(read) = self.coefficients.get() {
+            return Ok(Some(read));
+        }
+        let read = self.header.coefficients(&self.bytes, &self.budget);
+        Ok(match read.map_err(|e| e.at(&self.path))? {
+            Some(read) => Some(self.coefficients.get_or_init(|| read)),
+            None => None,
+        })
     }
 
     /// Luma in the sensor's own frame, which EXIF's turn does not touch: one camera holds for photos held any way.
@@ -178,11 +194,13 @@ impl Photo {
 
     /// Colours at 1/`reduction` of the size, upright; `reduction` is 1 or what [`Photo::reduction`] gave.
     pub fn rgb(&self, reduction: u32) -> Result<RgbImage, PhotoError> {
-        let colours = match reduction {
-            1 => self.header.rgb(&self.bytes, &self.budget),
-            _ => self.header.reduced_rgb(&self.bytes, &self.budget, reduction),
-        };
-        colours.map_err(|problem: DecodeProblem| problem.at(&self.path))
+        match self.coefficients()? {
+            Some(coefficients) => Ok(coefficients.rgb(reduction, self.header.orientation)),
+            None => {
+                let decoded = self.header.png(&self.bytes, &self.budget);
+                decoded.map_err(|e| e.at(&self.path))
+            }
+        }
     }
 
     /// The strongest reduction, of 8, 4, 2 and 1, that still leaves `least` pixels (width, height) of the upright image.
@@ -195,7 +213,7 @@ impl Photo {
                 && self.width / r >= least[0]
                 && self.height / r >= least[1]
         };
-        match self.header.has_luma {
+        match self.header.has_luma() {
             true => REDUCTIONS.into_iter().find(serves).unwrap_or(1),
             false => 1,
         }

@@ -6,12 +6,17 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use burn::tensor::Device;
-use common::shared;
+use common::{home, shared};
 use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use scaleproof::attack::run::augmentation::Eot;
+use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty};
 use scaleproof::detect::{Detector, Manifest, Runtime};
+use scaleproof::frames::FrameSet;
+use scaleproof::surrogate::projection::Grid;
 use scaleproof::whitebox::detector::OnnxDetector;
 use scaleproof::whitebox::onnx::OnnxNetwork;
 use scaleproof::whitebox::{Prediction, WhiteBox};
@@ -219,6 +224,52 @@ fn confidences_are_those_of_scoring() {
                 assert!(same.is_some(), "{name} {i}: no prediction is {car:?}");
             }
         }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
+    let grid = Grid {
+        columns: 8,
+        rows: 8,
+        cell_mm: 30.0,
+    };
+    let frames = FrameSet::open(&home().join("captures/skyline_attack")).unwrap();
+    let view_set = ViewSet::open(&frames, grid, TextureMapping::World, || {}).unwrap();
+    let Some((detector, _)) = opened("fastestdet", "FastestDet.onnx", &[CAR]) else {
+        return;
+    };
+    let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(detector)];
+    let config = AttackConfig {
+        cells: 8,
+        tile_mm: 240.0,
+        steps: 2,
+        batch: 5,
+        learning_rate: 0.03,
+        floor: 0.001,
+        seed: 7,
+        mapping: TextureMapping::World,
+        eot: Eot::USUAL,
+        smooth: 0.0,
+        printable: ColourPenalty::default(),
+        palette: ColourPenalty::default(),
+        range: [0, 255],
+        frames_sha256: String::new(),
+        detectors: Vec::new(),
+    };
+    let run = |threads: usize| {
+        let folder = tempfile::tempdir().unwrap();
+        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
+        let mut of_steps = Vec::new();
+        let run = attack.over_threads(threads).run(folder.path(), |_, entry| {
+            of_steps.push((entry.loss.map(f64::to_bits), entry.held_out));
+        });
+        (run.unwrap().0, of_steps)
+    };
+    let alone = run(1);
+    assert!(alone.1.iter().all(|(loss, _)| *loss > Some(0)), "{:?}", alone.1);
+    for threads in [2, 5] {
+        assert_eq!(run(threads), alone, "{threads} threads");
     }
 }
 
@@ -460,6 +511,28 @@ fn convolutions() -> Vec<Small> {
             &[whole("group", 4), list("pads", &[1, 1, 1, 1])],
         ),
         conv("Conv, two groups", &[4, 2, 1, 1], &[whole("group", 2)]),
+        conv(
+            "Conv, two groups of 3 × 2",
+            &[4, 2, 3, 2],
+            &[whole("group", 2), list("pads", &[1, 0, 0, 1]), list("strides", &[2, 1])],
+        ),
+        conv("Conv, a point", &[4, 4, 1, 1], &[]),
+        conv("Conv, a point, stride 2", &[4, 4, 1, 1], &[list("strides", &[2, 2])]),
+        conv(
+            "Conv, depthwise, stride 2",
+            &[4, 1, 5, 5],
+            &[whole("group", 4), list("pads", &[2, 2, 2, 2]), list("strides", &[2, 2])],
+        ),
+        conv(
+            "Conv, depthwise, stride 2, dilated, one-sided border",
+            &[4, 1, 3, 2],
+            &[
+                whole("group", 4),
+                list("pads", &[0, 1, 2, 3]),
+                list("strides", &[2, 3]),
+                list("dilations", &[2, 3]),
+            ],
+        ),
         small("ConvTranspose", &picture, up.into()),
         small(
             "BatchNormalization",
@@ -467,6 +540,11 @@ fn convolutions() -> Vec<Small> {
             vec![norm, step("BatchNormalization", &names, &["y"], &[])],
         ),
         pool("MaxPool", "MaxPool", &[three(), list("pads", &[1, 1, 1, 1])]),
+        pool(
+            "MaxPool, 5 × 5",
+            "MaxPool",
+            &[list("kernel_shape", &[5, 5]), list("pads", &[2, 2, 2, 2])],
+        ),
         pool(
             "MaxPool, stride 2, ceil",
             "MaxPool",

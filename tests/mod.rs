@@ -37,6 +37,7 @@ mod folders;
 mod headline;
 mod hostile;
 mod import;
+mod jpeg;
 mod locate;
 mod manners;
 mod package;

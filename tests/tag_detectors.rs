@@ -323,7 +323,7 @@ fn every_detector_keeps_the_conventions_for_every_family_it_reads() {
             if !choice.reads(family) {
                 let refused = choice.open(&[family]).err().unwrap().to_string();
                 assert!(refused.contains(choice.name()) && refused.contains(name), "{refused}");
-                assert!(refused.contains("use one of coarse-to-fine"), "{refused}");
+                assert!(refused.contains("use one of cascade"), "{refused}");
                 continue;
             }
             let mut detector = choice.open(&[family]).unwrap();
@@ -408,7 +408,7 @@ proptest! {
             [160.0 + cosine * x - sine * y, 160.0 + sine * x + cosine * y]
         });
         let shot = Shot { size: [320, 320], corners: exact, blur, tone, noise };
-        let seen = TagDetectorChoice::CoarseToFine.open(&[TagFamily::Tag36h11]).unwrap()
+        let seen = TagDetectorChoice::default().open(&[TagFamily::Tag36h11]).unwrap()
             .find(&shot.photo(TagFamily::Tag36h11, id));
         prop_assert_eq!(seen.iter().map(|tag| tag.id).collect::<Vec<_>>(), vec![id]);
         let off = (0..4).map(|i| distance(seen[0].corners_px[i], exact[i])).fold(0.0, f64::max);
@@ -626,7 +626,7 @@ fn a_detector_is_chosen_by_name() {
     }
     assert_refused(
         &locate(&scene, "apriltags"),
-        &["'apriltags' is not known", "coarse-to-fine, apriltag, aruco"],
+        &["'apriltags' is not known", "cascade, coarse-to-fine, apriltag, aruco"],
     );
     let folder = tempfile::tempdir().unwrap();
     let standard = folder.path().join("scene.toml");
@@ -642,7 +642,7 @@ fn a_detector_is_chosen_by_name() {
         &[
             "locus cannot read",
             "tagstandard41h12",
-            "use one of coarse-to-fine, apriltag",
+            "use one of cascade, coarse-to-fine, apriltag",
         ],
     );
 }

@@ -7,7 +7,7 @@ use super::advice::Advice;
 use super::guidance::Guidance;
 use crate::camera::{Camera, SizeError};
 use crate::geometry::{Rigid, distance};
-use crate::locate::{Abstention, Located, LocatedPhoto, locate_luma};
+use crate::locate::{Abstention, Located, LocatedPhoto, locate_luma, locate_near};
 use crate::scene::{Scene, Tag};
 use crate::statistics::upper_median;
 use crate::tags::{Appearance, SeenTag, StartError, TagDetector, TagDetectorChoice};
@@ -29,6 +29,13 @@ pub(crate) const MAX_MOVED_PX: f64 = 2.0;
 
 /// The long side that the limits in px are for.
 const LONG_SIDE_PX: f64 = 1280.0;
+
+/// The frame after so many that were looked at from the last pose is searched as a whole.
+const MOST_TRACKED: u32 = 10;
+
+/// Of frames in a row in which the fast search finds no pose, each so-manieth is searched by every means: at once would keep somebody who
+/// points the camera elsewhere waiting.
+const UNANSWERED: u32 = 4;
 
 /// Without any tag, an image of this mean grey level or less is dark, of that or more bright.
 const DARK_MEAN: f64 = 25.0;
@@ -90,6 +97,11 @@ pub(crate) struct Judge {
     /// Tags of the frame that was judged last, and of the one before it.
     last: Vec<SeenTag>,
     before: Vec<SeenTag>,
+    /// Where the camera stood in the frame before, and how many frames have followed it.
+    pose: Option<Rigid>,
+    tracked: u32,
+    /// Frames of a stream without a pose since the last one that had one.
+    unanswered: u32,
 }
 
 impl Judge {
@@ -109,6 +121,9 @@ impl Judge {
             is_stream,
             last: Vec::new(),
             before: Vec::new(),
+            pose: None,
+            tracked: 0,
+            unanswered: 0,
         })
     }
 
@@ -131,11 +146,22 @@ impl Judge {
         self.before = std::mem::take(&mut self.last);
         let scene = &self.scene;
         let live = self.live.as_mut();
-        let at_once = live.map(|live| locate_luma(luma, turned_deg, scene, camera, live.as_mut()));
+        let at_once = live.map(|live| {
+            let pose = self.pose.as_ref().filter(|_| self.tracked < MOST_TRACKED);
+            locate_near(pose, luma, turned_deg, scene, camera, live.as_mut())
+        });
+        let is_answered = at_once.as_ref().is_some_and(|photo| photo.result.is_ok());
+        self.unanswered = if is_answered { 0 } else { self.unanswered + 1 };
         let photo = at_once
-            .filter(|photo| photo.result.is_ok())
+            .filter(|_| is_answered || !self.unanswered.is_multiple_of(UNANSWERED))
             .unwrap_or_else(|| locate_luma(luma, turned_deg, scene, camera, self.tags.as_mut()));
         let judgement = self.weigh(photo, luma, guidance);
+        self.pose = judgement.located.as_ref().map(|located| located.pose);
+        self.tracked = if self.tracked < MOST_TRACKED {
+            self.tracked + 1
+        } else {
+            0
+        };
         self.last.clone_from(&judgement.seen);
         judgement
     }

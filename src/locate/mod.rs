@@ -6,6 +6,7 @@ pub(crate) mod diagnosis;
 mod doubt;
 mod factor;
 mod matches;
+mod missing;
 mod photo;
 mod plain_view;
 mod planar;
@@ -32,7 +33,7 @@ pub(crate) use diagnosis::Diagnosis;
 pub(crate) use factor::spread;
 pub(crate) use matches::{Ignored, IgnoredTag};
 pub use photo::{LocatedPhoto, locate_photo};
-pub(crate) use photo::{locate_luma, locate_tags};
+pub(crate) use photo::{locate_luma, locate_near, locate_tags};
 pub(crate) use planar::planar_branches;
 pub(crate) use solver::Solver;
 #[cfg(test)]

@@ -2,8 +2,10 @@
 
 use image::GrayImage;
 
+use super::missing::still_missing;
 use super::{Abstention, Located, locate};
 use crate::camera::{Camera, FittedCamera, SizeError};
+use crate::geometry::Rigid;
 use crate::photo::{Photo, PhotoError};
 use crate::scene::Scene;
 use crate::tags::{SeenTag, TagDetector};
@@ -40,7 +42,45 @@ pub(crate) fn locate_luma(
     camera: &Camera,
     tags: &mut dyn TagDetector,
 ) -> LocatedPhoto {
-    locate_tags(tags.find(luma), luma.dimensions(), turned_deg, scene, camera)
+    locate_near(None, luma, turned_deg, scene, camera, tags)
+}
+
+/// The same, where the camera is thought to stand about where a pose says: tags are looked for in their places first.
+pub(crate) fn locate_near(
+    pose: Option<&Rigid>,
+    luma: &GrayImage,
+    turned_deg: u32,
+    scene: &Scene,
+    camera: &Camera,
+    tags: &mut dyn TagDetector,
+) -> LocatedPhoto {
+    let (width, height) = luma.dimensions();
+    let fitted = match camera.for_photo(width, height, turned_deg) {
+        Ok(fitted) => fitted,
+        Err(misfit) => {
+            return LocatedPhoto {
+                seen: tags.find(luma),
+                result: Err(Abstention::from(misfit.clone())),
+                fitted: Err(misfit),
+            };
+        }
+    };
+    let mut answered = None;
+    let seen = tags.find_until(luma, &mut |seen| {
+        let result = locate(seen, scene, &fitted.camera);
+        let missing = still_missing(&result, pose, seen, scene, &fitted.camera);
+        answered = Some((seen.to_vec(), result));
+        missing
+    });
+    let result = match answered {
+        Some((of, result)) if of == seen => result,
+        _ => locate(&seen, scene, &fitted.camera),
+    };
+    LocatedPhoto {
+        seen,
+        fitted: Ok(fitted),
+        result,
+    }
 }
 
 /// The same of the tags found in an upright photo of a width and height, px.

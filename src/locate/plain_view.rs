@@ -8,7 +8,7 @@ use super::matches::{Match, area_px};
 use crate::camera::Camera;
 use crate::geometry::Rigid;
 use crate::scene::{Scene, Tag};
-use crate::tags::SeenTag;
+use crate::tags::{ExpectedTag, SeenTag, cells_across};
 use nalgebra::Point3;
 
 /// Tags further turned away than this may be missed by a detector: cosine of 60°.
@@ -50,19 +50,53 @@ pub(super) fn check_plain_view(
 
 /// Whether a tag faces the camera, well inside the image, clear of the model, and looks at least as large as the one that was seen.
 fn is_in_plain_view(tag: &Tag, least_px2: f64, pose: &Rigid, scene: &Scene, camera: &Camera) -> bool {
-    let centre = pose.inverse() * Point3::origin();
-    let is_facing = tag.right.cross(&tag.up).dot(&(centre - tag.centre_mm).normalize()) > FACING;
-    let corners = tag.corners_mm();
-    let is_clear = |corner: &Point3<f64>| !scene.model.hides(*corner, centre, MODEL_MARGIN_MM);
-    if !is_facing || !corners.iter().all(is_clear) {
-        return false;
-    }
-    let pixels: Option<Vec<[f64; 2]>> = corners.iter().map(|c| camera.project(&(pose * c))).collect();
-    let Some([a, b, c, d]) = pixels.as_deref() else {
-        return false;
+    let is_clear =
+        |seen: &[[f64; 2]; 4]| area_px(seen) >= least_px2 && seen.iter().all(|pixel| is_inside(*pixel, camera, BORDER));
+    visible(tag, pose, FACING, MODEL_MARGIN_MM, scene, camera).is_some_and(|seen| is_clear(&seen))
+}
+
+/// Tags turned further away than this show no code: cosine of 78°.
+const LEAST_FACING: f64 = 0.2;
+
+/// A tag in plain view whose bit cells are smaller than this may be missed, px.
+const PLAIN_CELL_PX: f64 = 3.0;
+
+/// The tags that a pose lets a photo show, and where.
+pub(super) fn expected(pose: &Rigid, scene: &Scene, camera: &Camera) -> Vec<ExpectedTag> {
+    let of = |tag: &Tag| {
+        let corners_px = visible(tag, pose, LEAST_FACING, 0.0, scene, camera)?;
+        let least_px2 = (PLAIN_CELL_PX * cells_across(tag.family)).powi(2);
+        corners_px
+            .iter()
+            .all(|pixel| is_inside(*pixel, camera, 0.0))
+            .then(|| ExpectedTag {
+                family: tag.family,
+                id: tag.id,
+                corners_px,
+                is_in_plain_view: is_in_plain_view(tag, least_px2, pose, scene, camera),
+            })
     };
-    let outline = [*a, *b, *c, *d];
-    outline.iter().all(|pixel| is_inside(*pixel, camera, BORDER)) && area_px(&outline) >= least_px2
+    scene.tags.iter().filter_map(of).collect()
+}
+
+/// Where a tag is in the image, or outside it, if it faces the camera so much and the model, grown by a margin, does not hide it.
+fn visible(
+    tag: &Tag,
+    pose: &Rigid,
+    facing: f64,
+    margin_mm: f64,
+    scene: &Scene,
+    camera: &Camera,
+) -> Option<[[f64; 2]; 4]> {
+    let centre = pose.inverse() * Point3::origin();
+    let is_facing = tag.right.cross(&tag.up).dot(&(centre - tag.centre_mm).normalize()) > facing;
+    let corners = tag.corners_mm();
+    let is_clear = |corner: &Point3<f64>| !scene.model.hides(*corner, centre, margin_mm);
+    if !is_facing || !corners.iter().all(is_clear) {
+        return None;
+    }
+    let [a, b, c, d] = corners.map(|corner| camera.project(&(pose * corner)));
+    Some([a?, b?, c?, d?])
 }
 
 /// Whether a pixel lies in the image without a border, a share of its sides.

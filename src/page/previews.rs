@@ -4,10 +4,9 @@ use std::path::Path;
 
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
-use image::imageops::{self, FilterType};
 
 use crate::capture::Original;
-use crate::photo::{Budget, Photo};
+use crate::photo::{Budget, Photo, shrunk};
 
 /// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
@@ -40,8 +39,8 @@ fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {
     [width, height].map(|side| (f64::from(side) * scale).round().max(1.0) as u32)
 }
 
-fn jpeg(image: &RgbImage, [width, height]: [u32; 2]) -> Option<Vec<u8>> {
-    let small = imageops::resize(image, width, height, FilterType::Triangle);
+fn jpeg(image: &RgbImage, size: [u32; 2]) -> Option<Vec<u8>> {
+    let small = shrunk(image, size);
     let mut jpeg = Vec::new();
     JpegEncoder::new_with_quality(&mut jpeg, 75).encode_image(&small).ok()?;
     Some(jpeg)

@@ -4,8 +4,9 @@
 //! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
 //! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst image within each budget takes.
 
+use super::jpeg::Frame;
 use super::problem::DecodeProblem;
-use super::structure::JpegStructure;
+
 /// The bounds of one use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
@@ -82,8 +83,8 @@ pub(super) struct DecodeCost {
     pixels: u64,
     /// Bytes that the decoder writes for a pixel.
     bytes_per_pixel: u64,
-    /// Bytes for a pixel that are kept until the last scan.
-    kept_per_pixel: u64,
+    /// Bytes of coefficients, which are kept as long as the photo.
+    kept: u64,
     /// 1 for what is no JPEG.
     scans: u64,
     most_scans: u64,
@@ -95,23 +96,27 @@ impl DecodeCost {
     /// Of 8-bit RGB, the form that images end in.
     const RGB: u64 = 3;
 
-    /// Of a JPEG of width × height `size`.
-    pub(super) fn of_jpeg(size: [u32; 2], structure: &JpegStructure, is_turned: bool) -> DecodeCost {
+    /// Of a JPEG whose file has so many bytes.
+    pub(super) fn of_jpeg(frame: &Frame, bytes: usize) -> DecodeCost {
+        let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
+        let components = frame.components.len() as u64;
         DecodeCost {
-            pixels: u64::from(size[0]) * u64::from(size[1]),
+            pixels,
             bytes_per_pixel: DecodeCost::RGB,
-            // Coefficients of 2 bytes, one a pixel and component at most.
-            kept_per_pixel: match structure.scans {
-                0 | 1 => 0,
-                _ => 2 * structure.components,
+            kept: match frame.scans {
+                // What is not zero, two bytes for the four bits of data or more that each takes, and eight bytes a block.
+                0 | 1 => pixels * components / 8 + 4 * bytes as u64,
+                // Coefficients of 2 bytes, one a pixel and component at most.
+                _ => pixels * 2 * components,
             },
-            scans: structure.scans,
+            scans: frame.scans,
             // A sequential frame has each component in one scan.
-            most_scans: match structure.is_progressive {
+            most_scans: match frame.is_progressive {
                 true => Budget::SCANS,
-                false => structure.components,
+                false => components,
             },
-            is_turned,
+            // It is made upright at once.
+            is_turned: false,
         }
     }
 
@@ -120,18 +125,23 @@ impl DecodeCost {
         DecodeCost {
             pixels: u64::from(size[0]) * u64::from(size[1]),
             bytes_per_pixel,
-            kept_per_pixel: 0,
+            kept: 0,
             scans: 1,
             most_scans: 1,
             is_turned,
         }
     }
 
+    /// Of the pixels alone, at full size.
+    pub(super) fn pixel_bytes(&self) -> u64 {
+        self.pixels * self.bytes_per_pixel
+    }
+
     /// What decoding at 1/`reduction` of the size holds at most, in bytes: while the decoder works, while its form is made into RGB, and while
     /// that is turned.
     pub(super) fn memory(&self, reduction: u32) -> u64 {
         let reduced = self.pixels / (u64::from(reduction) * u64::from(reduction));
-        let decoding = self.pixels * self.kept_per_pixel + reduced * self.bytes_per_pixel;
+        let decoding = self.kept + reduced * self.bytes_per_pixel;
         let forming = match self.bytes_per_pixel {
             DecodeCost::RGB => 0,
             other => reduced * (other + DecodeCost::RGB),
@@ -148,28 +158,33 @@ impl DecodeCost {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::photo::jpeg::{Colours, FrameComponent};
 
     #[test]
     fn photos_of_real_cameras_are_within_and_bombs_are_not() {
-        let jpeg = |megapixels: u32, scans: u64, is_turned: bool| {
-            let structure = JpegStructure {
-                scans,
-                components: 3,
+        let jpeg = |megapixels: u32, scans: u64| {
+            let frame = Frame {
+                size: [megapixels * 1000, 1000],
                 is_progressive: scans > 1,
+                components: vec![FrameComponent::default(); 3],
+                scans,
+                colours: Colours::YCbCr,
+                exif: None,
             };
-            DecodeCost::of_jpeg([megapixels * 1000, 1000], &structure, is_turned)
+            // A camera's file has some 0.3 bytes a pixel.
+            DecodeCost::of_jpeg(&frame, 300_000 * megapixels as usize)
         };
         for (budget, cost, is_within) in [
-            (Budget::FILE, jpeg(200, 1, true), true),
-            (Budget::FILE, jpeg(108, 10, true), true),
-            (Budget::FILE, jpeg(251, 1, false), false),
-            (Budget::FILE, jpeg(12, 65, false), false),
-            (Budget::FILE, jpeg(200, 20, false), false),
+            (Budget::FILE, jpeg(200, 1), true),
+            (Budget::FILE, jpeg(108, 10), true),
+            (Budget::FILE, jpeg(251, 1), false),
+            (Budget::FILE, jpeg(12, 65), false),
+            (Budget::FILE, jpeg(200, 20), false),
             (Budget::FILE, DecodeCost::of_png([13_000, 12_000], 8, false), false),
-            (Budget::UPLOAD, jpeg(50, 10, true), true),
-            (Budget::UPLOAD, jpeg(108, 1, false), true),
-            (Budget::UPLOAD, jpeg(121, 1, false), false),
-            (Budget::UPLOAD, jpeg(108, 10, false), false),
+            (Budget::UPLOAD, jpeg(50, 10), true),
+            (Budget::UPLOAD, jpeg(108, 1), true),
+            (Budget::UPLOAD, jpeg(121, 1), false),
+            (Budget::UPLOAD, jpeg(108, 10), false),
             (Budget::UPLOAD, DecodeCost::of_png([8000, 8000], 8, false), false),
         ] {
             assert_eq!(budget.check(&cost).is_ok(), is_within, "{budget:?} {cost:?}");

@@ -8,7 +8,7 @@ use super::error::ScoreError;
 use super::{DetectionSource, EvaluatedDetector, NotScored, preview};
 use crate::detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
 use crate::geometry::BoxPx;
-use crate::locate::{Located, locate_tags};
+use crate::locate::{Located, locate_luma, locate_tags};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
 use crate::session::{PhotoEntry, Session};
@@ -53,7 +53,7 @@ pub(crate) struct Observation {
     /// When and how it was taken, as EXIF says.
     pub taken: Option<String>,
     pub exposure: Option<String>,
-    /// Empty when the session says where the model is.
+    /// Empty when the session says where the model is. Of the scene's tags, those that were needed for its pose.
     pub tags: Vec<SeenTag>,
     /// One list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
@@ -228,7 +228,7 @@ impl<'a> Observer<'a> {
             taken: shot.taken,
             exposure: shot.exposure,
             tags: match job.needs_tags() {
-                true => self.tags(&photo)?,
+                true => self.tags(job.session, &photo)?,
                 false => Vec::new(),
             },
             detections: Vec::new(),
@@ -247,11 +247,18 @@ impl<'a> Observer<'a> {
         Ok((seen, place))
     }
 
-    fn tags(&mut self, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
-        let key = self.key(&["tags", &photo.sha256, &format!("{:?}", self.families)]);
+    /// The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
+    fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
+        let scene = &session.scene;
+        let camera = session
+            .known_camera()
+            .map_err(|e| Stop::Photo(NotScoredReason::of(e)))?;
+        let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
+        let key = self.key(&["tags", &photo.sha256, &searched]);
         self.kept(key, |own| {
             let luma = timed(Stage::Read, || photo.luma())?;
-            Ok(timed(Stage::Tags, || own.tags.find(&luma)))
+            let search = || locate_luma(&luma, photo.turned_deg, scene, camera, own.tags.as_mut());
+            Ok(timed(Stage::Tags, search).seen)
         })
     }
 

@@ -51,7 +51,7 @@ pub(super) fn ring(grey: &GrayImage, homography: &TagHomography, depth: f64) -> 
 }
 
 /// Bilinear grey level; `None` outside the image.
-fn level(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {
+pub(super) fn level(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {
     let inside = x >= 0.0 && y >= 0.0 && x <= f64::from(grey.width()) - 1.0 && y <= f64::from(grey.height()) - 1.0;
     if !inside {
         return None;

@@ -12,8 +12,10 @@ use crate::spelling;
 /// A tag detector that can be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum TagDetectorChoice {
-    /// C AprilTag on a reduced image, corners fitted at full size. The default: the knee of the table in `docs/lessons.md`.
+    /// The fast finders first, the others for what they missed; corners fitted at full size. The default: `docs/lessons.md`.
     #[default]
+    Cascade,
+    /// C AprilTag on a reduced image, corners fitted at full size.
     CoarseToFine,
     /// C AprilTag at full size.
     AprilTagC(CornersBy),
@@ -76,7 +78,8 @@ pub enum StartError {
 
 impl TagDetectorChoice {
     /// Every detector; the default first, those with a library's own corners last.
-    pub const ALL: [TagDetectorChoice; 13] = [
+    pub const ALL: [TagDetectorChoice; 14] = [
+        TagDetectorChoice::Cascade,
         TagDetectorChoice::CoarseToFine,
         TagDetectorChoice::AprilTagC(CornersBy::Fit),
         TagDetectorChoice::Aruco(ArucoRefiner::None, CornersBy::Fit),
@@ -97,6 +100,7 @@ impl TagDetectorChoice {
         use ArucoRefiner::{AprilTag, Contour, None, Subpix};
         use CornersBy::{Fit, Library};
         match self {
+            TagDetectorChoice::Cascade => "cascade",
             TagDetectorChoice::CoarseToFine => "coarse-to-fine",
             TagDetectorChoice::AprilTagC(Fit) => "apriltag",
             TagDetectorChoice::AprilTagC(Library) => "apriltag-raw",
@@ -116,7 +120,7 @@ impl TagDetectorChoice {
     /// Who says where its corners are.
     pub fn corners_by(self) -> CornersBy {
         match self {
-            TagDetectorChoice::CoarseToFine => CornersBy::Fit,
+            TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine => CornersBy::Fit,
             TagDetectorChoice::AprilTagC(by) | TagDetectorChoice::Aruco(_, by) | TagDetectorChoice::Locus(by) => by,
         }
     }
@@ -124,7 +128,7 @@ impl TagDetectorChoice {
     /// Whether it knows a family's codes.
     pub fn reads(self, family: TagFamily) -> bool {
         match self {
-            TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
+            TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
             TagDetectorChoice::Aruco(..) => {
                 matches!(family, TagFamily::Tag16h5 | TagFamily::Tag25h9 | TagFamily::Tag36h11)
             }

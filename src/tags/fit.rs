@@ -19,15 +19,20 @@ impl<S: Search> TagDetector for WithFittedCorners<S> {
 /// The found tags with their corners fitted to the image.
 pub(super) fn fitted(found: Vec<Found>, grey: &GrayImage) -> Vec<SeenTag> {
     let fits: Vec<TagFit> = found.into_iter().map(|found| TagFit::new(found, grey)).collect();
+    seen(fits.iter(), grey)
+}
+
+/// The tags with the corners of their fits.
+pub(super) fn seen<'a>(fits: impl Iterator<Item = &'a TagFit> + Clone, grey: &GrayImage) -> Vec<SeenTag> {
     // Blur is much the same all over a photo, so small tags take what the larger ones show.
-    let insets: Vec<f64> = fits.iter().filter_map(|fit| fit.inset_px).collect();
+    let insets: Vec<f64> = fits.clone().filter_map(|fit| fit.inset_px).collect();
     let usual = upper_median(&insets).unwrap_or(0.0);
-    fits.into_iter().map(|fit| fit.seen(usual, grey)).collect()
+    fits.map(|fit| fit.seen(usual, grey)).collect()
 }
 
 /// A tag and the lines along its sides.
-struct TagFit {
-    found: Found,
+pub(super) struct TagFit {
+    pub found: Found,
     /// `None` where some side cannot be seen well enough.
     outline: Option<TagSides>,
     /// How far the lines lie inside the true outline; `None` where the tag is too small to tell.
@@ -35,7 +40,7 @@ struct TagFit {
 }
 
 impl TagFit {
-    fn new(found: Found, grey: &GrayImage) -> TagFit {
+    pub(super) fn new(found: Found, grey: &GrayImage) -> TagFit {
         let outline = refine::outline(grey, &found.corners_px, cells_across(found.family));
         let inset = |outline: &TagSides| {
             let tag = TagImage::new(found.family, found.id)?;
@@ -48,12 +53,16 @@ impl TagFit {
         }
     }
 
+    /// Whether all its sides were seen well enough.
+    pub(super) fn is_fitted(&self) -> bool {
+        self.outline.is_some()
+    }
+
     /// The search's own corners stay where the sides could not be fitted.
-    fn seen(mut self, usual_inset_px: f64, grey: &GrayImage) -> SeenTag {
+    fn seen(&self, usual_inset_px: f64, grey: &GrayImage) -> SeenTag {
         let inset = self.inset_px.unwrap_or(usual_inset_px);
-        if let Some(corners) = self.outline.as_ref().and_then(|outline| outline.corners(inset)) {
-            self.found.corners_px = corners;
-        }
-        self.found.seen(grey)
+        let fitted = self.outline.as_ref().and_then(|outline| outline.corners(inset));
+        let corners_px = fitted.unwrap_or(self.found.corners_px);
+        SeenTag::new(self.found.family, self.found.id, corners_px, grey)
     }
 }

@@ -7,14 +7,18 @@ mod aruco;
 #[cfg(feature = "full")]
 mod aruco_markers;
 mod border;
+mod cascade;
 mod choice;
 mod coarse_to_fine;
 mod edge;
+mod expected;
 mod fit;
 mod homography;
 mod inset;
+mod likeness;
 #[cfg(feature = "full")]
 mod locus;
+mod merge;
 mod modules;
 #[cfg(feature = "full")]
 mod opencv_markers;
@@ -36,9 +40,11 @@ pub(crate) use apriltag_c::AprilTagC;
 pub(crate) use aruco::ArucoOpenCv;
 #[cfg(feature = "full")]
 pub(crate) use aruco_markers::{DictionaryError, MarkerDictionary, marker_search};
+pub(crate) use cascade::Cascade;
 pub(crate) use choice::ArucoRefiner;
 pub use choice::{CornersBy, StartError, TagDetectorChoice};
 pub(crate) use coarse_to_fine::CoarseToFine;
+pub use expected::{ExpectedTag, StillMissing};
 #[cfg(feature = "full")]
 pub(crate) use locus::Locus;
 pub(crate) use modules::Modules;
@@ -77,16 +83,26 @@ impl SeenTag {
 pub trait TagDetector {
     /// Every tag of the detector's families, in any order.
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag>;
+
+    /// The same for a scene and a camera: a detector that could search longer stops where nothing is missing, and looks where tags should be.
+    fn find_until(&mut self, grey: &GrayImage, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+        let _ = missing;
+        self.find(grey)
+    }
 }
 
 impl<D: TagDetector + ?Sized> TagDetector for Box<D> {
     fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
         (**self).find(grey)
     }
+
+    fn find_until(&mut self, grey: &GrayImage, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+        (**self).find_until(grey, missing)
+    }
 }
 
 /// Width of the outline the corners lie on, in bit cells (`width_at_border` of the C library).
-fn cells_across(family: TagFamily) -> f64 {
+pub(crate) fn cells_across(family: TagFamily) -> f64 {
     match family {
         TagFamily::Tag16h5 => 6.0,
         TagFamily::Tag25h9 => 7.0,

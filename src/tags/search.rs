@@ -48,6 +48,21 @@ fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>)
     }
 }
 
+/// A library that is shown the image twice as large.
+pub(super) struct Enlarged<S>(pub S);
+
+impl<S: Search> Search for Enlarged<S> {
+    fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
+        let (width, height) = grey.dimensions();
+        let large = image::imageops::resize(grey, 2 * width, 2 * height, image::imageops::FilterType::CatmullRom);
+        let mut found = self.0.search(&large);
+        for tag in &mut found {
+            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5));
+        }
+        found
+    }
+}
+
 /// The least whole factor by which an image has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
 /// AprilTag ends the program at longer ones, and OpenCV refuses them.
 pub(crate) fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
@@ -84,16 +99,18 @@ pub(crate) fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
     let (f, w) = (factor as usize, width as usize);
     let stride = grey.width() as usize;
     let mut bytes = Vec::with_capacity(w * height as usize);
-    let mut sums = vec![0u32; w];
+    // Down first: neighbours are then added side by side.
+    let mut sums = vec![0u32; stride];
+    let area = factor * factor;
     for rows in grey.as_raw().chunks_exact(stride * f) {
         sums.fill(0);
         for row in rows.chunks_exact(stride) {
-            for (sum, pixels) in sums.iter_mut().zip(row.chunks_exact(f)) {
-                *sum += pixels.iter().map(|p| u32::from(*p)).sum::<u32>();
+            for (sum, pixel) in sums.iter_mut().zip(row) {
+                *sum += u32::from(*pixel);
             }
         }
-        let area = factor * factor;
-        bytes.extend(sums.iter().map(|sum| ((sum + area / 2) / area) as u8));
+        let squares = sums.chunks_exact(f).map(|sums| sums.iter().sum::<u32>());
+        bytes.extend(squares.map(|sum| ((sum + area / 2) / area) as u8));
     }
     GrayImage::from_raw(width, height, bytes).unwrap_or_default()
 }

@@ -1,6 +1,6 @@
 //! From the choice of a tag detector to the detector.
 
-use super::{AprilTagC, CoarseToFine, StartError, TagDetector, TagDetectorChoice, rivals};
+use super::{AprilTagC, Cascade, CoarseToFine, StartError, TagDetector, TagDetectorChoice, rivals};
 use crate::scene::TagFamily;
 
 impl TagDetectorChoice {
@@ -11,6 +11,7 @@ impl TagDetectorChoice {
     pub fn open(self, families: &[TagFamily]) -> Result<Box<dyn TagDetector>, StartError> {
         self.check_families(families)?;
         Ok(match self {
+            TagDetectorChoice::Cascade => Box::new(Cascade::new(families)?),
             TagDetectorChoice::CoarseToFine => Box::new(CoarseToFine::new(families)?),
             TagDetectorChoice::AprilTagC(by) => by.open(AprilTagC::new(families)?),
             TagDetectorChoice::Aruco(refiner, by) => rivals::aruco(families, refiner, by)?,
@@ -24,6 +25,7 @@ impl TagDetectorChoice {
     /// As [`Self::open`].
     pub fn open_live(self, families: &[TagFamily]) -> Result<Option<Box<dyn TagDetector>>, StartError> {
         match self {
+            TagDetectorChoice::Cascade => Ok(Some(Box::new(Cascade::live(families)?))),
             TagDetectorChoice::CoarseToFine => Ok(Some(Box::new(CoarseToFine::live(families)?))),
             _ => Ok(None),
         }
@@ -32,6 +34,7 @@ impl TagDetectorChoice {
     /// Name and version, for a result's provenance.
     pub fn provenance(self) -> String {
         match self {
+            TagDetectorChoice::Cascade => format!("{self} of {}{}", rivals::libraries(), AprilTagC::PROVENANCE),
             TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => {
                 format!("{self} on {}", AprilTagC::PROVENANCE)
             }

@@ -93,9 +93,13 @@ impl WhiteBox for OnnxDetector {
         Ok(ImageLoss::of(self.forward(image, size_px)?, outline))
     }
 
-    /// Without the autodiff graph, which the framework keeps until its backward pass.
+    /// Without the way back.
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
         Ok(self.seen(image, size_px, false)?.predictions)
+    }
+
+    fn shared(&self) -> Option<&(dyn WhiteBox + Sync)> {
+        Some(self)
     }
 }
 
@@ -109,7 +113,7 @@ impl OnnxDetector {
         Ok(Box::new(self.seen(image, size_px, true)?))
     }
 
-    fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], requires_grad: bool) -> Result<Seen, WhiteBoxError> {
+    fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], keeps_way: bool) -> Result<Seen<'_>, WhiteBoxError> {
         let [width, height] = size_px;
         if width == 0 || height == 0 || image.len() != width as usize * height as usize {
             return Err(WhiteBoxError::Pixels {
@@ -119,7 +123,7 @@ impl OnnxDetector {
         }
         let way = Resampler::new(&self.manifest.input, size_px);
         let numbers = way.forward(image);
-        let answer = self.network.forward(numbers, requires_grad)?;
+        let answer = self.network.forward(numbers, keeps_way)?;
         let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
         if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
             return Err(WhiteBoxError::NotANumber {
@@ -257,14 +261,14 @@ impl Terms {
 }
 
 /// What the network says of one image.
-struct Seen {
+struct Seen<'a> {
     predictions: Vec<Prediction>,
     terms: Vec<Terms>,
-    answer: NetworkPass,
+    answer: NetworkPass<'a>,
     way: Resampler,
 }
 
-impl ForwardPass for Seen {
+impl ForwardPass for Seen<'_> {
     fn predictions(&self) -> &[Prediction] {
         &self.predictions
     }

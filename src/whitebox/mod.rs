@@ -3,7 +3,8 @@
 //! - [`WhiteBox`]: what an attack asks of a detector;
 //! - [`program`]: a program as a [`WhiteBox`], whose derivatives are held against differences first;
 //! - [`detector`] (Cargo feature `attack`): a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs;
-//! - [`onnx`] (Cargo feature `attack`): ONNX files on tensors with gradients;
+//! - [`onnx`] (Cargo feature `attack`): ONNX files with gradients;
+//! - [`layers`] (Cargo feature `attack`): what most of them is computed with on a processor;
 //! - [`device`]: what the networks run on.
 //!
 //! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
@@ -13,6 +14,8 @@ mod derivative;
 pub(crate) mod detector;
 pub(crate) mod device;
 mod fault;
+#[cfg(feature = "attack")]
+mod layers;
 #[cfg(feature = "attack")]
 pub(crate) mod onnx;
 pub(crate) mod program;
@@ -113,6 +116,11 @@ pub trait WhiteBox {
         size_px: [u32; 2],
         outline: &BoxPx,
     ) -> Result<Option<ImageLoss>, WhiteBoxError>;
+
+    /// Itself, where several threads may look through it at a time: each looks as if it were alone. `None` where one look follows another.
+    fn shared(&self) -> Option<&(dyn WhiteBox + Sync)> {
+        None
+    }
 }
 
 /// What an attack moves an image against.

@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::loss::{HIT_CONFIDENCE, HIT_IOU};
 use super::view_set::ViewSet;
-use super::{Augmentation, Rgb, RunError};
+use super::{Augmentation, Rgb, RunError, together};
 use crate::ap::{ImageBoxes, average_precision};
 use crate::detect::{CandidateBox, SCORE_FLOOR, suppress};
 use crate::geometry::BoxPx;
 use crate::whitebox::{Prediction, WhiteBox, strongest};
+use crate::workers;
 
 /// Means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -44,16 +45,21 @@ pub(crate) fn judge(
 pub(crate) fn judge_images(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
-    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError>,
+    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
 ) -> Result<HeldOutFigures, RunError> {
     let views = view_set.judged();
     let (mut hits, mut sum) = (0, 0.0);
     let mut boxes: Vec<Vec<ImageBoxes>> = vec![Vec::new(); detectors.len()];
-    for view in &views {
+    let looked = together::on_each(workers::thread_count(), detectors, &views, |detectors, view| {
         let image = image(*view)?;
+        let looks = detectors
+            .iter()
+            .map(|detector| predictions(view_set, *detector, (*view, &image)));
+        looks.collect::<Result<Vec<_>, RunError>>()
+    });
+    for (view, looks) in views.iter().zip(looked?) {
         let outline = &view_set.views[*view].outline;
-        for (detector, boxes) in detectors.iter().zip(&mut boxes) {
-            let predictions = predictions(view_set, detector.as_ref(), (*view, &image))?;
+        for ((detector, predictions), boxes) in detectors.iter().zip(looks).zip(&mut boxes) {
             let confidence = strongest(&predictions, outline, HIT_IOU).map_or(0.0, |i| predictions[i].confidence);
             hits += usize::from(confidence >= HIT_CONFIDENCE);
             sum += confidence;

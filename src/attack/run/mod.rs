@@ -5,6 +5,7 @@
 //! - [`augmentation`]: what happens between the pattern and the detector;
 //! - [`loss`], [`penalty`], [`adam`]: what is moved against what, and how;
 //! - [`judge`]: how often a pattern is still detected in the views held out;
+//! - `together`: images looked at in parallel;
 //! - [`history`], [`checkpoint`]: what is kept of a run.
 
 pub(crate) mod adam;
@@ -15,8 +16,10 @@ pub(crate) mod judge;
 pub(crate) mod loss;
 pub(crate) mod penalty;
 mod resample;
+mod together;
 pub(crate) mod view_set;
 
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -37,6 +40,7 @@ use crate::frames::FramesError;
 use crate::pattern::{Pattern, PatternError};
 use crate::surrogate::renderer::FitError;
 use crate::whitebox::{WhiteBox, WhiteBoxError};
+use crate::workers;
 
 /// A value of each channel.
 pub(crate) type Rgb = [f64; 3];
@@ -144,6 +148,7 @@ pub struct Attack<'a> {
     checkpoint: Checkpoint,
     state: AttackState,
     started: Instant,
+    threads: usize,
 }
 
 /// The state of the cells.
@@ -196,7 +201,14 @@ impl<'a> Attack<'a> {
             checkpoint,
             state,
             started: Instant::now(),
+            threads: workers::thread_count(),
         })
+    }
+
+    /// With so many threads instead of one a core; to the same pattern.
+    #[cfg(test)]
+    pub(crate) fn over_threads(self, threads: usize) -> Self {
+        Self { threads, ..self }
     }
 
     /// Steps until it is done; saves at most half a minute apart, and before it gives up. `on_step` gets the steps done
@@ -274,14 +286,19 @@ impl<'a> Attack<'a> {
         let count = views.len() as f64;
         let (mut loss, mut confidence) = (0.0, 0.0);
         let mut gradient = vec![[0.0; 3]; state.cells.len()];
-        for view in &views {
-            let draw = Augmentation::random(&config.eot, &mut rng);
-            let looked = loss_and_gradient(
+        let draws: Vec<(usize, Augmentation)> = views
+            .iter()
+            .map(|view| (*view, Augmentation::random(&config.eot, &mut rng)))
+            .collect();
+        let looked = together::on_each(self.threads, self.detectors, &draws, |detectors, (view, draw)| {
+            loss_and_gradient(
                 self.view_set,
-                self.detectors,
-                (*view, &state.cells, &draw),
+                detectors,
+                (*view, &state.cells, draw),
                 (step, config.floor),
-            )?;
+            )
+        });
+        for looked in looked? {
             loss += looked.loss / count;
             confidence += looked.confidence / count / self.detectors.len() as f64;
             add(&mut gradient, &looked.gradient, 1.0 / count);
@@ -307,9 +324,9 @@ impl<'a> Attack<'a> {
 ///
 /// # Errors
 /// A detector that cannot look, or whose answer is not a number.
-pub(crate) fn loss_and_gradient(
+pub(crate) fn loss_and_gradient<'a>(
     view_set: &ViewSet,
-    detectors: &[Box<dyn WhiteBox>],
+    detectors: &[impl Deref<Target = dyn WhiteBox + 'a>],
     (view, cells, draw): (usize, &[Rgb], &Augmentation),
     (step, floor): (u32, f64),
 ) -> Result<LossAndGradient, RunError> {

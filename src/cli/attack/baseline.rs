@@ -13,10 +13,12 @@ use crate::attack::baseline::patches::{PlacedPatch, is_seen, paint};
 use crate::attack::baseline::{self, BlackBox, genetic};
 use crate::attack::run::history::Entry;
 use crate::attack::run::judge::{HeldOutFigures, judge, judge_images};
+use crate::attack::run::view_set::ViewSet;
 use crate::attack::run::{Rgb, RunError, checkpoint, of_pattern, srgb};
 use crate::attack::setup::Setup;
 use crate::cli::print::patch::{self, PlaceArgs};
 use crate::files;
+use crate::frames::FrameSet;
 use crate::pattern::Pattern;
 #[cfg(feature = "attack")]
 use crate::whitebox::device::DeviceKind;
@@ -190,7 +192,8 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     refuse_other_results(&args.on)?;
     let setup = args.on.open(false)?;
     check_seen(&setup, &patches)?;
-    let image = |view: usize| painted(&setup, view, &patches, base);
+    let on = (&setup.view_set, &setup.frames);
+    let image = |view: usize| painted(on, view, &patches, base);
     let judgement = judge_images(&setup.view_set, &setup.detectors, image)?;
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
@@ -223,13 +226,18 @@ fn check_seen(setup: &Setup, patches: &[PlacedPatch]) -> Result<(), Box<dyn Erro
     Ok(())
 }
 
-fn painted(setup: &Setup, view: usize, patches: &[PlacedPatch], base: [u8; 3]) -> Result<Vec<Rgb>, RunError> {
-    let frame = &setup.view_set.views[view].frame;
-    let paint = paint(&setup.frames, frame, patches, base)?;
+fn painted(
+    (view_set, frames): (&ViewSet, &FrameSet),
+    view: usize,
+    patches: &[PlacedPatch],
+    base: [u8; 3],
+) -> Result<Vec<Rgb>, RunError> {
+    let frame = &view_set.views[view].frame;
+    let paint = paint(frames, frame, patches, base)?;
     let paint = paint.ok_or_else(|| RunError::NoPositions {
         view: frame.name.clone(),
     })?;
-    Ok(setup.view_set.painted(view, &paint))
+    Ok(view_set.painted(view, &paint))
 }
 
 fn placed(places: &PlaceArgs) -> Result<Vec<PlacedPatch>, Box<dyn Error>> {

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
-use image::imageops::{self, FilterType};
 use nalgebra::Point3;
 
 use super::words;
@@ -15,7 +14,7 @@ use crate::envelope::EnvelopeShape;
 use crate::files::{self, FileError};
 use crate::geometry::Rigid;
 use crate::locate::{Ignored, Located, LocatedPhoto};
-use crate::photo::{Photo, PhotoError};
+use crate::photo::{Photo, PhotoError, shrunk};
 use crate::scene::Scene;
 use crate::tags::SeenTag;
 
@@ -92,11 +91,7 @@ fn reduced(file: &Photo) -> Result<(RgbImage, [f64; 2]), PhotoError> {
     let sides = [file.width, file.height];
     let share = (f64::from(LONGEST_SIDE_PX) / f64::from(sides[0].max(sides[1]))).min(1.0);
     let small = sides.map(|side| (f64::from(side) * share).round().max(1.0) as u32);
-    let decoded = file.rgb(file.reduction(small))?;
-    let image = match decoded.dimensions() == (small[0], small[1]) {
-        true => decoded,
-        false => imageops::resize(&decoded, small[0], small[1], FilterType::Triangle),
-    };
+    let image = shrunk(&file.rgb(file.reduction(small))?, small);
     Ok((image, [0, 1].map(|i| f64::from(small[i]) / f64::from(sides[i]))))
 }
 

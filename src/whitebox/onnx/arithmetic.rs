@@ -2,9 +2,10 @@
 
 use onnx_ir::Node;
 
-use super::operator::Operator;
-use super::value::{Floats, Integers, Result, Value, bounded, broadcast};
+use super::operator::{Argument, Operator};
+use super::value::{Floats, Integers, Result, Value, bounded, broadcast, full};
 use crate::whitebox::NetworkFault;
+use crate::whitebox::layers::{Layer, Operation, Pairwise};
 
 #[derive(Debug, Clone, Copy)]
 enum Arithmetic {
@@ -68,6 +69,39 @@ impl Arithmetic {
     }
 }
 
+impl Arithmetic {
+    /// For two tensors of one shape, or one with a constant that does not make it larger.
+    fn layer(self, arguments: &[Argument], shape: &[usize]) -> Option<Box<dyn Layer>> {
+        let operation = match self {
+            Arithmetic::Add | Arithmetic::Sub => Operation::Sum,
+            Arithmetic::Mul => Operation::Product,
+            _ => return None,
+        };
+        let constant = match (arguments, self) {
+            ([Argument::Image(a), Argument::Image(b)], Arithmetic::Add | Arithmetic::Mul) if [a, b] == [shape; 2] => {
+                None
+            }
+            ([Argument::Image(a), Argument::Constant(Value::Floats(c))], _) if a == shape => Some(c),
+            ([Argument::Constant(Value::Floats(c)), Argument::Image(a)], Arithmetic::Add | Arithmetic::Mul)
+                if a == shape =>
+            {
+                Some(c)
+            }
+            _ => return None,
+        };
+        let sign = if matches!(self, Arithmetic::Sub) { -1.0 } else { 1.0 };
+        let everywhere = |c: &Floats| -> Option<Vec<f32>> {
+            let x = c.x.clone().expand(full(shape).ok()?).mul_scalar(sign);
+            Floats { x, rank: shape.len() }.values().ok()
+        };
+        let constant = match constant {
+            Some(c) => Some(everywhere(c)?),
+            None => None,
+        };
+        Some(Box::new(Pairwise { operation, constant }))
+    }
+}
+
 /// Two arrays of whole numbers, broadcast.
 fn pairwise(a: &Integers, b: &Integers, f: impl Fn(i64, i64) -> Result<i64>) -> Result<Integers> {
     let shape = broadcast(&a.shape, &b.shape)?;
@@ -98,8 +132,12 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
         _ => return None,
     };
     // Max, Min and Sum take any number of tensors.
-    Some(Operator::new(move |mut inputs| {
+    let operator = Operator::new(move |mut inputs| {
         let first = inputs.value(0)?;
         (1..inputs.values.len()).try_fold(first, |result, i| kind.of_two(result, inputs.value(i)?))
-    }))
+    });
+    Some(Operator {
+        is_product: matches!(kind, Arithmetic::Mul),
+        ..operator.with_layer(move |arguments, shape| kind.layer(arguments, shape))
+    })
 }

@@ -1,13 +1,16 @@
 //! Convolution and pooling of images (rank 4: 1 × channels × rows × columns).
 
+use std::sync::Arc;
+
 use burn::tensor::ops::{AvgPoolOptions, ConvOptions, ConvTransposeOptions, MaxPoolOptions};
 use burn::tensor::{Tensor, module};
 use onnx_ir::Node;
 use onnx_ir::node::padding::{AutoPad, PaddingConfig2d};
 
-use super::operator::{Inputs, Operator};
+use super::operator::{Argument, Inputs, Operator};
 use super::value::{Floats, Result, Value, bounded};
 use crate::whitebox::NetworkFault;
+use crate::whitebox::layers::{self, Layer, MaxPool, Separate, Weights, Windows};
 
 /// How a window walks over an image; rows first.
 struct Window {
@@ -62,6 +65,95 @@ impl Window {
     }
 }
 
+impl Window {
+    /// Its places on an image, whose shape is `from`, for an output of shape `to`.
+    fn windows(&self, from: &[usize], to: &[usize]) -> Option<Windows> {
+        let ([1, channels, rows, columns], [1, _, new_rows, new_columns]) = (from, to) else {
+            return None;
+        };
+        let [(top, _), (left, _)] = self.padding([*channels, *rows, *columns]).ok()?;
+        let count = [*new_rows, *new_columns];
+        let is_any = [*channels, *rows, *columns, *new_rows, *new_columns]
+            .iter()
+            .all(|n| *n > 0);
+        is_any.then_some(Windows {
+            channels: *channels,
+            image: [*rows, *columns],
+            kernel: self.kernel,
+            stride: self.stride,
+            dilation: self.dilation,
+            before: [top, left],
+            count,
+        })
+    }
+
+    fn convolution(&self, groups: usize, arguments: &[Argument], to: &[usize]) -> Option<Box<dyn Layer>> {
+        let (image, weights, bias) = match arguments {
+            [Argument::Image(image), weights] => (image, weights, &Argument::Absent),
+            [Argument::Image(image), weights, bias] => (image, weights, bias),
+            _ => return None,
+        };
+        let biases = match bias {
+            Argument::Absent => None,
+            bias => Some(bias.numbers()?),
+        };
+        let (windows, outputs, weights) = (self.windows(image, to)?, to[1], weights.numbers()?);
+        let wanted = outputs * (windows.channels / groups) * self.kernel[0] * self.kernel[1];
+        let fits = outputs % groups == 0 && windows.channels % groups == 0 && weights.len() == wanted;
+        (fits && biases.as_ref().is_none_or(|b| b.len() == outputs)).then(|| {
+            let weights = Weights {
+                groups,
+                weights,
+                biases,
+                outputs,
+            };
+            layers::convolution(windows, weights)
+        })
+    }
+
+    /// Means of windows; of what lies on the image alone where the border does not count.
+    fn average(&self, counts_border: bool, arguments: &[Argument], to: &[usize]) -> Option<Box<dyn Layer>> {
+        let [Argument::Image(image)] = arguments else {
+            return None;
+        };
+        let windows = self.windows(image, to)?;
+        let weights = [0, 1].map(|axis| {
+            let (old, new) = (windows.image[axis], windows.count[axis]);
+            let mut weights = vec![0.0; new * old];
+            for (at, row) in weights.chunks_exact_mut(old).enumerate() {
+                let places: Vec<usize> = (0..self.kernel[axis])
+                    .filter_map(|tap| windows.place(axis, at, tap))
+                    .collect();
+                let count = if counts_border { self.kernel[axis] } else { places.len() };
+                places.iter().for_each(|place| row[*place] = 1.0 / count as f32);
+            }
+            weights
+        });
+        let [rows, columns] = &weights;
+        Some(Box::new(Separate::new(
+            windows.channels,
+            windows.image,
+            [rows, columns],
+        )))
+    }
+}
+
+/// Each channel's mean.
+fn mean_layer(arguments: &[Argument]) -> Option<Box<dyn Layer>> {
+    let [Argument::Image(shape)] = arguments else {
+        return None;
+    };
+    let [1, channels, rows, columns] = shape[..] else {
+        return None;
+    };
+    let weights = [rows, columns].map(|side| vec![1.0 / side as f32; side]);
+    Some(Box::new(Separate::new(
+        channels,
+        [rows, columns],
+        [&weights[0], &weights[1]],
+    )))
+}
+
 /// The image, the weights and the bias of a convolution.
 type Weighted = (Tensor<4>, Tensor<4>, Option<Tensor<1>>);
 
@@ -73,7 +165,9 @@ fn weighted(mut inputs: Inputs) -> Result<Weighted> {
 }
 
 fn convolution(window: Window, groups: usize) -> Operator {
-    Operator::new(move |inputs| {
+    let window = Arc::new(window);
+    let same = window.clone();
+    let operator = Operator::new(move |inputs| {
         let (x, weight, bias) = weighted(inputs)?;
         let ([_, channels, rows, columns], [_, per_group, ..]) = (x.dims(), weight.dims());
         if channels != per_group * groups {
@@ -82,7 +176,8 @@ fn convolution(window: Window, groups: usize) -> Operator {
         let padding = window.padding([channels, rows, columns])?;
         let options = ConvOptions::new_with_padding(window.stride, padding, window.dilation, groups);
         rank_4(module::conv2d(x, weight, bias, options))
-    })
+    });
+    operator.with_layer(move |arguments, shape| same.convolution(groups, arguments, shape))
 }
 
 fn transposed_convolution(options: ConvTransposeOptions<2>) -> Operator {
@@ -105,13 +200,17 @@ fn transposed_convolution(options: ConvTransposeOptions<2>) -> Operator {
 fn pool(
     window: Window,
     pooled: impl Fn(Tensor<4>, &Window, [(usize, usize); 2]) -> Tensor<4> + Send + Sync + 'static,
+    layer: impl Fn(&Window, &[Argument], &[usize]) -> Option<Box<dyn Layer>> + Send + Sync + 'static,
 ) -> Operator {
-    Operator::new(move |mut inputs| {
+    let window = Arc::new(window);
+    let same = window.clone();
+    let operator = Operator::new(move |mut inputs| {
         let x = inputs.floats(0)?.of_rank::<4>()?;
         let [_, channels, rows, columns] = x.dims();
         let padding = window.padding([channels, rows, columns])?;
         rank_4(pooled(x, &window, padding))
-    })
+    });
+    operator.with_layer(move |arguments, shape| layer(&same, arguments, shape))
 }
 
 /// One number a channel.
@@ -155,29 +254,40 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
             let c = &n.config;
             let window = Window::new(c.kernel_size, c.strides, c.dilation, &c.padding, &c.auto_pad);
             let ceil_mode = c.ceil_mode;
-            pool(window, move |x, window, padding| {
+            let pooled = move |x: Tensor<4>, window: &Window, padding| {
                 let options = MaxPoolOptions::new(window.kernel)
                     .with_stride(window.stride)
                     .with_padding_pairs(padding)
                     .with_dilation(window.dilation)
                     .with_ceil_mode(ceil_mode);
                 module::max_pool2d(x, options)
+            };
+            pool(window, pooled, |window, arguments, shape| match arguments {
+                [Argument::Image(image)] => Some(Box::new(MaxPool(window.windows(image, shape)?))),
+                _ => None,
             })
         }
         Node::AveragePool2d(n) if n.config.dilation == [1, 1] => {
             let c = &n.config;
             let window = Window::new(c.kernel_size, c.strides, c.dilation, &c.padding, &c.auto_pad);
             let (ceil_mode, counts_padding) = (c.ceil_mode, c.count_include_pad);
-            pool(window, move |x, window, padding| {
+            let pooled = move |x: Tensor<4>, window: &Window, padding| {
                 let options = AvgPoolOptions::new(window.kernel)
                     .with_stride(window.stride)
                     .with_padding_pairs(padding)
                     .with_count_include_pad(counts_padding)
                     .with_ceil_mode(ceil_mode);
                 module::avg_pool2d(x, options)
+            };
+            // Whether a window that hangs over the border counts there is read in several ways.
+            pool(window, pooled, move |window, arguments, shape| match ceil_mode {
+                false => window.average(counts_padding, arguments, shape),
+                true => None,
             })
         }
-        Node::GlobalAveragePool(_) => global(|x| x.mean_dim(2).mean_dim(3)),
+        Node::GlobalAveragePool(_) => {
+            global(|x| x.mean_dim(2).mean_dim(3)).with_layer(|arguments, _| mean_layer(arguments))
+        }
         Node::GlobalMaxPool(_) => global(|x| x.max_dim(2).max_dim(3)),
         Node::BatchNormalization(n) => {
             let epsilon = match &n.config {

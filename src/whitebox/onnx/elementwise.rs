@@ -7,6 +7,7 @@ use onnx_ir::node::clip::ClipInput;
 use super::operator::{Inputs, Operator, Rearranged};
 use super::value::{Floats, Integers, RANK, Result, Value, bounded, broadcast};
 use crate::whitebox::NetworkFault;
+use crate::whitebox::layers::Activation;
 
 /// y = f(x).
 fn each(f: impl Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync + 'static) -> Operator {
@@ -14,6 +15,11 @@ fn each(f: impl Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync + 'static) -> Ope
         let Floats { x, rank } = inputs.floats(0)?;
         Ok(Floats { x: f(x), rank }.into())
     })
+}
+
+/// What a layer does on plain arrays.
+fn each_as(activation: Activation, f: impl Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync + 'static) -> Operator {
+    each(f).with_layer(move |_, _| Some(Box::new(activation)))
 }
 
 /// To fractions, or to whole numbers (towards zero).
@@ -81,17 +87,19 @@ pub(super) fn read(node: &Node) -> Option<Operator> {
     Some(match node {
         Node::Sigmoid(_) => Operator {
             is_sigmoid: true,
-            ..each(activation::sigmoid)
+            ..each_as(Activation::Sigmoid, activation::sigmoid)
         },
         // Dropout is what only training does.
         Node::Identity(_) | Node::Dropout(_) => Operator::moving(|mut inputs| inputs.value(0)),
         Node::Cast(n) => cast(n.config.to.is_float()),
         Node::Clip(n) => clip(n.config.min.clone(), n.config.max.clone()),
         Node::PRelu(_) => Operator::new(prelu),
-        Node::Relu(_) => each(activation::relu),
+        Node::Relu(_) => each_as(Activation::LeakyRelu(0.0), activation::relu),
         Node::LeakyRelu(n) => {
             let derivative = n.config.alpha;
-            each(move |x| activation::leaky_relu(x, derivative))
+            each_as(Activation::LeakyRelu(derivative as f32), move |x| {
+                activation::leaky_relu(x, derivative)
+            })
         }
         Node::Elu(n) => {
             let alpha = n.config.alpha;

@@ -40,7 +40,9 @@ impl Graph {
         let (mut values, mut kept) = (self.start(image), 0);
         for step in &self.steps {
             let inputs = step.inputs.iter().map(|slot| values[(*slot)?].clone()).collect();
-            step.run(self.inputs(inputs), &mut values)?;
+            for (slot, value) in step.run(self.inputs(inputs))? {
+                values[slot] = Some(value);
+            }
             let made = step.outputs.iter().filter_map(|slot| values[*slot].as_ref());
             kept += made.map(|value| value.shape().iter().product::<usize>()).sum::<usize>();
             if kept > MOST_KEPT {
@@ -50,42 +52,7 @@ impl Graph {
         Ok(values)
     }
 
-    /// The outputs for an image, in order; what no later step needs is dropped at once.
-    pub(super) fn run(&self, image: Value) -> Result<Vec<Value>, NetworkFault> {
-        let mut values = self.start(image);
-        let last_uses = self.last_uses();
-        for (step, last_uses) in self.steps.iter().zip(last_uses) {
-            let inputs = step.inputs.iter().map(|slot| match last_uses.contains(&(*slot)?) {
-                true => values[(*slot)?].take(),
-                false => values[(*slot)?].clone(),
-            });
-            let inputs = self.inputs(inputs.collect());
-            step.run(inputs, &mut values)?;
-        }
-        let outputs = self.outputs.iter().map(|(name, slot)| {
-            let value = values[*slot].clone();
-            value.ok_or_else(|| NetworkFault::NotComputed(name.clone()))
-        });
-        outputs.collect()
-    }
-
-    /// For each step, the slots no later step or output reads, read once by the step itself.
-    fn last_uses(&self) -> Vec<BTreeSet<Slot>> {
-        let mut needed: BTreeSet<Slot> = self.outputs.iter().map(|(_, slot)| *slot).collect();
-        let mut uses: Vec<BTreeSet<Slot>> = Vec::new();
-        for step in self.steps.iter().rev() {
-            let read = step.inputs.iter().flatten();
-            let once = read
-                .clone()
-                .filter(|p| step.inputs.iter().flatten().filter(|q| q == p).count() == 1);
-            uses.push(once.filter(|slot| !needed.contains(slot)).copied().collect());
-            needed.extend(read);
-        }
-        uses.reverse();
-        uses
-    }
-
-    fn inputs(&self, values: Vec<Option<Value>>) -> Inputs<'_> {
+    pub(super) fn inputs(&self, values: Vec<Option<Value>>) -> Inputs<'_> {
         Inputs {
             values,
             device: &self.device,
@@ -155,12 +122,25 @@ impl Graph {
 }
 
 impl GraphStep {
-    fn run(&self, inputs: Inputs, values: &mut [Option<Value>]) -> Result<(), NetworkFault> {
+    /// The outputs, with their slots.
+    pub(super) fn run(&self, inputs: Inputs) -> Result<impl Iterator<Item = (Slot, Value)>, NetworkFault> {
         let outputs = (self.operator.run)(inputs);
         let outputs = outputs.map_err(|fault| NetworkFault::At(self.name.clone(), fault.into()))?;
-        for (slot, value) in self.outputs.iter().zip(outputs) {
-            values[*slot] = Some(value);
-        }
-        Ok(())
+        Ok(self.outputs.iter().copied().zip(outputs))
     }
+}
+
+/// For each step that reads some slots, those that no later step reads and that are not among what is `needed` at the end; what the step
+/// itself reads twice is none of them.
+pub(super) fn last_uses(read: &[Vec<Slot>], needed: impl IntoIterator<Item = Slot>) -> Vec<BTreeSet<Slot>> {
+    let mut needed: BTreeSet<Slot> = needed.into_iter().collect();
+    let mut uses: Vec<BTreeSet<Slot>> = Vec::new();
+    for read in read.iter().rev() {
+        let is_read_once = |slot: &&Slot| read.iter().filter(|other| other == slot).count() == 1;
+        let last = read.iter().filter(is_read_once).filter(|slot| !needed.contains(slot));
+        uses.push(last.copied().collect());
+        needed.extend(read);
+    }
+    uses.reverse();
+    uses
 }

@@ -1,7 +1,8 @@
-//! ONNX files as differentiable networks, on the tensors of `burn`.
+//! ONNX files as differentiable networks.
 //!
-//! `onnx-ir` parses the file; each of its nodes becomes one of our own operators (`operator`), one file a group. All shapes are fixed when a
-//! file is opened, for one image: what does not depend on the image is then a constant. Weights carry no gradient.
+//! `onnx-ir` parses the file; each of its nodes becomes one of our own operators (`operator`) on the tensors of `burn`, one file a group. All
+//! shapes are fixed when a file is opened, for one image: what does not depend on the image is then a constant. Weights carry no gradient.
+//! On a processor most operators become layers on plain arrays (`plan`), which take a fraction of the time.
 
 mod arithmetic;
 mod choice;
@@ -11,16 +12,19 @@ mod elementwise;
 mod graph;
 mod logits;
 mod operator;
+mod plan;
 mod read;
 mod rearrange;
 mod resize;
+mod segment;
 mod shapes;
 mod value;
 
 use burn::tensor::{Device, Tensor, TensorData};
 
 use graph::Graph;
-use value::{Floats, RANK, Value, full};
+use plan::{Plan, Tape};
+use value::{Floats, Held, Value, full};
 
 use crate::whitebox::quietly::quietly;
 use crate::whitebox::{NetworkFault, WhiteBoxError};
@@ -28,9 +32,10 @@ use crate::whitebox::{NetworkFault, WhiteBoxError};
 /// A network for images of one shape.
 pub(crate) struct OnnxNetwork {
     file: String,
-    graph: Graph,
-    shape: Vec<usize>,
-    device: Device,
+    plan: Plan,
+    outputs: Vec<String>,
+    /// How many numbers an image has.
+    count: usize,
     logits: Vec<Vec<bool>>,
 }
 
@@ -56,13 +61,11 @@ impl Output {
     }
 }
 
-/// The outputs for one image, with their autodiff graph.
-pub(crate) struct NetworkPass {
+/// The outputs for one image, with the way back from them.
+pub(crate) struct NetworkPass<'a> {
     pub outputs: Vec<Output>,
-    /// `None` for whole numbers, which no gradient passes.
-    tensors: Vec<Option<Tensor<RANK>>>,
-    image: Tensor<RANK>,
-    device: Device,
+    network: &'a OnnxNetwork,
+    tape: Tape<'a>,
 }
 
 impl OnnxNetwork {
@@ -95,116 +98,87 @@ impl OnnxNetwork {
         device: &Device,
     ) -> Result<OnnxNetwork, WhiteBoxError> {
         let device = device.clone().autodiff();
-        let graph = read::read(bytes, file, photo_size, &device)?;
-        let mut network = OnnxNetwork {
-            file: file.to_owned(),
-            graph,
-            shape: shape.to_vec(),
-            device,
-            logits: Vec::new(),
-        };
-        network.fold_constants().map_err(|reason| WhiteBoxError::OnnxNetwork {
+        let mut graph = read::read(bytes, file, photo_size, &device)?;
+        let planned =
+            fold_constants(&mut graph, shape).and_then(|(values, logits)| Ok((Plan::new(&graph, &values)?, logits)));
+        let (plan, logits) = planned.map_err(|reason| WhiteBoxError::OnnxNetwork {
             file: file.to_owned(),
             reason,
         })?;
-        Ok(network)
+        Ok(OnnxNetwork {
+            file: file.to_owned(),
+            plan,
+            outputs: graph.outputs.into_iter().map(|(name, _)| name).collect(),
+            count: shape.iter().product(),
+            logits,
+        })
     }
 
-    /// Runs once on black, and keeps what every image will meet.
-    fn fold_constants(&mut self) -> Result<(), NetworkFault> {
-        let black = vec![0.0; self.shape.iter().product()];
-        let (_, image) = self.image(black, true)?;
-        let values = self.graph.run_all(image)?;
-        let logits = logits::expose_logits(&mut self.graph, &values)?;
-        self.logits = logits;
-        let (_, image) = self.image(vec![0.0; self.shape.iter().product()], true)?;
-        let values = self.graph.run_all(image)?;
-        self.graph.fold_constants(&values);
-        Ok(())
-    }
-
-    fn image(&self, numbers: Vec<f32>, requires_grad: bool) -> Result<(Tensor<RANK>, Value), NetworkFault> {
-        let leaf = Tensor::from_data(TensorData::new(numbers, full(&self.shape)?), &self.device);
-        let leaf = if requires_grad { leaf.require_grad() } else { leaf };
-        let value = Floats {
-            x: leaf.clone(),
-            rank: self.shape.len(),
-        };
-        Ok((leaf, Value::Floats(value)))
-    }
-
-    /// The outputs for an image's numbers, row-major. With `requires_grad` the autodiff graph stays in memory until [`NetworkPass::vjp`] consumes it.
+    /// The outputs for an image's numbers, row-major. With `keeps_way` what [`NetworkPass::vjp`] needs stays in memory.
     ///
     /// # Errors
     /// A number of numbers that is not the shape's.
-    pub(crate) fn forward(&self, image: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, WhiteBoxError> {
-        self.try_forward(image, requires_grad)
-            .map_err(|reason| WhiteBoxError::Run {
-                file: self.file.clone(),
-                reason,
-            })
+    pub(crate) fn forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_>, WhiteBoxError> {
+        self.try_forward(image, keeps_way).map_err(|reason| WhiteBoxError::Run {
+            file: self.file.clone(),
+            reason,
+        })
     }
 
-    fn try_forward(&self, numbers: Vec<f32>, requires_grad: bool) -> Result<NetworkPass, NetworkFault> {
-        if numbers.len() != self.shape.iter().product::<usize>() {
-            return Err(NetworkFault::Count(
-                "numbers",
-                self.shape.iter().product(),
-                numbers.len(),
-            ));
+    fn try_forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_>, NetworkFault> {
+        if image.len() != self.count {
+            return Err(NetworkFault::Count("numbers", self.count, image.len()));
         }
-        let (image, value) = self.image(numbers, requires_grad)?;
-        let (mut outputs, mut tensors) = (Vec::new(), Vec::new());
-        for (i, value) in self.graph.run(value)?.into_iter().enumerate() {
-            let shape = value.shape();
-            let (raw, tensor) = match value {
-                Value::Floats(value) => (value.values()?, Some(value.x)),
-                Value::Integers(value) => (value.data.iter().map(|v| *v as f32).collect(), None),
-            };
-            let mut is_logit = self.logits[i].clone();
-            is_logit.resize(raw.len(), false);
-            outputs.push(Output {
-                name: self.graph.outputs[i].0.clone(),
-                shape,
-                raw,
-                is_logit,
-                is_whole: tensor.is_none(),
-            });
-            tensors.push(tensor);
-        }
+        let (values, tape) = self.plan.run(image, keeps_way)?;
+        let outputs = values.into_iter().zip(&self.logits).zip(&self.outputs);
+        let outputs = outputs.map(|((value, is_logit), name)| Output::new(value, is_logit.clone(), name.clone()));
         Ok(NetworkPass {
-            outputs,
-            tensors,
-            image,
-            device: self.device.clone(),
+            outputs: outputs.collect(),
+            network: self,
+            tape,
         })
     }
 }
 
-impl NetworkPass {
+/// Runs on black, and keeps what every image will meet; every slot's value, and which numbers of the outputs are logits.
+fn fold_constants(graph: &mut Graph, shape: &[usize]) -> Result<(Vec<Option<Value>>, Vec<Vec<bool>>), NetworkFault> {
+    let black = |device: &Device| -> Result<Value, NetworkFault> {
+        let numbers = TensorData::new(vec![0.0_f32; shape.iter().product()], full(shape)?);
+        let x = Tensor::from_data(numbers, device).require_grad();
+        Ok(Value::Floats(Floats { x, rank: shape.len() }))
+    };
+    let values = graph.run_all(black(&graph.device)?)?;
+    let logits = logits::expose_logits(graph, &values)?;
+    let values = graph.run_all(black(&graph.device)?)?;
+    graph.fold_constants(&values);
+    Ok((values, logits))
+}
+
+impl Output {
+    fn new(value: Held, mut is_logit: Vec<bool>, name: String) -> Output {
+        let (shape, raw, is_whole) = match value {
+            Held::Floats { shape, numbers } => (shape, numbers.to_vec(), false),
+            Held::Whole(v) => (v.shape, v.data.iter().map(|v| *v as f32).collect(), true),
+        };
+        is_logit.resize(raw.len(), false);
+        Output {
+            name,
+            shape,
+            raw,
+            is_logit,
+            is_whole,
+        }
+    }
+}
+
+impl NetworkPass<'_> {
     /// The derivative of `Σ derivative · raw` with respect to the image's numbers: one derivative for each number of each output. NaN where the
     /// device fails to hand it over.
     pub(crate) fn vjp(self, derivatives: Vec<Vec<f32>>) -> Vec<f32> {
-        let mut sum: Option<Tensor<1>> = None;
-        for (tensor, derivatives) in self.tensors.into_iter().zip(derivatives) {
-            let Some(tensor) = tensor else { continue };
-            // Backwards costs as much for zeros.
-            if !tensor.is_tracked() || derivatives.iter().all(|derivative| *derivative == 0.0) {
-                continue;
-            }
-            let derivatives = Tensor::from_data(TensorData::new(derivatives, tensor.dims()), &self.device);
-            let part = (tensor * derivatives).sum();
-            sum = Some(match sum {
-                Some(sum) => sum + part,
-                None => part,
-            });
-        }
-        let count = self.image.shape().num_elements();
-        match sum.and_then(|sum| self.image.grad(&sum.backward())) {
-            Some(gradient) => gradient
-                .try_into_vec_as::<f32>()
-                .unwrap_or_else(|_| vec![f32::NAN; count]),
-            None => vec![0.0; count],
+        let count = self.network.count;
+        match self.network.plan.back(self.tape, derivatives) {
+            Ok(gradient) => gradient.unwrap_or_else(|| vec![0.0; count]),
+            Err(_) => vec![f32::NAN; count],
         }
     }
 }

@@ -6,8 +6,36 @@ use burn::tensor::Device;
 
 use super::value::{Floats, Integers, Result, Value};
 use crate::whitebox::NetworkFault;
+use crate::whitebox::layers::{Layer, Moved};
 
 type Run = dyn Fn(Inputs) -> Result<Vec<Value>> + Send + Sync;
+pub(super) type MakeLayer = dyn Fn(&[Argument], &[usize]) -> Option<Box<dyn Layer>> + Send + Sync;
+
+/// What is known of an input before there is an image.
+#[derive(Debug, Clone)]
+pub(super) enum Argument {
+    Absent,
+    Constant(Value),
+    /// Its shape; its numbers follow from the image.
+    Image(Vec<usize>),
+}
+
+impl Argument {
+    /// The numbers of a constant.
+    pub(super) fn numbers(&self) -> Option<Vec<f32>> {
+        match self {
+            Argument::Constant(Value::Floats(v)) => v.values().ok(),
+            _ => None,
+        }
+    }
+
+    pub(super) fn constant(&self) -> Option<Value> {
+        match self {
+            Argument::Constant(value) => Some(value.clone()),
+            _ => None,
+        }
+    }
+}
 
 /// An operator with its settings, its tensors not included.
 #[derive(Clone)]
@@ -17,6 +45,10 @@ pub(super) struct Operator {
     /// Which inputs' numbers come out unchanged, only elsewhere.
     pub rearranged: Rearranged,
     pub is_sigmoid: bool,
+    pub is_product: bool,
+    /// Makes the layer on plain arrays that does the same, for the arguments and the output's shape; the layer's inputs are those arguments that
+    /// follow from the image. `None` for arguments that it cannot do.
+    pub layer: Option<Arc<MakeLayer>>,
     /// Whether its outputs follow from the inputs' shapes alone, whatever the numbers are.
     pub reads_shapes_only: bool,
 }
@@ -27,6 +59,8 @@ impl Operator {
             run: Arc::new(run),
             rearranged: Rearranged::Nothing,
             is_sigmoid: false,
+            is_product: false,
+            layer: None,
             reads_shapes_only: false,
         }
     }
@@ -39,6 +73,60 @@ impl Operator {
     /// With one output that has the first input's numbers.
     pub(super) fn moving(run: impl Fn(Inputs) -> Result<Value> + Send + Sync + 'static) -> Operator {
         Operator::new(run).rearranging(Rearranged::First)
+    }
+
+    pub(super) fn with_layer(
+        self,
+        make: impl Fn(&[Argument], &[usize]) -> Option<Box<dyn Layer>> + Send + Sync + 'static,
+    ) -> Operator {
+        let layer: Option<Arc<MakeLayer>> = Some(Arc::new(make));
+        Operator { layer, ..self }
+    }
+
+    /// The layers on plain arrays that do the same, one an output.
+    pub(super) fn layers(
+        &self,
+        arguments: &[Argument],
+        shapes: &[Vec<usize>],
+        device: &Device,
+    ) -> Option<Vec<Box<dyn Layer>>> {
+        match (&self.layer, shapes) {
+            (Some(make), [shape]) => Some(vec![make(arguments, shape)?]),
+            _ => self.moved(arguments, device),
+        }
+    }
+
+    /// Where the numbers of a rearrangement go is seen by rearranging their indices.
+    fn moved(&self, arguments: &[Argument], device: &Device) -> Option<Vec<Box<dyn Layer>>> {
+        let moved = match self.rearranged {
+            Rearranged::First => 1,
+            Rearranged::All => arguments.len(),
+            Rearranged::Nothing | Rearranged::Ordered => return None,
+        };
+        let (mut values, mut counts) = (Vec::new(), Vec::new());
+        for (i, argument) in arguments.iter().enumerate() {
+            values.push(match argument {
+                Argument::Absent => None,
+                Argument::Constant(value) if i >= moved => Some(value.clone()),
+                Argument::Image(shape) if i < moved => {
+                    let (first, count) = (counts.iter().sum::<usize>(), shape.iter().product::<usize>());
+                    counts.push(count);
+                    let indices = (first..first + count).map(|index| index as f32).collect();
+                    Some(Value::Floats(Floats::new(indices, shape, device).ok()?))
+                }
+                _ => return None,
+            });
+        }
+        if counts.iter().sum::<usize>() > MOST_INDICES {
+            return None;
+        }
+        let outputs = (self.run)(Inputs { values, device }).ok()?;
+        let layer = |output: &Value| -> Option<Box<dyn Layer>> {
+            let Value::Floats(indices) = output else { return None };
+            let indices: Vec<usize> = indices.values().ok()?.into_iter().map(|index| index as usize).collect();
+            Some(Box::new(Moved::new(counts.clone(), &indices)))
+        };
+        outputs.iter().map(layer).collect()
     }
 
     pub(super) fn rearranging(self, rearranged: Rearranged) -> Operator {
@@ -55,6 +143,9 @@ pub(super) enum Rearranged {
     Ordered,
     All,
 }
+
+/// Larger whole numbers are not all among those of 32 bits.
+const MOST_INDICES: usize = 1 << 24;
 
 /// The inputs of one operator.
 pub(super) struct Inputs<'a> {

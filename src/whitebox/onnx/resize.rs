@@ -1,13 +1,17 @@
 //! Resizing and padding inside the network.
 
+use std::sync::Arc;
+
+use burn::tensor::Device;
 use burn::tensor::ops::PadMode as Mode;
 use onnx_ir::Node;
 use onnx_ir::pad::{AxesInput, ConstantValueInput, PadInput, PadMode};
 use onnx_ir::resize::{CoordinateTransformMode, NearestMode, ResizeConfig, ResizeMode, ResizeScales, ResizeSizes};
 
-use super::operator::{Inputs, IntegerSetting, Operator, axis_of, setting};
+use super::operator::{Argument, Inputs, IntegerSetting, Operator, axis_of, setting};
 use super::value::{Floats, RANK, Result, Value, bounded};
 use crate::whitebox::NetworkFault;
+use crate::whitebox::layers::{Layer, Separate};
 
 /// Rows and columns to another number, each by a matrix whose rows are the kernel's weights.
 struct Resize {
@@ -128,6 +132,28 @@ impl Resize {
     }
 }
 
+impl Resize {
+    fn layer(&self, arguments: &[Argument]) -> Option<Box<dyn Layer>> {
+        let Some(Argument::Image(shape)) = arguments.first() else {
+            return None;
+        };
+        let [1, channels, rows, columns] = shape[..] else {
+            return None;
+        };
+        // Scales and sizes are read without a look at the device.
+        let values = arguments.iter().map(Argument::constant).collect();
+        let device = &Device::flex();
+        let new = self.target([rows, columns], &mut Inputs { values, device }).ok()?;
+        let weights = |old: usize, (new, scale): (usize, f32)| self.weights(old, new, scale);
+        let weights = [weights(rows, new[0]), weights(columns, new[1])];
+        Some(Box::new(Separate::new(
+            channels,
+            [rows, columns],
+            [&weights[0], &weights[1]],
+        )))
+    }
+}
+
 /// A border around a tensor. `pads`: all befores, then all afters, as ONNX writes them; of the named axes.
 fn pad(pads: IntegerSetting, axes: Option<IntegerSetting>, mode: PadMode, border: ConstantValueInput) -> Operator {
     Operator::new(move |mut inputs| {
@@ -168,8 +194,10 @@ fn pad(pads: IntegerSetting, axes: Option<IntegerSetting>, mode: PadMode, border
 pub(super) fn read(node: &Node) -> Option<Operator> {
     match node {
         Node::Resize(n) | Node::Upsample(n) => {
-            let resize = Resize::read(&n.config)?;
-            Some(Operator::new(move |inputs| resize.run(inputs)))
+            let resize = Arc::new(Resize::read(&n.config)?);
+            let same = resize.clone();
+            let operator = Operator::new(move |inputs| resize.run(inputs));
+            Some(operator.with_layer(move |arguments, _| same.layer(arguments)))
         }
         Node::Pad(n) => {
             let (pads, axes) = match &n.config.pads {

@@ -1,6 +1,9 @@
 //! What flows along the edges of a network: tensors, and the whole numbers that shapes are computed with.
 
+use std::sync::Arc;
+
 use crate::whitebox::NetworkFault;
+use crate::whitebox::layers::Array;
 use burn::tensor::{Tensor, TensorData};
 use onnx_ir::TensorDataExt;
 
@@ -32,6 +35,25 @@ pub(super) struct Floats {
 pub(super) struct Integers {
     pub shape: Vec<usize>,
     pub data: Vec<i64>,
+}
+
+/// What a slot holds while an image is looked at.
+#[derive(Debug, Clone)]
+pub(super) enum Held {
+    Floats { shape: Vec<usize>, numbers: Array },
+    Whole(Integers),
+}
+
+impl Held {
+    pub(super) fn of(value: &Value) -> Result<Held> {
+        Ok(match value {
+            Value::Floats(v) => Held::Floats {
+                shape: v.shape(),
+                numbers: Arc::new(v.values()?),
+            },
+            Value::Integers(v) => Held::Whole(v.clone()),
+        })
+    }
 }
 
 impl From<Floats> for Value {

@@ -1,0 +1,166 @@
+//! The coefficients of a JPEG: its data with the codes undone, from which pixels of any size and place follow.
+
+use super::JpegError;
+
+/// One component's blocks of 8 × 8 coefficients.
+#[derive(Debug)]
+pub(super) struct Component {
+    /// Samples across and down for each unit of the coarsest component.
+    pub sampling: [u32; 2],
+    /// Blocks across and down, whole groups.
+    pub blocks: [usize; 2],
+    /// Samples across and down that the image covers.
+    pub size: [usize; 2],
+    /// Steps of quantization, in the order of frequencies.
+    pub steps: [u16; 64],
+    store: Store,
+}
+
+#[derive(Debug)]
+enum Store {
+    /// What is not zero: a tenth of all, in a photo. For images of one scan.
+    Sparse { blocks: Vec<SparseBlock>, values: Vec<u16> },
+    /// All, 64 a block in the order of frequencies, which scans after the first change.
+    Dense(Vec<i16>),
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct SparseBlock {
+    start: u32,
+    mean: i16,
+    /// Entries of `values`.
+    count: u8,
+}
+
+/// An entry of [`Store::Sparse`]: the place among the 64 above the value in ten bits; this value says that the next entry has the value.
+const NEXT_HAS_IT: u16 = 0x200;
+
+impl Component {
+    /// With room for so many values; dense where several scans change them.
+    pub(super) fn new(sampling: [u32; 2], blocks: [usize; 2], size: [usize; 2], room: Option<usize>) -> Component {
+        let count = blocks[0] * blocks[1];
+        Component {
+            sampling,
+            blocks,
+            size,
+            steps: [0; 64],
+            store: match room {
+                Some(room) => Store::Sparse {
+                    blocks: vec![SparseBlock::default(); count],
+                    values: Vec::with_capacity(room),
+                },
+                None => Store::Dense(vec![0; 64 * count]),
+            },
+        }
+    }
+
+    /// Sets a whole block: its mean, and the other values. At most `most` entries are kept.
+    #[inline(always)]
+    pub(super) fn set(&mut self, block: usize, mean: i16, others: &Others, most: usize) -> Result<(), JpegError> {
+        let others = others.entries();
+        match &mut self.store {
+            Store::Dense(all) => {
+                let to = &mut all[64 * block..][..64];
+                to[0] = mean;
+                each_entry(others, |place, value| to[place] = value);
+            }
+            Store::Sparse { blocks, values } => {
+                let start = values.len();
+                if start > most {
+                    return Err(JpegError::TooManyValues);
+                }
+                values.extend_from_slice(others);
+                blocks[block] = SparseBlock {
+                    start: start as u32,
+                    mean,
+                    count: others.len() as u8,
+                };
+            }
+        }
+        Ok(())
+    }
+
+    /// The coefficients of a block, to be changed; empty where they are not kept densely.
+    pub(super) fn dense(&mut self, block: usize) -> &mut [i16] {
+        match &mut self.store {
+            Store::Dense(all) => &mut all[64 * block..][..64],
+            Store::Sparse { .. } => &mut [],
+        }
+    }
+
+    /// The mean of a block: eight times that of its samples, in steps of quantization, without the 128.
+    #[inline(always)]
+    pub(super) fn mean(&self, block: usize) -> i16 {
+        match &self.store {
+            Store::Sparse { blocks, .. } => blocks[block].mean,
+            Store::Dense(all) => all[64 * block],
+        }
+    }
+
+    /// Calls with every other value that is not zero and its place; says whether there was any.
+    #[inline(always)]
+    pub(super) fn each_other(&self, block: usize, mut with: impl FnMut(usize, i16)) -> bool {
+        match &self.store {
+            Store::Sparse { blocks, values } => {
+                let SparseBlock { start, count, .. } = blocks[block];
+                each_entry(&values[start as usize..][..usize::from(count)], with);
+                count > 0
+            }
+            Store::Dense(all) => {
+                let others = (1..64).zip(&all[64 * block + 1..]).filter(|(_, value)| **value != 0);
+                others.map(|(place, value)| with(place, *value)).count() > 0
+            }
+        }
+    }
+}
+
+/// The values of a block but for its mean, while they are read.
+pub(super) struct Others {
+    entries: [u16; 128],
+    count: usize,
+}
+
+impl Others {
+    pub(super) fn new() -> Others {
+        Others {
+            entries: [0; 128],
+            count: 0,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Each place, 1 to 63, once.
+    #[inline(always)]
+    pub(super) fn push(&mut self, place: usize, value: i16) {
+        let high = (place as u16) << 10;
+        if (-511..=511).contains(&value) {
+            self.entries[self.count & 127] = high | (value as u16 & 0x3FF);
+            self.count += 1;
+        } else {
+            self.entries[self.count & 127] = high | NEXT_HAS_IT;
+            self.entries[(self.count + 1) & 127] = value as u16;
+            self.count += 2;
+        }
+    }
+
+    fn entries(&self) -> &[u16] {
+        &self.entries[..self.count.min(128)]
+    }
+}
+
+#[inline(always)]
+fn each_entry(entries: &[u16], mut with: impl FnMut(usize, i16)) {
+    let mut entries = entries.iter();
+    while let Some(entry) = entries.next() {
+        let value = match entry & 0x3FF {
+            NEXT_HAS_IT => entries.next().map_or(0, |value| *value as i16),
+            // Ten bits with a sign.
+            _ => ((entry << 6) as i16) >> 6,
+        };
+        with(usize::from(entry >> 10), value);
+    }
+}

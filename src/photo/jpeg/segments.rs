@@ -1,0 +1,151 @@
+//! The segments of a JPEG file (ITU-T T.81, annex B), without its pixels.
+
+/// A marker with what follows it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Segment<'a> {
+    pub marker: u8,
+    /// Behind the length.
+    pub content: &'a [u8],
+    /// The entropy-coded data behind the header of a scan, restart markers included; empty for other segments.
+    pub data: &'a [u8],
+}
+
+pub(super) const START_OF_SCAN: u8 = 0xDA;
+const END_OF_IMAGE: u8 = 0xD9;
+const RESTARTS: std::ops::RangeInclusive<u8> = 0xD0..=0xD7;
+/// TEM, which has no segment either.
+const TEMPORARY: u8 = 0x01;
+
+/// The segments up to the end-of-image marker. An image that does not reach it ends with `None`.
+///
+/// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the end (motion
+/// photos, depth maps) do not matter.
+pub(super) struct Segments<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    is_over: bool,
+}
+
+impl<'a> Segments<'a> {
+    pub(super) fn of(bytes: &'a [u8]) -> Segments<'a> {
+        // Behind the start-of-image marker.
+        Segments {
+            bytes,
+            at: 2,
+            is_over: false,
+        }
+    }
+
+    fn step(&mut self) -> Option<Option<Segment<'a>>> {
+        loop {
+            let marker_at = find_marker(self.bytes, self.at)?;
+            let marker = self.bytes[marker_at + 1];
+            self.at = marker_at + 2;
+            match marker {
+                END_OF_IMAGE => return Some(None),
+                TEMPORARY => continue,
+                _ if RESTARTS.contains(&marker) => continue,
+                _ => {}
+            }
+            let length = u16::from_be_bytes(*self.bytes.get(self.at..)?.first_chunk()?);
+            let end = self.at + usize::from(length).max(2);
+            let content = self.bytes.get(self.at + 2..end)?;
+            self.at = end;
+            let mut data: &[u8] = &[];
+            if marker == START_OF_SCAN {
+                let data_end = find_scan_end(self.bytes, end)?;
+                data = &self.bytes[end..data_end];
+                self.at = data_end;
+            }
+            return Some(Some(Segment { marker, content, data }));
+        }
+    }
+}
+
+impl<'a> Iterator for Segments<'a> {
+    /// `None` is the end of bytes before the end of the image.
+    type Item = Option<Segment<'a>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.is_over {
+            return None;
+        }
+        let step = self.step();
+        self.is_over = !matches!(step, Some(Some(_)));
+        match step {
+            Some(Some(segment)) => Some(Some(segment)),
+            Some(None) => None,
+            None => Some(None),
+        }
+    }
+}
+
+/// The next marker at or after `from`: 0xFF followed by neither a stuffed zero nor another fill byte.
+fn find_marker(bytes: &[u8], from: usize) -> Option<usize> {
+    find_pair(bytes, from, |second| !matches!(second, 0x00 | 0xFF))
+}
+
+/// Where the entropy-coded data from `from` on ends: at the next marker that is no restart marker.
+fn find_scan_end(bytes: &[u8], from: usize) -> Option<usize> {
+    find_pair(bytes, from, |second| {
+        !matches!(second, 0x00 | 0xFF) && !RESTARTS.contains(&second)
+    })
+}
+
+/// The next 0xFF whose successor is as requested.
+fn find_pair(bytes: &[u8], from: usize, is_second: impl Fn(u8) -> bool) -> Option<usize> {
+    let mut at = from;
+    loop {
+        at += memchr::memchr(0xFF, bytes.get(at..)?)?;
+        if is_second(*bytes.get(at + 1)?) {
+            return Some(at);
+        }
+        at += 1;
+    }
+}
+
+/// Splits entropy-coded data at its restart markers. Stuffed zeros are taken out of each interval.
+pub(super) struct Intervals<'a> {
+    rest: &'a [u8],
+    /// The number of the next restart marker, 0 to 7.
+    next: u8,
+}
+
+impl<'a> Intervals<'a> {
+    pub(super) fn of(data: &'a [u8]) -> Intervals<'a> {
+        Intervals { rest: data, next: 0 }
+    }
+
+    /// Whether another interval follows.
+    pub(super) fn is_over(&self) -> bool {
+        self.rest.is_empty()
+    }
+
+    /// Fills `interval` with the bytes up to the next restart marker; false when that marker is out of its order.
+    pub(super) fn read(&mut self, interval: &mut Vec<u8>) -> bool {
+        interval.clear();
+        loop {
+            let Some(at) = memchr::memchr(0xFF, self.rest) else {
+                interval.extend_from_slice(self.rest);
+                self.rest = &[];
+                return true;
+            };
+            let (before, from) = self.rest.split_at(at);
+            interval.extend_from_slice(before);
+            match from.get(1) {
+                Some(0x00) => {
+                    interval.push(0xFF);
+                    self.rest = &from[2..];
+                }
+                Some(marker) if RESTARTS.contains(marker) => {
+                    let is_next = *marker == RESTARTS.start() + self.next;
+                    self.next = (self.next + 1) % 8;
+                    self.rest = &from[2..];
+                    return is_next;
+                }
+                // A fill byte.
+                _ => self.rest = &from[1..],
+            }
+        }
+    }
+}

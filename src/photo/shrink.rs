@@ -1,0 +1,20 @@
+//! Pictures made smaller, to be shown.
+
+use fast_image_resize as fir;
+use image::RgbImage;
+
+/// The picture at another size: bilinear, each pixel the mean of all that it stands for. An empty picture stays.
+pub(crate) fn shrunk(picture: &RgbImage, [width, height]: [u32; 2]) -> RgbImage {
+    let resized = || {
+        let pixels = picture.as_raw();
+        let from = fir::images::ImageRef::new(picture.width(), picture.height(), pixels, fir::PixelType::U8x3).ok()?;
+        let mut to = fir::images::Image::new(width, height, fir::PixelType::U8x3);
+        let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(fir::FilterType::Bilinear));
+        fir::Resizer::new().resize(&from, &mut to, &options).ok()?;
+        RgbImage::from_raw(width, height, to.into_vec())
+    };
+    match picture.dimensions() == (width, height) {
+        true => picture.clone(),
+        false => resized().unwrap_or_else(|| picture.clone()),
+    }
+}

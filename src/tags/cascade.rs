@@ -1,0 +1,178 @@
+//! The default: several finders one after the other, the fastest first, until nothing is missing.
+//!
+//! Whoever calls says what the tags found so far leave open: whether they make a pose, and where it expects tags that were not found. Those
+//! are looked for in their places before the next finder starts.
+
+use image::GrayImage;
+
+use super::apriltag_c::AprilTagC;
+use super::expected::{self, StillMissing};
+use super::merge::MergedTags;
+use super::search::{Found, Search, reduced_by};
+use super::{SeenTag, StartError, TagDetector, rivals};
+use crate::scene::TagFamily;
+
+/// The long side of the image that is searched first. Below it nothing is reduced.
+const SEARCHED_PX: u32 = 1600;
+
+/// The same for live images, where the answer must come soon and the next image brings another chance.
+const SEARCHED_LIVE_PX: u32 = 640;
+
+/// Tags that are found in their places make a better pose, which tells more places; so often at most.
+const MOST_LOOKS: usize = 3;
+
+/// With so many whole tags a pose is likely beyond doubt: where nobody says what is missing.
+const ENOUGH_TAGS: usize = 2;
+
+/// Finders in turn. Holds C memory, so each thread makes its own.
+pub(crate) struct Cascade {
+    stages: Vec<Stage>,
+}
+
+/// One finder and when it is asked.
+struct Stage {
+    search: Box<dyn Search>,
+    view: View,
+    need: Need,
+}
+
+/// What a finder is shown.
+#[derive(Clone, Copy, PartialEq)]
+enum View {
+    /// The image reduced to about this long side, px.
+    Reduced(u32),
+    /// All of an image that is reduced for others.
+    Whole,
+}
+
+/// When a finder is asked.
+#[derive(Clone, Copy, PartialEq)]
+enum Need {
+    /// While tags are missing.
+    MissingTags,
+    /// While there is no pose: it takes long, or sees little where tags are clear.
+    NoPose,
+}
+
+impl Cascade {
+    /// A detector for some families.
+    pub(crate) fn new(families: &[TagFamily]) -> Result<Cascade, StartError> {
+        let reduced = View::Reduced(SEARCHED_PX);
+        let c = || -> Result<Box<dyn Search>, StartError> { Ok(Box::new(AprilTagC::new(families)?)) };
+        let mut stages = Vec::new();
+        let mut add = |searches: Vec<Box<dyn Search>>, view, need| {
+            stages.extend(searches.into_iter().map(|search| Stage { search, view, need }));
+        };
+        add(rivals::fast(families)?, reduced, Need::MissingTags);
+        add(rivals::for_noise(families)?, reduced, Need::NoPose);
+        add(vec![c()?], reduced, Need::MissingTags);
+        add(rivals::for_small_tags(families)?, reduced, Need::NoPose);
+        add(vec![c()?], View::Whole, Need::NoPose);
+        Ok(Cascade { stages })
+    }
+
+    /// A faster one, which misses small tags: the fastest finder alone, on a small image.
+    pub(crate) fn live(families: &[TagFamily]) -> Result<Cascade, StartError> {
+        let search = match rivals::fast(families)?.into_iter().next() {
+            Some(fastest) => fastest,
+            None => Box::new(AprilTagC::new(families)?),
+        };
+        let view = View::Reduced(SEARCHED_LIVE_PX);
+        let need = Need::MissingTags;
+        Ok(Cascade {
+            stages: vec![Stage { search, view, need }],
+        })
+    }
+}
+
+impl Stage {
+    /// `None` where it would be shown what others have been shown.
+    fn search(&mut self, grey: &GrayImage) -> Option<Vec<Found>> {
+        let longest = grey.width().max(grey.height());
+        let factor = match self.view {
+            View::Reduced(to_px) => longest.div_ceil(to_px).max(1),
+            View::Whole if longest <= SEARCHED_PX => return None,
+            View::Whole => 1,
+        };
+        Some(reduced_by(grey, factor, |small| self.search.search(small)))
+    }
+}
+
+impl TagDetector for Cascade {
+    /// Without a scene nobody knows what is missing: all are asked, those that are slow only where almost nothing is found.
+    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+        let mut tags = MergedTags::default();
+        for need in [Need::MissingTags, Need::NoPose] {
+            for stage in self.stages.iter_mut().filter(|stage| stage.need == need) {
+                tags.add(stage.search(grey).unwrap_or_default(), grey);
+            }
+            if tags.seen(grey).iter().filter(|tag| tag.is_whole).count() >= ENOUGH_TAGS {
+                break;
+            }
+        }
+        tags.seen(grey)
+    }
+
+    fn find_until(&mut self, grey: &GrayImage, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+        let mut tags = MergedTags::default();
+        let (mut seen, mut left) = looked(&mut tags, grey, missing);
+        for stage in &mut self.stages {
+            if is_done(&left) {
+                break;
+            }
+            if stage.need == Need::NoPose && left.has_pose {
+                continue;
+            }
+            if let Some(found) = stage.search(grey) {
+                tags.add(found, grey);
+                (seen, left) = looked(&mut tags, grey, missing);
+            }
+        }
+        seen
+    }
+}
+
+/// Whether there is a pose and every tag in plain view is there.
+fn is_done(left: &StillMissing) -> bool {
+    left.has_pose && !left.expected.iter().any(|tag| tag.is_in_plain_view)
+}
+
+/// Looks for what is missing in its places, until nothing more is found there.
+fn looked(
+    tags: &mut MergedTags,
+    grey: &GrayImage,
+    missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing,
+) -> (Vec<SeenTag>, StillMissing) {
+    let (mut seen, mut left) = asked(tags, grey, missing);
+    for _ in 0..MOST_LOOKS {
+        let found: Vec<Found> = left
+            .expected
+            .iter()
+            .filter_map(|tag| expected::look(grey, tag))
+            .collect();
+        if found.is_empty() {
+            break;
+        }
+        tags.add(found, grey);
+        (seen, left) = asked(tags, grey, missing);
+    }
+    (seen, left)
+}
+
+/// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave.
+fn asked(
+    tags: &MergedTags,
+    grey: &GrayImage,
+    missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing,
+) -> (Vec<SeenTag>, StillMissing) {
+    let seen = tags.seen(grey);
+    let left = missing(&seen);
+    let fitted = tags.fitted(grey);
+    if !left.has_pose && (1..seen.len()).contains(&fitted.len()) {
+        let left_by_fitted = missing(&fitted);
+        if left_by_fitted.has_pose {
+            return (fitted, left_by_fitted);
+        }
+    }
+    (seen, left)
+}

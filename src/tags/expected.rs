@@ -1,0 +1,102 @@
+//! Tags looked for where they should be: a search that knows the id and the place sees smaller and more blurred ones than one that knows
+//! neither.
+
+use image::GrayImage;
+
+use super::border;
+use super::likeness::{CellPattern, Likeness};
+use super::refine;
+use super::search::Found;
+use super::{TagImage, cells_across};
+use crate::scene::TagFamily;
+
+/// Where a tag should be, by a pose that may be right.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExpectedTag {
+    /// Which code it is of.
+    pub family: TagFamily,
+    /// Its number in the family.
+    pub id: u32,
+    /// Pixel corners as in [`super::SeenTag`].
+    pub corners_px: [[f64; 2]; 4],
+    /// It faces the camera, unhidden, large and well inside the image: a search that misses it is not done.
+    pub is_in_plain_view: bool,
+}
+
+/// What the tags found so far leave to be found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StillMissing {
+    /// They make a pose that is beyond doubt.
+    pub has_pose: bool,
+    /// The tags that the pose, or else each pose they allow, expects where none was found.
+    pub expected: Vec<ExpectedTag>,
+}
+
+/// How far from its place a tag is looked for, and in which steps: in bit cells.
+const REACH_CELLS: f64 = 2.5;
+const STEP_CELLS: f64 = 0.5;
+
+/// A tag is believed where its code correlates at least so much with the pixels. Another tag of 36h11 has 11 of 36 bits otherwise, which is
+/// 0.39 at most.
+const LEAST_CODE: f64 = 0.7;
+const LEAST_ALL: f64 = 0.6;
+
+/// Smaller cells show no code.
+const LEAST_CELL_PX: f64 = 1.5;
+
+/// The tag at its place, or nearby, if its code is there and its sides are seen.
+pub(super) fn look(grey: &GrayImage, expected: &ExpectedTag) -> Option<Found> {
+    let tag = TagImage::new(expected.family, expected.id)?;
+    let cells = cells_across(expected.family);
+    let pattern = CellPattern::of(&tag);
+    let at_place = confirmed(grey, &expected.corners_px, &pattern, cells);
+    let corners_px = at_place.or_else(|| {
+        let near = most_alike(grey, &expected.corners_px, &pattern, cells)?;
+        confirmed(grey, &near, &pattern, cells)
+    })?;
+    Some(Found {
+        family: expected.family,
+        id: expected.id,
+        corners_px,
+    })
+}
+
+/// The corners fitted to the sides that are seen near a place, if the code is between them.
+fn confirmed(grey: &GrayImage, corners_px: &[[f64; 2]; 4], pattern: &CellPattern, cells: f64) -> Option<[[f64; 2]; 4]> {
+    let fitted = refine::outline(grey, corners_px, cells)?.corners(0.0)?;
+    let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted)?;
+    let is_tag = of_all >= LEAST_ALL && of_code >= LEAST_CODE;
+    (is_tag && border::is_whole(grey, &fitted, cells)).then_some(fitted)
+}
+
+/// The place within reach that looks most like the tag.
+fn most_alike(
+    grey: &GrayImage,
+    corners_px: &[[f64; 2]; 4],
+    pattern: &CellPattern,
+    cells: f64,
+) -> Option<[[f64; 2]; 4]> {
+    let [a, b, c, d] = corners_px;
+    let along = |from: &[f64; 2], to: &[f64; 2]| [0, 1].map(|k| (to[k] - from[k]) / cells);
+    let (right, down) = (along(a, b), along(a, d));
+    let least_px = [right, down, along(d, c), along(b, c)].map(|[x, y]| x.hypot(y));
+    if least_px.iter().any(|px| px.is_nan() || *px < LEAST_CELL_PX) {
+        return None;
+    }
+    let steps = (REACH_CELLS / STEP_CELLS) as i32;
+    let mut best: Option<([[f64; 2]; 4], f64)> = None;
+    for i in -steps..=steps {
+        for j in -steps..=steps {
+            let (u, v) = (f64::from(i) * STEP_CELLS, f64::from(j) * STEP_CELLS);
+            let moved = corners_px.map(|p| [0, 1].map(|k| p[k] + u * right[k] + v * down[k]));
+            let Some(likeness) = pattern.rough_likeness(grey, &moved) else {
+                continue;
+            };
+            if best.is_none_or(|(_, best)| likeness.of_all > best) {
+                best = Some((moved, likeness.of_all));
+            }
+        }
+    }
+    best.filter(|(_, of_all)| *of_all >= LEAST_ALL / 2.0)
+        .map(|(place, _)| place)
+}
