@@ -65,7 +65,7 @@ impl Coefficients {
         let mut buffers: Vec<Buffer> = planes.iter().map(Plane::buffer).collect();
         for y in 0..height {
             // The group of rows below is there too, since rows between two are made of both.
-            if y % across[1] == 0 {
+            if y.is_multiple_of(across[1]) {
                 let group = y / across[1];
                 for plane in &mut planes {
                     if group == 0 {
@@ -255,7 +255,7 @@ impl<'a> Plane<'a> {
         let [across, down] = self.enlarged;
         let near = (y / down).min(height - 1);
         // The row on the other side of the middle of the near one.
-        let far = match y % down == 0 {
+        let far = match y.is_multiple_of(down) {
             true => near.saturating_sub(1),
             false => (near + 1).min(height - 1),
         };
