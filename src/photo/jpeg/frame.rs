@@ -59,12 +59,9 @@ impl Frame {
                 EXIF if exif.is_none() => exif = content.strip_prefix(b"Exif\0\0").map(<[u8]>::to_vec),
                 JFIF => is_jfif |= content.starts_with(b"JFIF\0"),
                 ADOBE if content.starts_with(b"Adobe") => adobe = content.get(11).copied().or(adobe),
-                _ if FRAMES.contains(&marker) && !NO_FRAMES.contains(&marker) => {
-                    if frame.replace(read(marker, content)?).is_some() {
-                        return Err(JpegError::Damaged("it has two headers"));
-                    }
-                }
-                _ => {}
+                _ if !FRAMES.contains(&marker) || NO_FRAMES.contains(&marker) => {}
+                _ if frame.is_none() => frame = Some(read(marker, content)?),
+                _ => return Err(JpegError::Damaged("it has two headers")),
             }
         }
         let (size, is_progressive, components) = frame.ok_or(JpegError::Damaged("it has no header"))?;

@@ -78,7 +78,7 @@ impl<const N: usize> Transform<N> {
         rows[0] = [mean / C[4]; 8];
         let has_any = component.each_other(block, |place, value| {
             let value = f32::from(value);
-            let row = &mut rows[usize::from(ZIGZAG[place & 63]) / 8 & 7];
+            let row = &mut rows[(usize::from(ZIGZAG[place & 63]) / 8) & 7];
             *row = sum(*row, times(self.row_shares[place & 63], value));
         });
         if !has_any {

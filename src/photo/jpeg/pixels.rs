@@ -65,7 +65,7 @@ impl Coefficients {
         let mut buffers: Vec<Buffer> = planes.iter().map(Plane::buffer).collect();
         for y in 0..height {
             // The group of rows below is there too, since rows between two are made of both.
-            if y % across[1] == 0 {
+            if y.is_multiple_of(across[1]) {
                 let group = y / across[1];
                 for plane in &mut planes {
                     if group == 0 {
@@ -160,7 +160,8 @@ struct Plane<'a> {
 /// Where a row is enlarged.
 struct Buffer {
     row: Vec<u8>,
-    sums: Vec<u16>,
+    /// A row that is enlarged down, and not yet across.
+    between: Vec<u8>,
 }
 
 /// By the number of samples of a block.
@@ -212,7 +213,7 @@ impl<'a> Plane<'a> {
     fn buffer(&self) -> Buffer {
         Buffer {
             row: vec![0; self.stride() * self.enlarged[0]],
-            sums: Vec::new(),
+            between: vec![0; self.stride()],
         }
     }
 
@@ -254,7 +255,7 @@ impl<'a> Plane<'a> {
         let [across, down] = self.enlarged;
         let near = (y / down).min(height - 1);
         // The row on the other side of the middle of the near one.
-        let far = match y % down == 0 {
+        let far = match y.is_multiple_of(down) {
             true => near.saturating_sub(1),
             false => (near + 1).min(height - 1),
         };
@@ -262,8 +263,11 @@ impl<'a> Plane<'a> {
         match (across, down) {
             (1, 1) => return row(near),
             (2, 1) if width > 2 => upsample::across(row(near), to),
-            (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut buffer.sums, to),
-            (1, 2) => upsample::down([row(near), row(far)], y % 2 == 0, to),
+            (2, 2) if width > 2 => {
+                upsample::down([row(near), row(far)], &mut buffer.between[..width]);
+                upsample::across(&buffer.between[..width], to);
+            }
+            (1, 2) => upsample::down([row(near), row(far)], to),
             _ => upsample::repeated(row(near), across, to),
         }
         &buffer.row
