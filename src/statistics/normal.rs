@@ -1,5 +1,7 @@
 //! The standard normal distribution.
 
+use std::sync::LazyLock;
+
 use statrs::function::erf::erfc;
 
 /// 95 % of the distribution lies within this distance of 0.
@@ -15,17 +17,37 @@ pub(crate) fn between(from: f64, to: f64, mean: f64, sigma: f64) -> f64 {
     upper_tail((from - mean) / sigma) - upper_tail((to - mean) / sigma)
 }
 
-/// Φ(u) and its derivative, for fits that need both of every pixel (Abramowitz & Stegun 26.2.17, absolute error below 7.5e-8).
-///
-/// It takes a third of the time of [`upper_tail`] and a density of its own: 6 instead of 18 ns.
+/// Φ(u) and its derivative, for fits that need both of every pixel: Taylor series about the nearest node of a table, within 1e-7.
 pub(crate) fn fast_cdf_and_density(u: f64) -> (f64, f64) {
-    const B: [f64; 5] = [0.319381530, -0.356563782, 1.781477937, -1.821255978, 1.330274429];
-    const PER_SQRT_TAU: f64 = 0.398_942_280_401_432_7;
-    let density = PER_SQRT_TAU * (-0.5 * u * u).exp();
-    let t = 1.0 / (1.0 + 0.2316419 * u.abs());
-    let tail = density * t * (B[0] + t * (B[1] + t * (B[2] + t * (B[3] + t * B[4]))));
-    (if u < 0.0 { tail } else { 1.0 - tail }, density)
+    let inside = u.clamp(-END, END);
+    let index = ((inside + END) * STEPS + 0.5) as usize;
+    let Some((cdf, density)) = NODES.get(index) else {
+        return (f64::NAN, f64::NAN); // of no number
+    };
+    let node = index as f64 / STEPS - END;
+    let d = inside - node;
+    // The derivatives of the density are the density times −u, u² − 1, and so on.
+    let bend = 0.5 * d * d * (node * node - 1.0);
+    (
+        cdf + density * d * (1.0 - 0.5 * d * node + bend / 3.0),
+        density * (1.0 - d * node + bend),
+    )
 }
+
+/// Beyond, nothing is left within double precision of what a fit can tell.
+const END: f64 = 6.5;
+
+/// Nodes a unit.
+const STEPS: f64 = 64.0;
+
+/// The distribution and its density at the nodes.
+static NODES: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
+    let at = |index: i32| {
+        let u = f64::from(index) / STEPS - END;
+        (upper_tail(-u), (-0.5 * u * u).exp() / std::f64::consts::TAU.sqrt())
+    };
+    (0..=(2.0 * END * STEPS) as i32).map(at).collect()
+});
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@ use image::GrayImage;
 
 use super::apriltag_c::AprilTagC;
 use super::expected::{self, StillMissing};
+use super::fit::TagFit;
 use super::merge::MergedTags;
 use super::search::{Found, Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
@@ -145,7 +146,7 @@ fn looked(
 ) -> (Vec<SeenTag>, StillMissing) {
     let (mut seen, mut left) = asked(tags, grey, missing);
     for _ in 0..MOST_LOOKS {
-        let found: Vec<Found> = left
+        let found: Vec<TagFit> = left
             .expected
             .iter()
             .filter_map(|tag| expected::look(grey, tag))
@@ -153,7 +154,7 @@ fn looked(
         if found.is_empty() {
             break;
         }
-        tags.add(found, grey);
+        found.into_iter().for_each(|tag| tags.add_fit(tag));
         (seen, left) = asked(tags, grey, missing);
     }
     (seen, left)

@@ -4,8 +4,9 @@
 use image::GrayImage;
 
 use super::border;
+use super::fit::TagFit;
 use super::likeness::{CellPattern, Likeness};
-use super::refine;
+use super::refine::{self, TagSides};
 use super::search::Found;
 use super::{TagImage, cells_across};
 use crate::scene::TagFamily;
@@ -45,28 +46,35 @@ const LEAST_ALL: f64 = 0.6;
 const LEAST_CELL_PX: f64 = 1.5;
 
 /// The tag at its place, or nearby, if its code is there and its sides are seen.
-pub(super) fn look(grey: &GrayImage, expected: &ExpectedTag) -> Option<Found> {
+pub(super) fn look(grey: &GrayImage, expected: &ExpectedTag) -> Option<TagFit> {
     let tag = TagImage::new(expected.family, expected.id)?;
     let cells = cells_across(expected.family);
     let pattern = CellPattern::of(&tag);
     let at_place = confirmed(grey, &expected.corners_px, &pattern, cells);
-    let corners_px = at_place.or_else(|| {
+    let (outline, corners_px) = at_place.or_else(|| {
         let near = most_alike(grey, &expected.corners_px, &pattern, cells)?;
         confirmed(grey, &near, &pattern, cells)
     })?;
-    Some(Found {
+    let found = Found {
         family: expected.family,
         id: expected.id,
         corners_px,
-    })
+    };
+    Some(TagFit::with(found, Some(outline), grey))
 }
 
 /// The corners fitted to the sides that are seen near a place, if the code is between them.
-fn confirmed(grey: &GrayImage, corners_px: &[[f64; 2]; 4], pattern: &CellPattern, cells: f64) -> Option<[[f64; 2]; 4]> {
-    let fitted = refine::outline(grey, corners_px, cells)?.corners(0.0)?;
+fn confirmed(
+    grey: &GrayImage,
+    corners_px: &[[f64; 2]; 4],
+    pattern: &CellPattern,
+    cells: f64,
+) -> Option<(TagSides, [[f64; 2]; 4])> {
+    let outline = refine::outline(grey, corners_px, cells)?;
+    let fitted = outline.corners(0.0)?;
     let Likeness { of_all, of_code } = pattern.likeness(grey, &fitted)?;
     let is_tag = of_all >= LEAST_ALL && of_code >= LEAST_CODE;
-    (is_tag && border::is_whole(grey, &fitted, cells)).then_some(fitted)
+    (is_tag && border::is_whole(grey, &fitted, cells)).then_some((outline, fitted))
 }
 
 /// The place within reach that looks most like the tag.

@@ -42,6 +42,11 @@ pub(super) struct TagFit {
 impl TagFit {
     pub(super) fn new(found: Found, grey: &GrayImage) -> TagFit {
         let outline = refine::outline(grey, &found.corners_px, cells_across(found.family));
+        TagFit::with(found, outline, grey)
+    }
+
+    /// Of a tag whose sides were fitted already.
+    pub(super) fn with(found: Found, outline: Option<TagSides>, grey: &GrayImage) -> TagFit {
         let inset = |outline: &TagSides| {
             let tag = TagImage::new(found.family, found.id)?;
             inset::inset_px(grey, &outline.corners(0.0)?, &tag)

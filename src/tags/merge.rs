@@ -22,24 +22,38 @@ impl MergedTags {
     /// tags, of which no pose uses either. Different ids in one place contradict each other, and no search is believed there.
     pub(super) fn add(&mut self, found: Vec<Found>, grey: &GrayImage) {
         for new in found {
-            let place = middle(&new);
-            let is_here = |known: &[f64; 2]| distance(*known, place) < half_side(&new);
-            if self.contradicted.iter().any(is_here) {
-                continue;
-            }
-            match self.fits.iter().position(|known| is_here(&middle(&known.found))) {
-                None => self.fits.push(TagFit::new(new, grey)),
-                Some(i) if is_same(&self.fits[i].found, &new) => {
-                    if !self.fits[i].is_fitted() {
-                        self.fits[i] = TagFit::new(new, grey);
-                    }
-                }
-                Some(i) => {
-                    self.contradicted.push(place);
-                    self.fits.remove(i);
-                }
+            let is_fitted = self
+                .here(&new)
+                .is_some_and(|i| is_same(&self.fits[i].found, &new) && self.fits[i].is_fitted());
+            if !is_fitted {
+                self.add_fit(TagFit::new(new, grey));
             }
         }
+    }
+
+    /// The same of a tag that is fitted already.
+    pub(super) fn add_fit(&mut self, new: TagFit) {
+        let (place, reach) = (middle(&new.found), half_side(&new.found));
+        if self.contradicted.iter().any(|known| distance(*known, place) < reach) {
+            return;
+        }
+        match self.here(&new.found) {
+            None => self.fits.push(new),
+            Some(i) if !is_same(&self.fits[i].found, &new.found) => {
+                self.contradicted.push(place);
+                self.fits.remove(i);
+            }
+            Some(i) if !self.fits[i].is_fitted() => self.fits[i] = new,
+            Some(_) => {}
+        }
+    }
+
+    /// Which of the known tags is in a tag's place.
+    fn here(&self, tag: &Found) -> Option<usize> {
+        let (place, reach) = (middle(tag), half_side(tag));
+        self.fits
+            .iter()
+            .position(|known| distance(middle(&known.found), place) < reach)
     }
 
     /// The tags with the corners of their fits.

@@ -49,15 +49,17 @@ fn within_bounds(grey: &GrayImage, search: impl FnMut(&GrayImage) -> Vec<Found>)
 }
 
 /// A library that is shown the image twice as large.
+#[cfg(feature = "full")]
 pub(super) struct Enlarged<S>(pub S);
 
+#[cfg(feature = "full")]
 impl<S: Search> Search for Enlarged<S> {
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let (width, height) = grey.dimensions();
         let large = image::imageops::resize(grey, 2 * width, 2 * height, image::imageops::FilterType::CatmullRom);
         let mut found = self.0.search(&large);
         for tag in &mut found {
-            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5));
+            tag.corners_px = tag.corners_px.map(|c| c.map(|v| (v + 0.5) / 2.0 - 0.5)); // as in `enlarged`
         }
         found
     }

@@ -276,7 +276,7 @@ fn families(is_few: bool) -> impl Iterator<Item = TagFamily> {
 fn tag_detectors(is_few: bool) -> Vec<Box<dyn TagDetector>> {
     let mut detectors = Vec::new();
     for choice in TagDetectorChoice::ALL {
-        if is_few && matches!(choice, TagDetectorChoice::Locus(_)) {
+        if is_few && matches!(choice, TagDetectorChoice::Locus(_) | TagDetectorChoice::Cascade) {
             continue;
         }
         let families: Vec<TagFamily> = families(is_few).filter(|family| choice.reads(*family)).collect();
