@@ -140,8 +140,11 @@ impl OnnxNetwork {
     }
 }
 
-/// Runs on black, and keeps what every image will meet; every slot's value, and which numbers of the outputs are logits.
-fn fold_constants(graph: &mut Graph, shape: &[usize]) -> Result<(Vec<Option<Value>>, Vec<Vec<bool>>), NetworkFault> {
+/// Every slot's value for a black image, and which numbers of the outputs are logits.
+type OnBlack = (Vec<Option<Value>>, Vec<Vec<bool>>);
+
+/// Runs on black, and keeps what every image will meet.
+fn fold_constants(graph: &mut Graph, shape: &[usize]) -> Result<OnBlack, NetworkFault> {
     let black = |device: &Device| -> Result<Value, NetworkFault> {
         let numbers = TensorData::new(vec![0.0_f32; shape.iter().product()], full(shape)?);
         let x = Tensor::from_data(numbers, device).require_grad();

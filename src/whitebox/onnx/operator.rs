@@ -12,6 +12,8 @@ type Run = dyn Fn(Inputs) -> Result<Vec<Value>> + Send + Sync;
 pub(super) type MakeLayer = dyn Fn(&[Argument], &[usize]) -> Option<Box<dyn Layer>> + Send + Sync;
 
 /// What is known of an input before there is an image.
+// Most arguments are constants.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub(super) enum Argument {
     Absent,

@@ -21,6 +21,9 @@ pub(super) struct Segment {
     outputs: Vec<Slot>,
 }
 
+/// What the outputs hold, and the way back from them.
+type Answer<'a> = (Vec<(Slot, Held)>, Option<Way<'a>>);
+
 /// The autodiff graph of one segment.
 pub(super) struct Way<'a> {
     device: &'a Device,
@@ -62,11 +65,7 @@ impl Segment {
     }
 
     /// `taken`: what a slot holds.
-    pub(super) fn run(
-        &self,
-        mut taken: impl FnMut(Slot) -> Option<Held>,
-        keeps: bool,
-    ) -> Result<(Vec<(Slot, Held)>, Option<Way<'_>>)> {
+    pub(super) fn run(&self, mut taken: impl FnMut(Slot) -> Option<Held>, keeps: bool) -> Result<Answer<'_>> {
         let (mut values, mut inputs) = (self.constants.clone(), Vec::new());
         for (slot, requires_grad) in &self.inputs {
             let value = match taken(*slot).ok_or("a value is never computed")? {
