@@ -160,8 +160,7 @@ struct Plane<'a> {
 /// Where a row is enlarged.
 struct Buffer {
     row: Vec<u8>,
-    /// A row that is enlarged down, and not yet across.
-    between: Vec<u8>,
+    sums: Vec<u16>,
 }
 
 /// By the number of samples of a block.
@@ -213,7 +212,7 @@ impl<'a> Plane<'a> {
     fn buffer(&self) -> Buffer {
         Buffer {
             row: vec![0; self.stride() * self.enlarged[0]],
-            between: vec![0; self.stride()],
+            sums: Vec::new(),
         }
     }
 
@@ -263,11 +262,8 @@ impl<'a> Plane<'a> {
         match (across, down) {
             (1, 1) => return row(near),
             (2, 1) if width > 2 => upsample::across(row(near), to),
-            (2, 2) if width > 2 => {
-                upsample::down([row(near), row(far)], &mut buffer.between[..width]);
-                upsample::across(&buffer.between[..width], to);
-            }
-            (1, 2) => upsample::down([row(near), row(far)], to),
+            (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut buffer.sums, to),
+            (1, 2) => upsample::down([row(near), row(far)], y % 2 == 0, to),
             _ => upsample::repeated(row(near), across, to),
         }
         &buffer.row

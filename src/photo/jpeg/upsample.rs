@@ -1,7 +1,7 @@
 //! Enlarging differences of colour by two: a pixel takes three quarters of the sample that it lies in and one of the next one.
 //!
-//! The centre of a pixel lies a quarter of a sample off the sample's own. Halves are rounded up in each direction, as the reader rounded them that
-//! the stored recordings were made with; libjpeg rounds by turns, which leaves 0.03 to 0.05 of 255 between the means.
+//! It is what libjpeg calls "fancy" upsampling: the centre of a pixel lies a quarter of a sample off the sample's own. Halves are rounded up
+//! and down by turns, so that the mean stays.
 
 /// Twice as wide.
 pub(super) fn across(from: &[u8], to: &mut [u8]) {
@@ -11,14 +11,32 @@ pub(super) fn across(from: &[u8], to: &mut [u8]) {
     for (to, pair) in to[1..].chunks_exact_mut(2).zip(from.windows(2)) {
         let [a, b] = [pair[0], pair[1]].map(u16::from);
         to[0] = ((3 * a + b + 2) >> 2) as u8;
-        to[1] = ((3 * b + a + 2) >> 2) as u8;
+        to[1] = ((3 * b + a + 1) >> 2) as u8;
     }
 }
 
-/// Twice as high: the row that lies in the near one, on the side of the far one.
-pub(super) fn down([near, far]: [&[u8]; 2], to: &mut [u8]) {
+/// Twice as high: the upper or the lower of the two rows that lie in the near one.
+pub(super) fn down([near, far]: [&[u8]; 2], is_upper: bool, to: &mut [u8]) {
+    let half = if is_upper { 1 } else { 2 };
     for ((to, near), far) in to.iter_mut().zip(near).zip(far) {
-        *to = ((3 * u16::from(*near) + u16::from(*far) + 2) >> 2) as u8;
+        *to = ((3 * u16::from(*near) + u16::from(*far) + half) >> 2) as u8;
+    }
+}
+
+/// Twice as wide and high.
+pub(super) fn both([near, far]: [&[u8]; 2], sums: &mut Vec<u16>, to: &mut [u8]) {
+    sums.clear();
+    sums.extend(
+        near.iter()
+            .zip(far)
+            .map(|(near, far)| 3 * u16::from(*near) + u16::from(*far)),
+    );
+    let last = sums.len() - 1;
+    to[0] = ((4 * sums[0] + 8) >> 4) as u8;
+    to[2 * last + 1] = ((4 * sums[last] + 7) >> 4) as u8;
+    for (to, pair) in to[1..].chunks_exact_mut(2).zip(sums.windows(2)) {
+        to[0] = ((3 * pair[0] + pair[1] + 7) >> 4) as u8;
+        to[1] = ((3 * pair[1] + pair[0] + 8) >> 4) as u8;
     }
 }
 
