@@ -119,6 +119,30 @@ fn spoiled_photos_are_right_or_refused() {
     }
 }
 
+/// Photos that are hard to read: the default answers as many as any of the finders it is made of, and none wrongly.
+#[test]
+fn no_finder_answers_more_spoiled_photos_than_the_default() {
+    let (session, samples) = samples();
+    let spoiled = stability::spoiled(&samples[..8], &session.scene, 4, 5).unwrap();
+    assert_eq!(spoiled.len(), 32);
+    let rows = measure(&spoiled, &session.scene, session.known_camera().unwrap(), || {}).unwrap();
+    println!("{}", scaleproof::chart::locate::table(&rows));
+    let default = rows.iter().find(|row| row.is_default).unwrap();
+    assert!(default.answered < 1.0, "some are hopeless");
+    assert_eq!(default.silently_wrong, 0.0);
+    let same_solver = rows
+        .iter()
+        .filter(|row| row.solver == default.solver && row.camera_model == default.camera_model);
+    for row in same_solver {
+        assert!(
+            row.answered <= default.answered,
+            "{} {}",
+            row.tag_detector,
+            row.answered
+        );
+    }
+}
+
 /// Tags are measured on the luma that the JPEG stores, as `locate` measures them.
 #[test]
 fn the_colours_of_photos_change_no_chart() {

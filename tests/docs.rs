@@ -21,9 +21,10 @@ use scratch::Scratch;
 const README_WORDS: usize = 1000;
 
 /// Options of other programs that the documentation shows.
-const FOREIGN_OPTIONS: [&str; 19] = [
+const FOREIGN_OPTIONS: [&str; 20] = [
     "--all-targets",
     "--array",
+    "--bench",
     "--bin",
     "--check",
     "--features",

@@ -507,7 +507,7 @@ fn the_photos_are_sorted_filtered_and_enlarged() {
         "href=\"#photo1\"",
         "href=\"#tags1\"",
         ">truth</text>",
-        ">bus 0.64</text>",
+        ">bus 0.63</text>",
     ] {
         assert!(dialog.contains(part), "{part} is not in {dialog}");
     }

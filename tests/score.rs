@@ -45,11 +45,11 @@ fn rows(out: &Path) -> Vec<csv::StringRecord> {
 /// AP@0.5 that pycocotools 2.0.11 gives for `coco_truth.json` and `coco_results_*.json` of the recorded session, with the
 /// variant's photos as `imgIds`.
 const BY_PYCOCOTOOLS: [(&str, f64, f64); 5] = [
-    ("yolox_nano", 0.8712871287128713, 0.7322360807509322),
+    ("yolox_nano", 0.8712871287128713, 0.7158965896589657),
     ("nanodet_m", 0.8712871287128713, 0.8712871287128713),
-    ("fastestdet", 1.0, 0.9207920792079208),
-    ("deimv2_femto", 0.9504950495049505, 0.6695076230312109),
-    ("deimv2_atto", 1.0, 0.8656765676567655),
+    ("fastestdet", 1.0, 0.8623196605374822),
+    ("deimv2_femto", 0.9504950495049505, 0.6546107551931661),
+    ("deimv2_atto", 1.0, 0.8538253825382537),
 ];
 
 #[test]
@@ -249,7 +249,7 @@ fn xywh(v: &Value) -> BoxPx {
 
 /// One variant counted by a person from the recorded boxes, drawn on the photos: FastestDet on `normal`.
 ///
-/// All eight models are found as cars, above 0.7; two have a truck on them too, which takes nothing away. Cars above 0.5
+/// All eight models are found as cars, at 0.697 and more; two have a truck on them too, which takes nothing away. Cars above 0.5
 /// elsewhere, tag cards mostly: 1, 2, 1, 2, 1, 1, 0 and 1.
 #[test]
 fn fastestdet_on_normal_as_counted_by_hand() {
@@ -267,11 +267,11 @@ fn fastestdet_on_normal_as_counted_by_hand() {
     assert_eq!(overall["hallucinations_per_image"], 9.0 / 8.0);
     // On the photos in order.
     let best = [
-        0.724609, 0.705522, 0.856916, 0.892292, 0.847892, 0.77917, 0.902223, 0.901341,
+        0.717625, 0.697229, 0.856995, 0.891612, 0.847456, 0.779704, 0.903444, 0.901721,
     ];
     let near = |name: &str, wanted: f64| assert!((overall[name].as_f64().unwrap() - wanted).abs() < 1e-9, "{name}");
     near("mean_confidence", best.iter().sum::<f64>() / 8.0);
-    near("median_confidence", (0.847892 + 0.856916) / 2.0);
+    near("median_confidence", (0.847456 + 0.856995) / 2.0);
     let lines = rows(out.path());
     let text = std::fs::read_to_string(out.path().join("photos.csv")).unwrap();
     let at = text
@@ -431,7 +431,7 @@ fn the_transfer_matrix_has_the_drops_of_every_detector() {
             .unwrap()
     };
     assert!(
-        line("yolox_nano").contains("0.139 [") && line("deimv2_femto").contains("0.281 ["),
+        line("yolox_nano").contains("0.155 [") && line("deimv2_femto").contains("0.296 ["),
         "{text}"
     );
 }

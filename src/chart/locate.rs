@@ -288,13 +288,14 @@ pub(crate) fn table(rows: &[LocateRow]) -> String {
             .then(a.ms().total_cmp(&b.ms()))
     });
     let mut text = format!(
-        "{:<18} {:<16} {:<9} {:>9} {:>9} {:>9} {:>18} {:>18} {:>16}\n",
+        "{:<18} {:<16} {:<9} {:>9} {:>9} {:>9} {:>7} {:>18} {:>18} {:>16}\n",
         "tags",
         "solver",
         "camera",
         "find ms",
         "solve ms",
         "answered",
+        "wrong",
         "azimuth med / max",
         "pitch med / max",
         "distance mm"
@@ -315,12 +316,13 @@ pub(crate) fn table(rows: &[LocateRow]) -> String {
             _ => "",
         };
         text += &format!(
-            "{:<18} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>18} {:>18} {:>16}{mark}\n",
+            "{:<18} {:<16} {camera:<9} {:>9.2} {:>9.3} {:>8.0}% {:>6.1}% {:>18} {:>18} {:>16}{mark}\n",
             row.tag_detector,
             row.solver,
             row.find_ms,
             row.solve_ms,
             100.0 * row.answered,
+            100.0 * row.silently_wrong,
             pair(row.azimuth_error_median_deg, row.azimuth_error_max_deg, 4),
             pair(row.pitch_error_median_deg, row.pitch_error_max_deg, 4),
             pair(row.distance_error_median_mm, row.distance_error_max_mm, 2),

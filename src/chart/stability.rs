@@ -345,6 +345,36 @@ pub(crate) fn photo_steps(photos: usize) -> usize {
     photos * amounts(OF_PHOTOS).count()
 }
 
+/// Copies of the photos, each spoiled in one way by one amount, both at random, from harmless to hopeless. None is cut: a camera file fits no cut
+/// photo.
+///
+/// # Errors
+/// A detector that does not start.
+pub(crate) fn spoiled(
+    samples: &[PhotoSample],
+    scene: &Scene,
+    copies: u32,
+    seed: u64,
+) -> Result<Vec<PhotoSample>, StartError> {
+    let ways: Vec<(Spoil, f64)> = amounts(OF_PHOTOS)
+        .filter_map(|(name, _, amount)| Some((Spoil::named(name)?, amount)))
+        .filter(|(spoil, _)| *spoil != Spoil::Crop)
+        .collect();
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut copies_of = |(sample, tags): (&PhotoSample, &Vec<TagCorners>)| {
+        let copy = || {
+            let (spoil, amount) = ways[rng.random_range(0..ways.len())];
+            PhotoSample {
+                luma: spoil.apply(&sample.luma, amount, tags, &mut rng),
+                ..sample.clone()
+            }
+        };
+        std::iter::repeat_with(copy).take(copies as usize).collect::<Vec<_>>()
+    };
+    let places = tags_of(samples, scene)?;
+    Ok(samples.iter().zip(&places).flat_map(|pair| copies_of(pair)).collect())
+}
+
 /// Where the tags are in the photos as they were taken.
 fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>>, StartError> {
     workers::map(

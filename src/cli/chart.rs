@@ -48,6 +48,9 @@ struct LocateArgs {
     /// Enlarge the photos by this factor first, as if a camera of more pixels had taken them
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     enlarge: f64,
+    /// Measure on so many spoiled copies of each photo instead: blurred, moved, noisy, dark or bright, covered, compressed
+    #[arg(long, value_name = "COPIES", value_parser = clap::value_parser!(u32).range(1..=100))]
+    spoil: Option<u32>,
 }
 
 #[derive(clap::Args)]
@@ -143,12 +146,19 @@ struct ChartNumbers<'a, R> {
     rows: &'a [R],
 }
 
+/// The seed of the copies that `chart locate` spoils.
+const SPOILED_BY: u64 = 1;
+
 fn chart_locate(args: &LocateArgs, out: &mut dyn Write) -> CommandResult {
     if !(0.1..=10.0).contains(&args.enlarge) {
         return Err(format!("photos cannot be enlarged {} times: give 0.1 to 10", args.enlarge).into());
     }
     let (session, samples) = load(&args.on)?;
     let samples = enlarged(samples, args.enlarge);
+    let samples = match args.spoil {
+        Some(copies) => stability::spoiled(&samples, &session.scene, copies, SPOILED_BY)?,
+        None => samples,
+    };
     let bar = progress::photos("measuring", samples.len() * locate::detectors(&session.scene).len());
     let rows = locate::measure(&samples, &session.scene, session.known_camera()?, || bar.inc(1))?;
     bar.finish_and_clear();
