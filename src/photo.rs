@@ -23,7 +23,7 @@ pub(crate) use heif::reads_heif;
 use jpeg::Coefficients;
 pub(crate) use lens::Lens;
 use shot::Shot;
-pub(crate) use shrink::shrunk;
+pub(crate) use shrink::{preview_jpeg, shrunk};
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use image::RgbImage;
-use image::codecs::jpeg::JpegEncoder;
 
 use crate::capture::Original;
-use crate::photo::{Budget, Photo, shrunk};
+use crate::photo::{Budget, Photo, preview_jpeg, shrunk};
 
 /// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
@@ -40,8 +39,5 @@ fn fitting([width, height]: [u32; 2], longest_side_px: u32) -> [u32; 2] {
 }
 
 fn jpeg(image: &RgbImage, size: [u32; 2]) -> Option<Vec<u8>> {
-    let small = shrunk(image, size);
-    let mut jpeg = Vec::new();
-    JpegEncoder::new_with_quality(&mut jpeg, 75).encode_image(&small).ok()?;
-    Some(jpeg)
+    preview_jpeg(&shrunk(image, size), 75)
 }

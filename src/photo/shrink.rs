@@ -1,4 +1,4 @@
-//! Pictures made smaller, to be shown.
+//! Pictures made smaller and encoded, to be shown.
 
 use fast_image_resize as fir;
 use image::RgbImage;
@@ -17,4 +17,18 @@ pub(crate) fn shrunk(picture: &RgbImage, [width, height]: [u32; 2]) -> RgbImage 
         true => picture.clone(),
         false => resized().unwrap_or_else(|| picture.clone()),
     }
+}
+
+/// A JPEG of a picture for people to look at; `None` for one wider or higher than 65,535 px, or empty.
+pub(crate) fn preview_jpeg(picture: &RgbImage, quality: u8) -> Option<Vec<u8>> {
+    let [width, height] = [picture.width(), picture.height()].map(u16::try_from);
+    let mut jpeg = Vec::new();
+    let encoder = jpeg_encoder::Encoder::new(&mut jpeg, quality);
+    let encoded = encoder.encode(
+        picture.as_raw(),
+        width.ok()?,
+        height.ok()?,
+        jpeg_encoder::ColorType::Rgb,
+    );
+    encoded.ok().map(|()| jpeg)
 }

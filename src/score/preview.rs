@@ -1,9 +1,7 @@
 //! Small JPEGs of the photos for the report.
 
-use image::codecs::jpeg::JpegEncoder;
-
 use super::decoded::DecodedPhoto;
-use crate::photo::{PhotoError, shrunk};
+use crate::photo::{PhotoError, preview_jpeg, shrunk};
 
 /// More decoded than this make a page that no browser shows, and a run that no memory holds.
 const MAX_PREVIEWS: usize = 1000;
@@ -29,13 +27,8 @@ pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<V
     let scale = (f64::from(longest_side_px) / width.max(height)).min(1.0);
     let [width, height] = [width, height].map(|side| (side * scale).round().max(1.0) as u32);
     let image = decoded.at_least([width, height])?;
-    let small = shrunk(image, [width, height]);
-    let mut jpeg = Vec::new();
-    // Encoding into memory fails for no image of this size; without a preview the report still has its numbers.
-    match JpegEncoder::new_with_quality(&mut jpeg, 80).encode_image(&small) {
-        Ok(()) => Ok(jpeg),
-        Err(_) => Ok(Vec::new()),
-    }
+    // Without a preview the report still has its numbers.
+    Ok(preview_jpeg(&shrunk(image, [width, height]), 80).unwrap_or_default())
 }
 
 #[cfg(test)]

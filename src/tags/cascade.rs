@@ -16,6 +16,9 @@ use crate::scene::TagFamily;
 /// The long side of the image that is searched first. Below it nothing is reduced.
 const SEARCHED_PX: u32 = 1600;
 
+/// And above it, to about this long side: tags that are too small there are looked for where the pose expects them.
+const REDUCED_PX: u32 = 1000;
+
 /// The same for live images, where the answer must come soon and the next image brings another chance.
 const SEARCHED_LIVE_PX: u32 = 640;
 
@@ -42,6 +45,8 @@ struct Stage {
 enum View {
     /// The image reduced to about this long side, px.
     Reduced(u32),
+    /// A large image reduced further.
+    Small,
     /// All of an image that is reduced for others.
     Whole,
 }
@@ -64,7 +69,10 @@ impl Cascade {
         let mut add = |searches: Vec<Box<dyn Search>>, view, need| {
             stages.extend(searches.into_iter().map(|search| Stage { search, view, need }));
         };
-        add(rivals::fast(families)?, reduced, Need::MissingTags);
+        let mut fast = rivals::fast(families)?;
+        let others = fast.split_off(fast.len().min(1));
+        add(fast, View::Small, Need::MissingTags);
+        add(others, reduced, Need::MissingTags);
         add(rivals::for_noise(families)?, reduced, Need::NoPose);
         add(vec![c()?], reduced, Need::MissingTags);
         add(rivals::for_small_tags(families)?, reduced, Need::NoPose);
@@ -92,6 +100,8 @@ impl Stage {
         let longest = grey.width().max(grey.height());
         let factor = match self.view {
             View::Reduced(to_px) => longest.div_ceil(to_px).max(1),
+            View::Small if longest <= SEARCHED_PX => 1,
+            View::Small => longest.div_ceil(REDUCED_PX),
             View::Whole if longest <= SEARCHED_PX => return None,
             View::Whole => 1,
         };

@@ -8,7 +8,7 @@
 use image::GrayImage;
 
 use super::TagHomography;
-use super::edge::{self, Edge, EdgePixel};
+use super::edge::{self, Edge, EdgePixel, EdgeProfile};
 use crate::geometry::distance;
 
 /// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
@@ -27,6 +27,10 @@ const END_CELLS: f64 = 0.5;
 /// A fit that moved a corner by more than this is repeated with the band where the edge is.
 const CENTRED_PX: f64 = 0.25;
 const MAX_ROUNDS: usize = 3;
+
+/// The first fit, which only says where to look, takes one row of pixels in so many; sides of fewer pixels are looked at whole.
+const ROUGH_ROWS: usize = 4;
+const ROUGH_PX: f64 = 24.0;
 
 /// A tag's four sides as lines: for each, near its first and near its second corner.
 pub(super) struct TagSides([(EdgeLine, EdgeLine); 4]);
@@ -47,55 +51,92 @@ impl TagSides {
 ///
 /// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
 pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
-    let mut corners = *corners_px;
+    let most_px = shortest_side(corners_px) / cells;
+    let reached = |outline: &TagSides| {
+        let corners = outline.corners(0.0)?;
+        (furthest(corners_px, &corners) <= most_px).then_some(corners)
+    };
+    let rough = Fit {
+        grey,
+        cells,
+        rows: ROUGH_ROWS,
+        guess: None,
+    };
+    let rough = rough
+        .once(corners_px)
+        .and_then(|outline| Some((reached(&outline)?, outline)));
+    let (mut corners, mut guess) = rough.map_or((*corners_px, None), |(corners, outline)| (corners, Some(outline)));
     let mut round = 1;
     loop {
-        let outline = once(grey, &corners, cells)?;
-        let refined = outline.corners(0.0)?;
-        let moved = |a: &[[f64; 2]; 4]| (0..4).map(|i| distance(a[i], refined[i])).fold(0.0, f64::max);
-        if moved(corners_px) > shortest_side(corners_px) / cells {
-            return None;
-        }
-        if moved(&corners) < CENTRED_PX || round == MAX_ROUNDS {
+        let fit = Fit {
+            grey,
+            cells,
+            rows: 1,
+            guess: guess.as_ref(),
+        };
+        let outline = fit.once(&corners)?;
+        let refined = reached(&outline)?;
+        if furthest(&corners, &refined) < CENTRED_PX || round == MAX_ROUNDS {
             return Some(outline);
         }
-        (corners, round) = (refined, round + 1);
+        (corners, guess, round) = (refined, Some(outline), round + 1);
     }
 }
 
-fn once(grey: &GrayImage, corners: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
-    let homography = TagHomography::to(corners);
-    let side = |side| lines_of_side(grey, corners, side, &homography, cells);
-    Some(TagSides([side(0)?, side(1)?, side(2)?, side(3)?]))
+/// The largest distance between two corners of the same number.
+fn furthest(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
+    (0..4).map(|i| distance(a[i], b[i])).fold(0.0, f64::max)
 }
 
-/// A side's line near its first and near its second corner; the same one when the side is short.
-fn lines_of_side(
-    grey: &GrayImage,
-    corners: &[[f64; 2]; 4],
-    side: usize,
-    homography: &TagHomography,
+/// How the sides of one tag are fitted.
+struct Fit<'a> {
+    grey: &'a GrayImage,
+    /// Width of the outline in bit cells.
     cells: f64,
-) -> Option<(EdgeLine, EdgeLine)> {
-    let (from, to) = (corners[side], corners[(side + 1) % 4]);
-    let length = distance(from, to);
-    let band = (BAND_CELLS * cell_px(homography, side, cells)).min(MAX_BAND_PX);
-    let skip = END_CELLS * length / cells;
-    if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
-        return None;
+    /// One row of pixels in so many is looked at.
+    rows: usize,
+    /// An earlier fit.
+    guess: Option<&'a TagSides>,
+}
+
+impl Fit<'_> {
+    fn once(&self, corners: &[[f64; 2]; 4]) -> Option<TagSides> {
+        let homography = TagHomography::to(corners);
+        let side = |side| self.lines_of_side(corners, side, &homography);
+        Some(TagSides([side(0)?, side(1)?, side(2)?, side(3)?]))
     }
-    let segment = |start: f64, end: f64| {
-        let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
-        EdgeSegment::between(at(start), at(end)).fit(grey, band)
-    };
-    if length <= 2.0 * REACH_PX {
-        let line = segment(skip, length - skip)?;
-        return Some((line, line));
+
+    /// A side's line near its first and near its second corner; the same one when the side is short.
+    fn lines_of_side(
+        &self,
+        corners: &[[f64; 2]; 4],
+        side: usize,
+        homography: &TagHomography,
+    ) -> Option<(EdgeLine, EdgeLine)> {
+        let (from, to) = (corners[side], corners[(side + 1) % 4]);
+        let length = distance(from, to);
+        let band = (BAND_CELLS * cell_px(homography, side, self.cells)).min(MAX_BAND_PX);
+        let skip = END_CELLS * length / self.cells;
+        if band < MIN_BAND_PX || length - 2.0 * skip < 4.0 {
+            return None;
+        }
+        let (first, second) = self
+            .guess
+            .map(|sides| (sides.0[side].0.profile, sides.0[side].1.profile))
+            .unzip();
+        let segment = |start: f64, end: f64, guess: Option<EdgeProfile>| {
+            let at = |along: f64| [0, 1].map(|k| from[k] + (to[k] - from[k]) * along / length);
+            EdgeSegment::between(at(start), at(end)).fit(self.grey, band, self.rows, guess)
+        };
+        if length <= 2.0 * REACH_PX {
+            let line = segment(skip, length - skip, first)?;
+            return Some((line, line));
+        }
+        Some((
+            segment(skip, skip + REACH_PX, first)?,
+            segment(length - skip - REACH_PX, length - skip, second)?,
+        ))
     }
-    Some((
-        segment(skip, skip + REACH_PX)?,
-        segment(length - skip - REACH_PX, length - skip)?,
-    ))
 }
 
 /// How wide the bit cells along a side are across it, px: the smaller of its two ends.
@@ -112,14 +153,14 @@ pub(super) fn cell_px(homography: &TagHomography, side: usize, cells: f64) -> f6
 /// How far inwards an edge lies from the line between two points near it, px; `None` when none is seen in the band about it.
 pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
     let segment = EdgeSegment::between(from, to);
-    Some(edge::fit(&segment.samples(grey, band)?, band)?.offset)
+    Some(edge::fit(&segment.samples(grey, band, 1)?, band, None)?.offset)
 }
 
 /// How blurred the edge is from one point near it to the other: the standard deviation in px, or infinity where none is seen in the band about
 /// the way between them. `None` when the band leaves the image.
 pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
-    let samples = EdgeSegment::between(from, to).samples(grey, band)?;
-    Some(edge::fit(&samples, band).map_or(f64::INFINITY, |edge| edge.blur))
+    let samples = EdgeSegment::between(from, to).samples(grey, band, 1)?;
+    Some(edge::fit(&samples, band, None).map_or(f64::INFINITY, |edge| edge.profile.blur))
 }
 
 /// A line through a point, px.
@@ -127,6 +168,7 @@ pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f6
 struct EdgeLine {
     point: [f64; 2],
     direction: [f64; 2],
+    profile: EdgeProfile,
 }
 
 impl EdgeLine {
@@ -172,19 +214,21 @@ impl EdgeSegment {
         }
     }
 
-    fn fit(&self, grey: &GrayImage, band: f64) -> Option<EdgeLine> {
-        let Edge { offset, slope, .. } = edge::fit(&self.samples(grey, band)?, band)?;
+    fn fit(&self, grey: &GrayImage, band: f64, rows: usize, guess: Option<EdgeProfile>) -> Option<EdgeLine> {
+        let rows = if 2.0 * self.half < ROUGH_PX { 1 } else { rows };
+        let Edge { offset, slope, profile } = edge::fit(&self.samples(grey, band, rows)?, band, guess)?;
         let normal = inward_normal(self.direction);
         let turn = slope / self.half;
         let norm = turn.hypot(1.0);
         Some(EdgeLine {
             point: [0, 1].map(|k| self.middle[k] + offset * normal[k]),
             direction: [0, 1].map(|k| (self.direction[k] + turn * normal[k]) / norm),
+            profile,
         })
     }
 
-    /// Every pixel of a band about the segment; `None` when the band leaves the image.
-    fn samples(&self, grey: &GrayImage, band: f64) -> Option<Vec<EdgePixel>> {
+    /// The pixels of a band about the segment, of one row across it in `rows`; `None` when the band leaves the image.
+    fn samples(&self, grey: &GrayImage, band: f64, rows: usize) -> Option<Vec<EdgePixel>> {
         let EdgeSegment {
             middle,
             direction,
@@ -205,7 +249,8 @@ impl EdgeSegment {
             return None; // also when a number is not finite
         }
         let mut samples = Vec::new();
-        for m in (middle[main] - reach).ceil() as u32..=(middle[main] + reach).floor() as u32 {
+        let along = (middle[main] - reach).ceil() as u32..=(middle[main] + reach).floor() as u32;
+        for m in along.step_by(rows) {
             let centre = middle[other] + (f64::from(m) - middle[main]) * steep;
             for o in (centre - spread).ceil() as u32..=(centre + spread).floor() as u32 {
                 let (x, y) = if main == 0 { (m, o) } else { (o, m) };

@@ -101,18 +101,22 @@ pub(crate) fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
     let (f, w) = (factor as usize, width as usize);
     let stride = grey.width() as usize;
     let mut bytes = Vec::with_capacity(w * height as usize);
-    // Down first: neighbours are then added side by side.
-    let mut sums = vec![0u32; stride];
+    // Down first: neighbours are then added side by side. 16 bits hold 257 of them.
+    let mut sums = vec![0u16; stride];
     let area = factor * factor;
+    // Rounded up, so that whole numbers stay: exact for squares of up to 256 pixels' side.
+    let per_area = (1u64 << 40).div_ceil(area.into());
     for rows in grey.as_raw().chunks_exact(stride * f) {
         sums.fill(0);
         for row in rows.chunks_exact(stride) {
             for (sum, pixel) in sums.iter_mut().zip(row) {
-                *sum += u32::from(*pixel);
+                *sum += u16::from(*pixel);
             }
         }
-        let squares = sums.chunks_exact(f).map(|sums| sums.iter().sum::<u32>());
-        bytes.extend(squares.map(|sum| ((sum + area / 2) / area) as u8));
+        let squares = sums
+            .chunks_exact(f)
+            .map(|sums| sums.iter().copied().map(u32::from).sum::<u32>());
+        bytes.extend(squares.map(|sum| ((u64::from(sum + area / 2) * per_area) >> 40) as u8));
     }
     GrayImage::from_raw(width, height, bytes).unwrap_or_default()
 }
