@@ -361,7 +361,7 @@ pub(crate) fn spoiled(
         .filter(|(spoil, _)| *spoil != Spoil::Crop)
         .collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
-    let mut copies_of = |(sample, tags): (&PhotoSample, &Vec<TagCorners>)| {
+    let copies_of = |(sample, tags): (&PhotoSample, &Vec<TagCorners>)| {
         let copy = || {
             let (spoil, amount) = ways[rng.random_range(0..ways.len())];
             PhotoSample {
@@ -372,7 +372,7 @@ pub(crate) fn spoiled(
         std::iter::repeat_with(copy).take(copies as usize).collect::<Vec<_>>()
     };
     let places = tags_of(samples, scene)?;
-    Ok(samples.iter().zip(&places).flat_map(|pair| copies_of(pair)).collect())
+    Ok(samples.iter().zip(&places).flat_map(copies_of).collect())
 }
 
 /// Where the tags are in the photos as they were taken.

@@ -263,7 +263,7 @@ impl<'a> Plane<'a> {
             (1, 1) => return row(near),
             (2, 1) if width > 2 => upsample::across(row(near), to),
             (2, 2) if width > 2 => upsample::both([row(near), row(far)], &mut buffer.sums, to),
-            (1, 2) => upsample::down([row(near), row(far)], y % 2 == 0, to),
+            (1, 2) => upsample::down([row(near), row(far)], y.is_multiple_of(2), to),
             _ => upsample::repeated(row(near), across, to),
         }
         &buffer.row
