@@ -194,6 +194,7 @@ fn kinds_that_no_camera_writes_are_refused_by_their_header() {
         (with(1, 0xC3), "lossless"),
         (with(4, 12), "other than 8 bits"),
         (with(11, 0x51), "contradicts itself"),
+        (with(14, 0x31), "sampled at fractions"),
     ] {
         assert!(said.starts_with("photo.jpg cannot be decoded ("), "{said}");
         assert!(said.contains(word), "{said}");

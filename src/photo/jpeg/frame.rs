@@ -78,7 +78,7 @@ impl Frame {
 
     /// The largest samplings across and down.
     pub(super) fn most_sampling(&self) -> [u32; 2] {
-        [0, 1].map(|i| self.components.iter().map(|c| c.sampling[i]).max().unwrap_or(1))
+        most_sampling(&self.components)
     }
 }
 
@@ -117,10 +117,23 @@ fn read(marker: u8, content: &[u8]) -> Result<FrameHeader, JpegError> {
         })
         .collect();
     let is_sound = |c: &FrameComponent| c.sampling.iter().all(|s| (1..=4).contains(s)) && c.table < 4;
-    match components.iter().all(is_sound) {
-        true => Ok((size, marker == 0xC2, components)),
-        false => Err(JpegError::Damaged("its header contradicts itself")),
+    if !components.iter().all(is_sound) {
+        return Err(JpegError::Damaged("its header contradicts itself"));
     }
+    let most = most_sampling(&components);
+    let is_whole = |c: &FrameComponent| (0..2).all(|i| most[i].is_multiple_of(c.sampling[i]));
+    match components.iter().all(is_whole) {
+        true => Ok((size, marker == 0xC2, components)),
+        // T.81 allows it, and neither libjpeg nor any camera does.
+        false => Err(JpegError::Damaged(
+            "its components are sampled at fractions of each other",
+        )),
+    }
+}
+
+/// The largest samplings across and down.
+fn most_sampling(components: &[FrameComponent]) -> [u32; 2] {
+    [0, 1].map(|i| components.iter().map(|c| c.sampling[i]).max().unwrap_or(1))
 }
 
 const SHORT: JpegError = JpegError::Damaged("a segment is too short");

@@ -48,8 +48,8 @@ impl Coefficients {
             colours: frame.colours,
             components: components(frame, is_sparse.then_some(bytes.len())),
         };
-        // Two bytes each, and twice as many while there is too little room.
-        let most_values = usize::try_from(most_bytes / 6)
+        // Of each component: two bytes each, and twice as many while there is too little room.
+        let most_values = usize::try_from(most_bytes / 6 / frame.components.len().max(1) as u64)
             .unwrap_or(usize::MAX)
             .min(u32::MAX as usize / 2);
         let mut tables = Tables::default();
