@@ -1,5 +1,7 @@
 //! The charts that choose the defaults, on the stored photos, and the sweeps that drive every method until it breaks.
 
+use std::path::Path;
+
 use crate::tests::common;
 
 use common::{assert_refused, copy_of_skyline, program, skyline, stderr, stdout, tinted_twice};
@@ -201,22 +203,14 @@ fn scoring_is_charted_by_stages() {
     };
     let folder = copy_of_skyline();
     let out = folder.path().join("charts");
-    let mut command = program();
-    command.args([
-        "chart",
-        "score",
-        "--detector",
-        "fastestdet",
-        "--rounds",
-        "1",
-        "--json",
-        "--detectors",
-    ]);
-    command
-        .arg(weights.parent().unwrap())
-        .arg("--session")
-        .arg(folder.path());
-    let output = command.arg("-o").arg(&out).output().unwrap();
+    let charted = |to: &Path| {
+        let mut command = program();
+        command.args(["chart", "score", "--detector", "fastestdet", "--rounds", "1", "--json"]);
+        command.arg("--detectors").arg(weights.parent().unwrap());
+        command.arg("--session").arg(folder.path());
+        command.arg("-o").arg(to).output().unwrap()
+    };
+    let output = charted(&out);
     assert!(output.status.success(), "{}", stderr(&output));
     let numbers: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
     let rows = numbers["rows"].as_array().unwrap();
@@ -245,22 +239,8 @@ fn scoring_is_charted_by_stages() {
     let list = folder.path().join("session.json");
     let session = std::fs::read_to_string(&list).unwrap();
     std::fs::write(&list, session.replace("normal_", "lost_").replace("random_", "lost_")).unwrap();
-    let mut command = program();
-    command.args([
-        "chart",
-        "score",
-        "--detector",
-        "fastestdet",
-        "--rounds",
-        "1",
-        "--detectors",
-    ]);
-    command
-        .arg(weights.parent().unwrap())
-        .arg("--session")
-        .arg(folder.path());
     let again = folder.path().join("again");
-    assert_refused(&command.arg("-o").arg(&again).output().unwrap(), &["lost_000.jpg"]);
+    assert_refused(&charted(&again), &["lost_000.jpg"]);
     assert!(!again.exists());
 }
 

@@ -13,10 +13,10 @@ use super::search::{Found, Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;
 
-/// The long side of the image that is searched first. Below it nothing is reduced.
+/// Images of at most this long side are searched as they are, larger ones reduced to it at most.
 const SEARCHED_PX: u32 = 1600;
 
-/// And above it, to about this long side: tags that are too small there are looked for where the pose expects them.
+/// The first finder is shown the larger ones still smaller, about this long: tags that it misses are looked for where the pose expects them.
 const REDUCED_PX: u32 = 1000;
 
 /// The same for live images, where the answer must come soon and the next image brings another chance.
