@@ -15,7 +15,7 @@ pub(crate) struct Limits {
     pub first_damping: f64,
     /// Steps that are tried, those that are refused included.
     pub most_trials: usize,
-    /// A step that lowers the cost by less than this share of it is the last.
+    /// A step that changes the cost by less than this share of it is the last.
     pub relative_gain: f64,
     /// A step that lowers the cost by less than this is the last.
     pub absolute_gain: f64,
@@ -40,7 +40,7 @@ pub(crate) fn minimise<P: LeastSquares>(start: P, limits: &Limits) -> P {
             gain <= limits.relative_gain.max(ROUNDING) * cost + limits.absolute_gain
         } else {
             damping *= 10.0;
-            damping > MOST_DAMPING || -gain <= ROUNDING * cost
+            damping > MOST_DAMPING || -gain <= limits.relative_gain.max(ROUNDING) * cost
         };
         if is_last {
             break;

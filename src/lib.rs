@@ -82,7 +82,7 @@ pub use files::FileError;
 pub use geometry::{BoxPx, Rigid};
 pub use locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate, locate_photo};
 pub use pattern::{Pattern, PatternError};
-pub use photo::{Photo, PhotoError};
+pub use photo::{Luma, Photo, PhotoError};
 pub use print::SheetError;
 pub use print::paper::{Orientation, Paper, Stock};
 pub use print::pdf::write as write_pdf;

@@ -5,6 +5,7 @@ mod decode;
 mod heif;
 mod jpeg;
 mod lens;
+mod luma;
 mod problem;
 mod shot;
 mod shrink;
@@ -22,6 +23,8 @@ pub(crate) use decode::open_png;
 pub(crate) use heif::reads_heif;
 use jpeg::Coefficients;
 pub(crate) use lens::Lens;
+use luma::JpegLuma;
+pub use luma::Luma;
 use shot::Shot;
 pub(crate) use shrink::{preview_jpeg, shrunk};
 
@@ -167,6 +170,20 @@ impl Photo {
             Some(coefficients) if self.header.has_luma() => Ok(coefficients.luma(1, self.header.orientation)),
             _ => Ok(imageops::grayscale(&self.rgb(1)?)),
         }
+    }
+
+    /// The same, made where somebody looks.
+    ///
+    /// # Errors
+    /// As [`Photo::luma`]: damage shows here.
+    pub fn luma_where_seen(&self) -> Result<Box<dyn Luma + '_>, PhotoError> {
+        let size = [self.width, self.height];
+        Ok(match self.coefficients()? {
+            Some(coefficients) if self.header.has_luma() => {
+                Box::new(JpegLuma::new(coefficients, self.header.orientation, size))
+            }
+            _ => Box::new(self.luma()?),
+        })
     }
 
     /// What a JPEG's data says, read when it is first needed; `None` for a PNG.

@@ -9,7 +9,8 @@ use super::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use crate::board::{Definition, Marker};
 use crate::geometry::distance;
-use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, reduced};
+use crate::photo::Luma;
+use crate::tags::{DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search};
 
 /// Why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -76,7 +77,7 @@ pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorne
     if factor == 1 {
         return find_in(grey, board);
     }
-    let mut found = find_in(&reduced(grey, factor), board)?;
+    let mut found = find_in(&grey.reduced(factor), board)?;
     found
         .iter_mut()
         .for_each(|corner| corner.px = enlarged(corner.px, factor));

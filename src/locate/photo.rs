@@ -1,12 +1,10 @@
 //! The one way from a photo to its pose: decode its luma, find tags in it, fit the camera to it, locate.
 
-use image::GrayImage;
-
 use super::missing::still_missing;
 use super::{Abstention, Located, locate};
 use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::geometry::Rigid;
-use crate::photo::{Photo, PhotoError};
+use crate::photo::{Luma, Photo, PhotoError};
 use crate::scene::Scene;
 use crate::tags::{SeenTag, TagDetector};
 
@@ -31,12 +29,18 @@ pub fn locate_photo(
     camera: &Camera,
     tags: &mut dyn TagDetector,
 ) -> Result<LocatedPhoto, PhotoError> {
-    Ok(locate_luma(&photo.luma()?, photo.turned_deg, scene, camera, tags))
+    Ok(locate_luma(
+        photo.luma_where_seen()?.as_ref(),
+        photo.turned_deg,
+        scene,
+        camera,
+        tags,
+    ))
 }
 
 /// The same of upright luma, which EXIF turned by `turned_deg`: for frames that are no files.
 pub(crate) fn locate_luma(
-    luma: &GrayImage,
+    luma: &dyn Luma,
     turned_deg: u32,
     scene: &Scene,
     camera: &Camera,
@@ -48,13 +52,13 @@ pub(crate) fn locate_luma(
 /// The same, where the camera is thought to stand about where a pose says: tags are looked for in their places first.
 pub(crate) fn locate_near(
     pose: Option<&Rigid>,
-    luma: &GrayImage,
+    luma: &dyn Luma,
     turned_deg: u32,
     scene: &Scene,
     camera: &Camera,
     tags: &mut dyn TagDetector,
 ) -> LocatedPhoto {
-    let (width, height) = luma.dimensions();
+    let [width, height] = luma.size();
     let fitted = match camera.for_photo(width, height, turned_deg) {
         Ok(fitted) => fitted,
         Err(misfit) => {

@@ -256,8 +256,8 @@ impl<'a> Observer<'a> {
         let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
         let key = self.key(&["tags", &photo.sha256, &searched]);
         self.kept(key, |own| {
-            let luma = timed(Stage::Read, || photo.luma())?;
-            let search = || locate_luma(&luma, photo.turned_deg, scene, camera, own.tags.as_mut());
+            let luma = timed(Stage::Read, || photo.luma_where_seen())?;
+            let search = || locate_luma(luma.as_ref(), photo.turned_deg, scene, camera, own.tags.as_mut());
             Ok(timed(Stage::Tags, search).seen)
         })
     }

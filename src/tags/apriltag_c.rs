@@ -5,6 +5,7 @@ use image::GrayImage;
 
 use super::search::{Found, Search};
 use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// More corrected bits than this and noise starts to look like tags.
@@ -59,7 +60,8 @@ fn detector(family: TagFamily) -> Result<Detector, StartError> {
 
 /// With the library's own corners.
 impl TagDetector for AprilTagC {
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        let grey = luma.whole();
         self.search(grey).iter().map(|found| found.seen(grey)).collect()
     }
 }

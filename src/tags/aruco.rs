@@ -6,6 +6,7 @@ use opencv::core::Mat;
 use super::opencv_markers::{MarkerSearch, SeenMarker};
 use super::search::{Found, Search};
 use super::{ArucoRefiner, CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// OpenCV's ArUco detector at full size.
@@ -36,7 +37,8 @@ impl ArucoOpenCv {
 
 /// With OpenCV's own corners.
 impl TagDetector for ArucoOpenCv {
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        let grey = luma.whole();
         self.search(grey).iter().map(|found| found.seen(grey)).collect()
     }
 }

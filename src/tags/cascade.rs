@@ -3,21 +3,23 @@
 //! Whoever calls says what the tags found so far leave open: whether they make a pose, and where it expects tags that were not found. Those
 //! are looked for in their places before the next finder starts.
 
-use image::GrayImage;
-
 use super::apriltag_c::AprilTagC;
 use super::expected::{self, StillMissing};
 use super::fit::TagFit;
 use super::merge::MergedTags;
 use super::search::{Found, Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// Images of at most this long side are searched as they are, larger ones reduced to it at most.
 const SEARCHED_PX: u32 = 1600;
 
-/// The first finder is shown the larger ones still smaller, about this long: tags that it misses are looked for where the pose expects them.
-const REDUCED_PX: u32 = 1000;
+/// The first finder is shown the larger ones still smaller, at least this long: tags that it misses are looked for where the pose expects them.
+const SMALL_PX: u32 = 800;
+
+/// By these a JPEG is reduced without its pixels.
+const CHEAP_FACTORS: [u32; 3] = [8, 4, 2];
 
 /// The same for live images, where the answer must come soon and the next image brings another chance.
 const SEARCHED_LIVE_PX: u32 = 640;
@@ -96,37 +98,38 @@ impl Cascade {
 
 impl Stage {
     /// `None` where it would be shown what others have been shown.
-    fn search(&mut self, grey: &GrayImage) -> Option<Vec<Found>> {
-        let longest = grey.width().max(grey.height());
+    fn search(&mut self, luma: &dyn Luma) -> Option<Vec<Found>> {
+        let [width, height] = luma.size();
+        let longest = width.max(height);
         let factor = match self.view {
             View::Reduced(to_px) => longest.div_ceil(to_px).max(1),
             View::Small if longest <= SEARCHED_PX => 1,
-            View::Small => longest.div_ceil(REDUCED_PX),
+            View::Small => CHEAP_FACTORS.into_iter().find(|f| longest / f >= SMALL_PX).unwrap_or(1),
             View::Whole if longest <= SEARCHED_PX => return None,
             View::Whole => 1,
         };
-        Some(reduced_by(grey, factor, |small| self.search.search(small)))
+        Some(reduced_by(luma, factor, |small| self.search.search(small)))
     }
 }
 
 impl TagDetector for Cascade {
     /// Without a scene nobody knows what is missing: all are asked, those that are slow only where almost nothing is found.
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
         let mut tags = MergedTags::default();
         for need in [Need::MissingTags, Need::NoPose] {
             for stage in self.stages.iter_mut().filter(|stage| stage.need == need) {
-                tags.add(stage.search(grey).unwrap_or_default(), grey);
+                tags.add(stage.search(luma).unwrap_or_default(), luma);
             }
-            if tags.seen(grey).iter().filter(|tag| tag.is_whole).count() >= ENOUGH_TAGS {
+            if tags.seen().iter().filter(|tag| tag.is_whole).count() >= ENOUGH_TAGS {
                 break;
             }
         }
-        tags.seen(grey)
+        tags.seen()
     }
 
-    fn find_until(&mut self, grey: &GrayImage, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+    fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
         let mut tags = MergedTags::default();
-        let (mut seen, mut left) = looked(&mut tags, grey, missing);
+        let (mut seen, mut left) = looked(&mut tags, luma, missing);
         for stage in &mut self.stages {
             if is_done(&left) {
                 break;
@@ -134,9 +137,9 @@ impl TagDetector for Cascade {
             if stage.need == Need::NoPose && left.has_pose {
                 continue;
             }
-            if let Some(found) = stage.search(grey) {
-                tags.add(found, grey);
-                (seen, left) = looked(&mut tags, grey, missing);
+            if let Some(found) = stage.search(luma) {
+                tags.add(found, luma);
+                (seen, left) = looked(&mut tags, luma, missing);
             }
         }
         seen
@@ -151,34 +154,30 @@ fn is_done(left: &StillMissing) -> bool {
 /// Looks for what is missing in its places, until nothing more is found there.
 fn looked(
     tags: &mut MergedTags,
-    grey: &GrayImage,
+    luma: &dyn Luma,
     missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing,
 ) -> (Vec<SeenTag>, StillMissing) {
-    let (mut seen, mut left) = asked(tags, grey, missing);
+    let (mut seen, mut left) = asked(tags, missing);
     for _ in 0..MOST_LOOKS {
         let found: Vec<TagFit> = left
             .expected
             .iter()
-            .filter_map(|tag| expected::look(grey, tag))
+            .filter_map(|tag| expected::look(luma, tag))
             .collect();
         if found.is_empty() {
             break;
         }
         found.into_iter().for_each(|tag| tags.add_fit(tag));
-        (seen, left) = asked(tags, grey, missing);
+        (seen, left) = asked(tags, missing);
     }
     (seen, left)
 }
 
 /// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave.
-fn asked(
-    tags: &MergedTags,
-    grey: &GrayImage,
-    missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing,
-) -> (Vec<SeenTag>, StillMissing) {
-    let seen = tags.seen(grey);
+fn asked(tags: &MergedTags, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> (Vec<SeenTag>, StillMissing) {
+    let seen = tags.seen();
     let left = missing(&seen);
-    let fitted = tags.fitted(grey);
+    let fitted = tags.fitted();
     if !left.has_pose && (1..seen.len()).contains(&fitted.len()) {
         let left_by_fitted = missing(&fitted);
         if left_by_fitted.has_pose {

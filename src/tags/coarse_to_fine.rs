@@ -1,11 +1,10 @@
 //! The default: tags are found on a reduced image, their corners fitted at full size.
 
-use image::GrayImage;
-
 use super::apriltag_c::AprilTagC;
 use super::fit::fitted;
 use super::search::{Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector};
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// The long side of the image that is searched. Below it nothing is reduced.
@@ -44,17 +43,18 @@ impl CoarseToFine {
         })
     }
 
-    fn find_reduced(&mut self, grey: &GrayImage, factor: u32) -> Vec<SeenTag> {
-        fitted(reduced_by(grey, factor, |small| self.search.search(small)), grey)
+    fn find_reduced(&mut self, luma: &dyn Luma, factor: u32) -> Vec<SeenTag> {
+        fitted(reduced_by(luma, factor, |small| self.search.search(small)), luma)
     }
 }
 
 impl TagDetector for CoarseToFine {
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
-        let factor = grey.width().max(grey.height()).div_ceil(self.searched_px).max(1);
-        let tags = self.find_reduced(grey, factor);
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        let [width, height] = luma.size();
+        let factor = width.max(height).div_ceil(self.searched_px).max(1);
+        let tags = self.find_reduced(luma, factor);
         if factor > 1 && tags.iter().filter(|tag| tag.is_whole).count() < self.enough_tags {
-            return self.find_reduced(grey, 1);
+            return self.find_reduced(luma, 1);
         }
         tags
     }

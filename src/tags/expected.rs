@@ -6,9 +6,11 @@ use image::GrayImage;
 use super::border;
 use super::fit::TagFit;
 use super::likeness::{CellPattern, Likeness};
+use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
 use super::{TagImage, cells_across};
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// Where a tag should be, by a pose that may be right.
@@ -46,21 +48,28 @@ const LEAST_ALL: f64 = 0.6;
 const LEAST_CELL_PX: f64 = 1.5;
 
 /// The tag at its place, or nearby, if its code is there and its sides are seen.
-pub(super) fn look(grey: &GrayImage, expected: &ExpectedTag) -> Option<TagFit> {
+pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
     let tag = TagImage::new(expected.family, expected.id)?;
     let cells = cells_across(expected.family);
     let pattern = CellPattern::of(&tag);
-    let at_place = confirmed(grey, &expected.corners_px, &pattern, cells);
-    let (outline, corners_px) = at_place.or_else(|| {
-        let near = most_alike(grey, &expected.corners_px, &pattern, cells)?;
+    // Far corners of a tag seen at a slant have smaller cells than near ones: reach is counted in the larger.
+    let part = Part::around(
+        luma,
+        &expected.corners_px,
+        cells,
+        (REACH_CELLS + refine::REACH.0, refine::REACH.1),
+    );
+    let (grey, place) = (&part.pixels, part.inside(&expected.corners_px));
+    let (outline, corners_px) = confirmed(grey, &place, &pattern, cells).or_else(|| {
+        let near = most_alike(grey, &place, &pattern, cells)?;
         confirmed(grey, &near, &pattern, cells)
     })?;
     let found = Found {
         family: expected.family,
         id: expected.id,
-        corners_px,
+        corners_px: part.in_image(&corners_px),
     };
-    Some(TagFit::with(found, Some(outline), grey))
+    Some(TagFit::with(found, part, Some(outline)))
 }
 
 /// The corners fitted to the sides that are seen near a place, if the code is between them.

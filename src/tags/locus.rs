@@ -6,6 +6,7 @@ use locus_core::{DetectorBuilder, DetectorConfig, ImageView, TagFamily as LocusF
 
 use super::search::{Found, Search};
 use super::{CornersBy, SeenTag, StartError, TagDetector, TagDetectorChoice};
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// locus-core with its standard settings, at full size.
@@ -64,7 +65,8 @@ impl Locus {
 
 /// With the library's own corners.
 impl TagDetector for Locus {
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        let grey = luma.whole();
         self.search(grey).iter().map(|found| found.seen(grey)).collect()
     }
 }

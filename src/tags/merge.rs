@@ -1,11 +1,10 @@
 //! The tags of several searches of one photo as one list: each is fitted once.
 
-use image::GrayImage;
-
 use super::SeenTag;
 use super::fit::{self, TagFit};
 use super::search::Found;
 use crate::geometry::distance;
+use crate::photo::Luma;
 
 /// What several searches found.
 #[derive(Default)]
@@ -20,13 +19,13 @@ impl MergedTags {
     ///
     /// The same id in the same place is one tag, and the first search's stays unless its sides were not seen. The same id in two places is two
     /// tags, of which no pose uses either. Different ids in one place contradict each other, and no search is believed there.
-    pub(super) fn add(&mut self, found: Vec<Found>, grey: &GrayImage) {
+    pub(super) fn add(&mut self, found: Vec<Found>, luma: &dyn Luma) {
         for new in found {
             let is_fitted = self
                 .here(&new)
                 .is_some_and(|i| is_same(&self.fits[i].found, &new) && self.fits[i].is_fitted());
             if !is_fitted {
-                self.add_fit(TagFit::new(new, grey));
+                self.add_fit(TagFit::new(new, luma));
             }
         }
     }
@@ -57,13 +56,13 @@ impl MergedTags {
     }
 
     /// The tags with the corners of their fits.
-    pub(super) fn seen(&self, grey: &GrayImage) -> Vec<SeenTag> {
-        fit::seen(self.fits.iter(), grey)
+    pub(super) fn seen(&self) -> Vec<SeenTag> {
+        fit::seen(self.fits.iter())
     }
 
     /// Only those whose sides were all seen. The corners of the others may be off by more than any pose allows for.
-    pub(super) fn fitted(&self, grey: &GrayImage) -> Vec<SeenTag> {
-        fit::seen(self.fits.iter().filter(|fit| fit.is_fitted()), grey)
+    pub(super) fn fitted(&self) -> Vec<SeenTag> {
+        fit::seen(self.fits.iter().filter(|fit| fit.is_fitted()))
     }
 }
 

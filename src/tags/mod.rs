@@ -22,6 +22,7 @@ mod merge;
 mod modules;
 #[cfg(feature = "full")]
 mod opencv_markers;
+mod part;
 mod refine;
 mod rivals;
 mod search;
@@ -31,6 +32,7 @@ mod tag_image;
 use image::GrayImage;
 use serde::{Deserialize, Serialize};
 
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 use homography::TagHomography;
 
@@ -50,7 +52,7 @@ pub(crate) use locus::Locus;
 pub(crate) use modules::Modules;
 #[cfg(feature = "full")]
 pub(crate) use opencv_markers::{MarkerSearch, SeenMarker};
-pub(crate) use search::{enlarged, least_reduction, reduced};
+pub(crate) use search::{enlarged, least_reduction};
 pub(crate) use tag_image::TagImage;
 
 /// One tag found in a photo.
@@ -82,22 +84,22 @@ impl SeenTag {
 /// Anything that finds tags in a photo.
 pub trait TagDetector {
     /// Every tag of the detector's families, in any order.
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag>;
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag>;
 
     /// The same for a scene and a camera: a detector that could search longer stops where nothing is missing, and looks where tags should be.
-    fn find_until(&mut self, grey: &GrayImage, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+    fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
         let _ = missing;
-        self.find(grey)
+        self.find(luma)
     }
 }
 
 impl<D: TagDetector + ?Sized> TagDetector for Box<D> {
-    fn find(&mut self, grey: &GrayImage) -> Vec<SeenTag> {
-        (**self).find(grey)
+    fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
+        (**self).find(luma)
     }
 
-    fn find_until(&mut self, grey: &GrayImage, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
-        (**self).find_until(grey, missing)
+    fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
+        (**self).find_until(luma, missing)
     }
 }
 

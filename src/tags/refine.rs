@@ -24,6 +24,10 @@ const BAND_CELLS: f64 = 0.6;
 /// Share of a cell left out at the ends of a side, where the neighbouring side's blur mixes in.
 const END_CELLS: f64 = 0.5;
 
+/// How far from the corners it was given a fit looks, in bit cells and px: they are within half a cell, move by one at most, and the ring
+/// outside them is half a cell wide.
+pub(super) const REACH: (f64, f64) = (2.0, MAX_BAND_PX);
+
 /// A fit that moved a corner by more than this is repeated with the band where the edge is.
 const CENTRED_PX: f64 = 0.25;
 const MAX_ROUNDS: usize = 3;

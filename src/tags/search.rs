@@ -3,6 +3,7 @@
 use image::GrayImage;
 
 use super::SeenTag;
+use crate::photo::Luma;
 use crate::scene::TagFamily;
 
 /// A tag as a library found it, before its sides were fitted and its border was looked at.
@@ -75,15 +76,11 @@ pub(crate) fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
 }
 
 /// Searches an image reduced by a whole factor; corners are in pixels of the whole image.
-pub(super) fn reduced_by(
-    grey: &GrayImage,
-    factor: u32,
-    mut search: impl FnMut(&GrayImage) -> Vec<Found>,
-) -> Vec<Found> {
+pub(super) fn reduced_by(luma: &dyn Luma, factor: u32, mut search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
     if factor == 1 {
-        return search(grey);
+        return search(luma.whole());
     }
-    let mut found = search(&reduced(grey, factor));
+    let mut found = search(&luma.reduced(factor));
     for tag in &mut found {
         tag.corners_px = tag.corners_px.map(|corner| enlarged(corner, factor));
     }
@@ -95,43 +92,9 @@ pub(crate) fn enlarged(place_px: [f64; 2], factor: u32) -> [f64; 2] {
     place_px.map(|v| (v + 0.5) * f64::from(factor) - 0.5)
 }
 
-/// Means over squares of `factor` × `factor` pixels; a rest at the right and at the bottom is left out.
-pub(crate) fn reduced(grey: &GrayImage, factor: u32) -> GrayImage {
-    let (width, height) = (grey.width() / factor, grey.height() / factor);
-    let (f, w) = (factor as usize, width as usize);
-    let stride = grey.width() as usize;
-    let mut bytes = Vec::with_capacity(w * height as usize);
-    // Down first: neighbours are then added side by side. 16 bits hold 257 of them.
-    let mut sums = vec![0u16; stride];
-    let area = factor * factor;
-    // Rounded up, so that whole numbers stay: exact for squares of up to 256 pixels' side.
-    let per_area = (1u64 << 40).div_ceil(area.into());
-    for rows in grey.as_raw().chunks_exact(stride * f) {
-        sums.fill(0);
-        for row in rows.chunks_exact(stride) {
-            for (sum, pixel) in sums.iter_mut().zip(row) {
-                *sum += u16::from(*pixel);
-            }
-        }
-        let squares = sums
-            .chunks_exact(f)
-            .map(|sums| sums.iter().copied().map(u32::from).sum::<u32>());
-        bytes.extend(squares.map(|sum| ((u64::from(sum + area / 2) * per_area) >> 40) as u8));
-    }
-    GrayImage::from_raw(width, height, bytes).unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn reducing_takes_means_and_leaves_the_rest_out() {
-        let image = GrayImage::from_fn(7, 5, |x, y| image::Luma([(10 * x + y) as u8]));
-        let small = reduced(&image, 2);
-        assert_eq!(small.dimensions(), (3, 2));
-        assert_eq!(small.as_raw(), &[6, 26, 46, 8, 28, 48]); // 5.5 and so on, rounded up
-    }
 
     #[test]
     fn a_library_sees_nothing_tiny_and_nothing_huge() {

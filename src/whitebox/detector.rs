@@ -4,6 +4,7 @@ use std::path::Path;
 
 use burn::tensor::Device;
 
+use super::memory;
 use super::onnx::{NetworkPass, OnnxNetwork, Output};
 use super::resample::Resampler;
 use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size};
@@ -34,6 +35,7 @@ impl OnnxDetector {
             name: manifest.name.clone(),
             reason: reason.into(),
         };
+        memory::keep();
         let shape = input_shape(manifest).map_err(refused)?;
         let is_missing = |label: &&usize| manifest.labels.name(**label).is_none();
         if labels.is_empty() || labels.iter().any(|l| is_missing(&l)) {

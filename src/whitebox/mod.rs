@@ -17,6 +17,8 @@ mod fault;
 #[cfg(feature = "attack")]
 mod layers;
 #[cfg(feature = "attack")]
+mod memory;
+#[cfg(feature = "attack")]
 pub(crate) mod onnx;
 pub(crate) mod program;
 #[cfg(feature = "attack")]

@@ -19,10 +19,18 @@ pub(super) struct Component {
 #[derive(Debug)]
 enum Store {
     /// What is not zero: a tenth of all, in a photo. For images of one scan.
-    Sparse { blocks: Vec<SparseBlock>, values: Vec<u16> },
-    /// All, 64 a block in the order of frequencies, which scans after the first change.
-    Dense(Vec<i16>),
+    Sparse {
+        blocks: Vec<SparseBlock>,
+        /// The first `used` are entries of blocks.
+        values: Vec<u16>,
+        used: usize,
+    },
+    /// All, 64 a block in the order of frequencies, which scans after the first change; and where a block's entries are made.
+    Dense { all: Vec<i16>, entries: Box<Entries> },
 }
+
+/// Room for the entries of a block: two for each of 63 places at most.
+type Entries = [u16; 128];
 
 #[derive(Debug, Clone, Copy, Default)]
 struct SparseBlock {
@@ -47,48 +55,56 @@ impl Component {
             store: match room {
                 Some(room) => Store::Sparse {
                     blocks: vec![SparseBlock::default(); count],
-                    values: Vec::with_capacity(room),
+                    values: vec![0; room],
+                    used: 0,
                 },
-                None => Store::Dense(vec![0; 64 * count]),
+                None => Store::Dense {
+                    all: vec![0; 64 * count],
+                    entries: Box::new([0; 128]),
+                },
             },
         }
     }
 
-    /// Sets a whole block: its mean, and the other values. At most `most` entries are kept.
+    /// Where the next block's values but for its mean are to be pushed. At most `most` entries are kept.
     #[inline(always)]
-    pub(super) fn set(&mut self, block: usize, mean: i16, others: &Others, most: usize) -> Result<(), JpegError> {
+    pub(super) fn others(&mut self, most: usize) -> Result<Others<'_>, JpegError> {
+        let entries = match &mut self.store {
+            Store::Dense { entries, .. } => &mut **entries,
+            Store::Sparse { values, used, .. } => {
+                if values.len() < *used + 128 {
+                    more_room(values, *used, most)?;
+                }
+                values[*used..].first_chunk_mut().ok_or(JpegError::TooManyValues)?
+            }
+        };
+        Ok(Others { entries, count: 0 })
+    }
+
+    /// Sets a whole block: its mean, and the so many entries that were pushed last.
+    #[inline(always)]
+    pub(super) fn set(&mut self, block: usize, mean: i16, count: usize) {
         match &mut self.store {
-            Store::Dense(all) => {
+            Store::Dense { all, entries } => {
                 let to = &mut all[64 * block..][..64];
                 to[0] = mean;
-                each_entry(others.entries(), |place, value| to[place] = value);
+                each_entry(&entries[..count.min(128)], |place, value| to[place] = value);
             }
-            Store::Sparse { blocks, values } => {
-                let start = values.len();
-                if start > most {
-                    return Err(JpegError::TooManyValues);
-                }
-                let count = others.entries().len();
-                // Eight at a time, whose length the compiler knows: a call for each block would take longer than the copy.
-                let eights = others.entries.as_chunks::<8>().0;
-                eights[..count.div_ceil(8)]
-                    .iter()
-                    .for_each(|eight| values.extend_from_slice(eight));
-                values.truncate(start + count);
+            Store::Sparse { blocks, used, .. } => {
                 blocks[block] = SparseBlock {
-                    start: start as u32,
+                    start: *used as u32,
                     mean,
                     count: count as u8,
                 };
+                *used += count;
             }
         }
-        Ok(())
     }
 
     /// The coefficients of a block, to be changed; empty where they are not kept densely.
     pub(super) fn dense(&mut self, block: usize) -> &mut [i16] {
         match &mut self.store {
-            Store::Dense(all) => &mut all[64 * block..][..64],
+            Store::Dense { all, .. } => &mut all[64 * block..][..64],
             Store::Sparse { .. } => &mut [],
         }
     }
@@ -98,7 +114,7 @@ impl Component {
     pub(super) fn mean(&self, block: usize) -> i16 {
         match &self.store {
             Store::Sparse { blocks, .. } => blocks[block].mean,
-            Store::Dense(all) => all[64 * block],
+            Store::Dense { all, .. } => all[64 * block],
         }
     }
 
@@ -106,12 +122,12 @@ impl Component {
     #[inline(always)]
     pub(super) fn each_other(&self, block: usize, mut with: impl FnMut(usize, i16)) -> bool {
         match &self.store {
-            Store::Sparse { blocks, values } => {
+            Store::Sparse { blocks, values, .. } => {
                 let SparseBlock { start, count, .. } = blocks[block];
                 each_entry(&values[start as usize..][..usize::from(count)], with);
                 count > 0
             }
-            Store::Dense(all) => {
+            Store::Dense { all, .. } => {
                 let others = (1..64).zip(&all[64 * block + 1..]).filter(|(_, value)| **value != 0);
                 others.map(|(place, value)| with(place, *value)).count() > 0
             }
@@ -119,25 +135,24 @@ impl Component {
     }
 }
 
-/// The values of a block but for its mean, while they are read.
-pub(super) struct Others {
-    entries: [u16; 128],
-    count: usize,
+/// Twice the room, for `most` entries at most.
+#[cold]
+fn more_room(values: &mut Vec<u16>, used: usize, most: usize) -> Result<(), JpegError> {
+    if used > most {
+        return Err(JpegError::TooManyValues);
+    }
+    values.resize((2 * values.len()).min(most).max(used) + 128, 0);
+    Ok(())
 }
 
-impl Others {
-    pub(super) fn new() -> Others {
-        Others {
-            entries: [0; 128],
-            count: 0,
-        }
-    }
+/// The values of a block but for its mean, while they are read: right where they are kept.
+pub(super) struct Others<'a> {
+    entries: &'a mut Entries,
+    /// Entries that were pushed.
+    pub count: usize,
+}
 
-    #[inline(always)]
-    pub(super) fn clear(&mut self) {
-        self.count = 0;
-    }
-
+impl Others<'_> {
     /// Each place, 1 to 63, once.
     #[inline(always)]
     pub(super) fn push(&mut self, place: usize, value: i16) {
@@ -150,10 +165,6 @@ impl Others {
             self.entries[(self.count + 1) & 127] = value as u16;
             self.count += 2;
         }
-    }
-
-    fn entries(&self) -> &[u16] {
-        &self.entries[..self.count.min(128)]
     }
 }
 

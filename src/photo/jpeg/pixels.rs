@@ -1,5 +1,7 @@
 //! Pixels of coefficients, at full size or reduced by 2, 4 or 8.
 
+use std::ops::Range;
+
 use image::metadata::Orientation;
 use image::{GrayImage, RgbImage};
 
@@ -19,6 +21,50 @@ impl Coefficients {
         });
         let [width, height] = canvas.turn.upright;
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels).unwrap_or_default()
+    }
+
+    /// The first component's pixels of an area of the upright image, at full size; `None` where it has fewer samples than pixels.
+    pub(in crate::photo) fn luma_part(
+        &self,
+        start: [u32; 2],
+        size: [u32; 2],
+        orientation: Orientation,
+    ) -> Option<GrayImage> {
+        let component = &self.components[0];
+        if component.sampling != self.most_sampling {
+            return None;
+        }
+        let flips = Flips::of(orientation);
+        let (start, size) = flips.stored(
+            start.map(|v| v as usize),
+            size.map(|v| v as usize),
+            self.size.map(|v| v as usize),
+        );
+        let mut canvas = Canvas {
+            pixels: vec![0; size[0] * size[1]],
+            turn: Turn::new(&flips, size),
+        };
+        let transform = Transform::<64>::new([8, 8], Reducing::Means, component);
+        let [columns, rows] = [0, 1].map(|i| start[i] / 8..(start[i] + size[i]).div_ceil(8));
+        let mut strip = vec![0; 64 * columns.len()];
+        let stride = 8 * columns.len();
+        for row in rows {
+            let first = row * component.blocks[0];
+            samples(
+                &transform,
+                component,
+                first + columns.start..first + columns.end,
+                8,
+                &mut strip,
+            );
+            for (y, line) in (8 * row..).zip(strip.chunks_exact(stride)) {
+                if (start[1]..start[1] + size[1]).contains(&y) {
+                    canvas.put(y - start[1], &line[start[0] - 8 * columns.start..][..size[0]]);
+                }
+            }
+        }
+        let [width, height] = canvas.turn.upright;
+        GrayImage::from_raw(width as u32, height as u32, canvas.pixels)
     }
 
     /// Colours upright, at 1/`reduction` of the size; a rest is left out.
@@ -44,7 +90,7 @@ impl Coefficients {
         let [width, height] = self.size.map(|side| (side / reduction) as usize);
         Canvas {
             pixels: vec![P::default(); width * height],
-            turn: Turn::new(orientation, [width, height]),
+            turn: Turn::new(&Flips::of(orientation), [width, height]),
         }
     }
 
@@ -114,19 +160,13 @@ struct Turn {
 }
 
 impl Turn {
-    /// By EXIF (2.32, 4.6.4: Orientation).
-    fn new(orientation: Orientation, [width, height]: [usize; 2]) -> Turn {
-        use Orientation::*;
-        let (swaps, from_right, from_bottom) = match orientation {
-            NoTransforms => (false, false, false),
-            FlipHorizontal => (false, true, false),
-            Rotate180 => (false, true, true),
-            FlipVertical => (false, false, true),
-            Rotate90FlipH => (true, false, false),
-            Rotate90 => (true, true, false),
-            Rotate270FlipH => (true, true, true),
-            Rotate270 => (true, false, true),
-        };
+    /// Of a stored image of a width and height.
+    fn new(flips: &Flips, [width, height]: [usize; 2]) -> Turn {
+        let Flips {
+            swaps,
+            from_right,
+            from_bottom,
+        } = *flips;
         let upright = if swaps { [height, width] } else { [width, height] };
         let (across, down) = (1, upright[0] as isize);
         let right = if from_right { upright[0] as isize - 1 } else { 0 };
@@ -140,6 +180,47 @@ impl Turn {
             start: right + bottom * down,
             step: if swaps { [steps[1], steps[0]] } else { steps },
         }
+    }
+}
+
+/// How a stored image is made upright: its sides are swapped, and then counted from the other end.
+struct Flips {
+    swaps: bool,
+    from_right: bool,
+    from_bottom: bool,
+}
+
+impl Flips {
+    /// By EXIF (2.32, 4.6.4: Orientation).
+    fn of(orientation: Orientation) -> Flips {
+        use Orientation::*;
+        let (swaps, from_right, from_bottom) = match orientation {
+            NoTransforms => (false, false, false),
+            FlipHorizontal => (false, true, false),
+            Rotate180 => (false, true, true),
+            FlipVertical => (false, false, true),
+            Rotate90FlipH => (true, false, false),
+            Rotate90 => (true, true, false),
+            Rotate270FlipH => (true, true, true),
+            Rotate270 => (true, false, true),
+        };
+        Flips {
+            swaps,
+            from_right,
+            from_bottom,
+        }
+    }
+
+    /// Where an area of the upright image is stored: its first pixel and size. `image`: the size of all, as stored.
+    fn stored(&self, start: [usize; 2], size: [usize; 2], image: [usize; 2]) -> ([usize; 2], [usize; 2]) {
+        let swapped = |[a, b]: [usize; 2]| if self.swaps { [b, a] } else { [a, b] };
+        let upright = swapped(image);
+        let from_end = [self.from_right, self.from_bottom];
+        let start = [0, 1].map(|i| match from_end[i] {
+            true => upright[i] - start[i] - size[i],
+            false => start[i],
+        });
+        (swapped(start), swapped(size))
     }
 }
 
@@ -231,16 +312,16 @@ impl<'a> Plane<'a> {
             }
             let start = (group % 3 * down + row) * self.block[1] * stride;
             let to = &mut self.kept[start..][..self.block[1] * stride];
-            let first = block_row * self.component.blocks[0];
             let (c, across) = (self.component, self.block[0]);
+            let blocks = block_row * c.blocks[0]..(block_row + 1) * c.blocks[0];
             match &self.transform {
-                Whichever::S1(t) => samples(t, c, first, across, to),
-                Whichever::S2(t) => samples(t, c, first, across, to),
-                Whichever::S4(t) => samples(t, c, first, across, to),
-                Whichever::S8(t) => samples(t, c, first, across, to),
-                Whichever::S16(t) => samples(t, c, first, across, to),
-                Whichever::S32(t) => samples(t, c, first, across, to),
-                Whichever::S64(t) => samples(t, c, first, across, to),
+                Whichever::S1(t) => samples(t, c, blocks, across, to),
+                Whichever::S2(t) => samples(t, c, blocks, across, to),
+                Whichever::S4(t) => samples(t, c, blocks, across, to),
+                Whichever::S8(t) => samples(t, c, blocks, across, to),
+                Whichever::S16(t) => samples(t, c, blocks, across, to),
+                Whichever::S32(t) => samples(t, c, blocks, across, to),
+                Whichever::S64(t) => samples(t, c, blocks, across, to),
             }
         }
     }
@@ -270,20 +351,20 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// The samples of a row of blocks from `first` on, each with so many across.
+/// The samples of neighbouring blocks, each with so many across.
 fn samples<const N: usize>(
     transform: &Transform<N>,
     component: &Component,
-    first: usize,
+    blocks: Range<usize>,
     across: usize,
     to: &mut [u8],
 ) {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") {
         // SAFETY: the processor has the instructions.
-        return unsafe { samples_avx2(transform, component, first, across, to) };
+        return unsafe { samples_avx2(transform, component, blocks, across, to) };
     }
-    samples_by(transform, component, first, across, to);
+    samples_by(transform, component, blocks, across, to);
 }
 
 /// The same code with wider instructions, and the same results: nothing is contracted or reordered.
@@ -292,26 +373,26 @@ fn samples<const N: usize>(
 fn samples_avx2<const N: usize>(
     transform: &Transform<N>,
     component: &Component,
-    first: usize,
+    blocks: Range<usize>,
     across: usize,
     to: &mut [u8],
 ) {
-    samples_by(transform, component, first, across, to);
+    samples_by(transform, component, blocks, across, to);
 }
 
 #[inline(always)]
 fn samples_by<const N: usize>(
     transform: &Transform<N>,
     component: &Component,
-    first: usize,
+    blocks: Range<usize>,
     across: usize,
     to: &mut [u8],
 ) {
     match across {
-        8 => blocks_of::<N, 8>(transform, component, first, to),
-        4 => blocks_of::<N, 4>(transform, component, first, to),
-        2 => blocks_of::<N, 2>(transform, component, first, to),
-        _ => blocks_of::<N, 1>(transform, component, first, to),
+        8 => blocks_of::<N, 8>(transform, component, blocks, to),
+        4 => blocks_of::<N, 4>(transform, component, blocks, to),
+        2 => blocks_of::<N, 2>(transform, component, blocks, to),
+        _ => blocks_of::<N, 1>(transform, component, blocks, to),
     }
 }
 
@@ -320,12 +401,12 @@ fn samples_by<const N: usize>(
 fn blocks_of<const N: usize, const ACROSS: usize>(
     transform: &Transform<N>,
     component: &Component,
-    first: usize,
+    blocks: Range<usize>,
     to: &mut [u8],
 ) {
-    let stride = component.blocks[0] * ACROSS;
-    for column in 0..component.blocks[0] {
-        let samples = transform.samples(component, first + column);
+    let stride = blocks.len() * ACROSS;
+    for (column, block) in blocks.enumerate() {
+        let samples = transform.samples(component, block);
         for (row, samples) in samples.as_chunks::<ACROSS>().0.iter().enumerate() {
             to[row * stride + column * ACROSS..][..ACROSS].copy_from_slice(samples);
         }

@@ -5,7 +5,7 @@
 
 use super::JpegError;
 use super::bits::Bits;
-use super::coefficients::{Component, Others};
+use super::coefficients::Component;
 use super::huffman::{Coefficient, HuffmanTable, LARGEST_SIZE};
 use super::segments::Intervals;
 
@@ -72,7 +72,6 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
         let mut state = State {
             means: [0; 4],
             empty_blocks: 0,
-            others: Others::new(),
         };
         for group in first..(first + interval).min(groups) {
             let place = [group % across, group / across];
@@ -95,7 +94,6 @@ struct State {
     means: [i32; 4],
     /// Blocks that still have nothing new.
     empty_blocks: u32,
-    others: Others,
 }
 
 impl State {
@@ -182,7 +180,7 @@ impl State {
         (block, most): (usize, usize),
     ) -> Result<(), JpegError> {
         let mean = self.mean(nth, mean_table, bits)?;
-        self.others.clear();
+        let mut others = component.others(most)?;
         let mut place = 1;
         while place < 64 {
             match table.coefficient(bits) {
@@ -191,7 +189,7 @@ impl State {
                     if place > 63 {
                         return Err(NO_CODE);
                     }
-                    self.others.push(place, value as i16);
+                    others.push(place, value as i16);
                     place += 1;
                 }
                 Coefficient::None(0) => break,
@@ -199,7 +197,9 @@ impl State {
                 _ => return Err(NO_CODE),
             }
         }
-        component.set(block, mean, &self.others, most)
+        let count = others.count;
+        component.set(block, mean, count);
+        Ok(())
     }
 
     /// The first scan of some places of a block (G.1.2.2).
