@@ -1,6 +1,7 @@
-//! Work spread over threads that each own a state (a tag detector, inference sessions) which must not be shared; and how long
-//! some takes.
+//! Work spread over threads that each own a state (a tag detector, inference sessions) which must not be shared; how long some takes; and
+//! memory that the next item takes over.
 
+pub(crate) mod memory;
 pub(crate) mod stopwatch;
 
 use std::sync::Mutex;

@@ -13,6 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof::attack::run::augmentation::Eot;
 use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof::attack::run::weights::Against;
 use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty};
 use scaleproof::detect::{Detector, Manifest, Runtime};
 use scaleproof::frames::FrameSet;
@@ -234,7 +235,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         cell_mm: 30.0,
     };
     let frames = FrameSet::open(&home().join("captures/skyline_attack")).unwrap();
-    let view_set = ViewSet::open(&frames, grid, TextureMapping::World, || {}).unwrap();
+    let view_set = ViewSet::open(&[frames], grid, TextureMapping::World, || {}).unwrap();
     let Some((detector, _)) = opened("fastestdet", "FastestDet.onnx", &[CAR]) else {
         return;
     };
@@ -246,6 +247,8 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         batch: 5,
         learning_rate: 0.03,
         floor: 0.001,
+        against: Against::Mean,
+        hard: 0.0,
         seed: 7,
         mapping: TextureMapping::World,
         eot: Eot::USUAL,

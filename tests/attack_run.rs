@@ -13,10 +13,11 @@ use rand_pcg::Pcg32;
 use scaleproof::attack::baseline::patches::{PlacedPatch, is_seen, paint};
 use scaleproof::attack::baseline::{self, BlackBox, genetic};
 use scaleproof::attack::run::augmentation::{Augmentation, Eot, rolled};
-use scaleproof::attack::run::judge::judge;
+use scaleproof::attack::run::judge::{judge, look};
 use scaleproof::attack::run::loss::from_floor;
 use scaleproof::attack::run::penalty::{off_colours, smooth};
 use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
+use scaleproof::attack::run::weights::Against;
 use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb, RunError, batch, loss_and_gradient};
 use scaleproof::frames::light;
 use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
@@ -100,6 +101,7 @@ impl Weave {
             (confidence, loss) = (f64::NAN, f64::NAN);
         }
         let prediction = |box_px| Prediction {
+            is_reported: true,
             box_px,
             confidence,
             loss,
@@ -107,6 +109,7 @@ impl Weave {
         let mut predictions: Vec<Prediction> = self.boxes.iter().map(|b| prediction(*b)).collect();
         // Something in the background is always seen, and is nobody's business.
         predictions.push(Prediction {
+            is_reported: true,
             box_px: BoxPx::new(0.0, 0.0, 4.0, 4.0),
             confidence: 0.999,
             loss: 6.9,
@@ -143,7 +146,7 @@ fn view_set(laying: TextureMapping) -> ViewSet {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    ViewSet::open(&stored(), grid, laying, || {}).unwrap()
+    ViewSet::open(&[stored()], grid, laying, || {}).unwrap()
 }
 
 fn detectors(gain: f64, view_set: &ViewSet) -> Vec<Box<dyn WhiteBox>> {
@@ -158,6 +161,8 @@ fn config(steps: u32) -> AttackConfig {
         batch: 2,
         learning_rate: 0.05,
         floor: 0.5,
+        against: Against::Mean,
+        hard: 0.0,
         seed: 7,
         mapping: TextureMapping::World,
         eot: Eot::USUAL,
@@ -213,6 +218,15 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             },
         ),
         (
+            TextureMapping::World,
+            Eot {
+                white_balance: 0.8,
+                blur_px: 2.0,
+                background: 1.0,
+                ..still
+            },
+        ),
+        (
             TextureMapping::Repeated,
             Eot {
                 shift_tiles: 0.5,
@@ -222,7 +236,7 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
         ),
     ] {
         let view_set = view_set(laying);
-        // Two detectors: their losses add up.
+        // Two detectors: their losses add up, each with its weight.
         let detectors: Vec<Box<dyn WhiteBox>> = vec![
             Box::new(Weave::new(4.0, &view_set)),
             Box::new(Weave::new(-9.0, &view_set)),
@@ -232,9 +246,19 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             let draw = Augmentation::random(&eot, &mut Pcg32::seed_from_u64(seed + 40));
             let view = seed as usize % view_set.views.len();
             let floor = [0.5, 0.001][seed as usize];
-            let at =
-                |cells: &[Rgb]| loss_and_gradient(&view_set, &detectors, (view, cells, &draw), (0, floor)).unwrap();
-            let off = worst(&cells, &at(&cells).gradient, |cells| at(cells).loss);
+            let weights = [0.4, 1.6];
+            let at = |cells: &[Rgb]| {
+                loss_and_gradient(&view_set, &detectors, (view, cells, &draw), (0, floor), &weights).unwrap()
+            };
+            let weighted = |cells: &[Rgb]| {
+                at(cells)
+                    .losses
+                    .iter()
+                    .zip(weights)
+                    .map(|(loss, weight)| weight * loss)
+                    .sum()
+            };
+            let off = worst(&cells, &at(&cells).gradient, weighted);
             println!("{laying:?}, draw {seed}: gradients off by {off:.1e} of the largest");
             assert!(off < 1e-4, "{laying:?} {seed} {off}");
         }
@@ -274,6 +298,7 @@ fn cells_roll_round_and_back() {
 fn only_boxes_on_the_model_drive_the_loss() {
     let model = BoxPx::new(10.0, 10.0, 50.0, 40.0);
     let prediction = |box_px, confidence: f64| Prediction {
+        is_reported: true,
         box_px,
         confidence,
         loss: -(1.0 - confidence).ln(),
@@ -325,6 +350,107 @@ fn the_attack_beats_the_genetic_search_and_that_beats_chance() {
     );
 }
 
+/// Two detectors want opposite patterns: the mean gives one of them up.
+#[test]
+fn the_worst_of_several_detectors_is_misled_best_when_it_counts_most() {
+    let view_set = view_set(TextureMapping::World);
+    let detectors: Vec<Box<dyn WhiteBox>> = vec![
+        Box::new(Weave::new(60.0, &view_set)),
+        Box::new(Weave::new(-20.0, &view_set)),
+    ];
+    let worst_of = |against: Against| {
+        let config = AttackConfig {
+            against,
+            floor: 0.001,
+            ..config(120)
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
+        let (cells, _) = attack.run(folder.path(), |_, _| {}).unwrap();
+        let views = view_set.judged();
+        let image = |view| Ok(view_set.textured(view, &cells, &Augmentation::NONE).augmented.image);
+        let seen = look(&view_set, &detectors, &views, image).unwrap();
+        seen.iter().map(|seen| seen.mean_confidence()).fold(0.0, f64::max)
+    };
+    let (mean, worst) = (worst_of(Against::Mean), worst_of(Against::Worst));
+    println!("confidence of the detector that sees it best: mean {mean:.3}, worst {worst:.3}");
+    assert!(worst < mean);
+}
+
+#[test]
+fn frames_of_several_models_are_looked_at_together_each_at_its_size() {
+    let attack = FrameSet::open(&home().join("captures/skyline_attack")).unwrap();
+    let grid = Grid {
+        columns: CELLS,
+        rows: CELLS,
+        cell_mm: 40.0,
+    };
+    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, TextureMapping::World, || {}).unwrap();
+    let alone = [open(&[stored()]), open(std::slice::from_ref(&attack))];
+    let sizes = [stored().list.size_px, attack.list.size_px];
+    let both = open(&[stored(), attack]);
+    assert_eq!(both.views.len(), alone[0].views.len() + alone[1].views.len());
+    let cells = random_cells(3);
+    let mut background = Augmentation::NONE;
+    background.background = Some(0.99);
+    let first = alone[0].views.len();
+    for (view, (set, of_set)) in [(0, (0, 0)), (first, (1, 0)), (first + 1, (1, 1))] {
+        let image = both.textured(view, &cells, &Augmentation::NONE).augmented.image;
+        assert_eq!(both.size_px(view), sizes[set]);
+        assert!(image == alone[set].textured(of_set, &cells, &Augmentation::NONE).augmented.image);
+        // The last view's surroundings fit those of its own size alone; the model is still there.
+        let other = both.textured(view, &cells, &background).augmented.image;
+        let differ = image.iter().zip(&other).filter(|(a, b)| a != b).count();
+        match sizes[set] == sizes[1] {
+            true => assert!(
+                differ > image.len() / 4 && differ < image.len(),
+                "{differ} of {}",
+                image.len()
+            ),
+            false => assert_eq!(differ, 0),
+        }
+    }
+}
+
+#[test]
+fn compression_is_that_of_a_jpeg_and_colours_move_by_channel() {
+    let view_set = view_set(TextureMapping::World);
+    let cells = random_cells(3);
+    let plain = view_set.textured(0, &cells, &Augmentation::NONE).augmented.image;
+    let augmented = |eot: Eot| {
+        let draw = Augmentation::random(&eot, &mut Pcg32::seed_from_u64(4));
+        view_set.textured(0, &cells, &draw).augmented.image
+    };
+    let off = |image: &[Rgb], c: usize| {
+        let squares = image.iter().zip(&plain).map(|(a, b)| (a[c] - b[c]).powi(2));
+        (squares.sum::<f64>() / plain.len() as f64).sqrt()
+    };
+    let jpeg = |quality| {
+        off(
+            &augmented(Eot {
+                jpeg_quality: quality,
+                ..Eot::NONE
+            }),
+            1,
+        )
+    };
+    assert!(jpeg(10) > 2.0 * jpeg(95) && jpeg(10) < 0.1, "{} {}", jpeg(10), jpeg(95));
+    let balanced = augmented(Eot {
+        white_balance: 0.6,
+        ..Eot::NONE
+    });
+    let factors = [0, 1, 2].map(|c| {
+        let open = balanced.iter().zip(&plain).filter(|(a, b)| a[c] < 1.0 && b[c] > 0.1);
+        let ratios: Vec<f64> = open.map(|(a, b)| a[c] / b[c]).collect();
+        assert!(
+            ratios.iter().all(|ratio| (ratio - ratios[0]).abs() < 1e-9),
+            "one factor a channel"
+        );
+        ratios[0]
+    });
+    assert!(factors.iter().all(|f| (0.6..=1.0 / 0.6).contains(f)) && factors[0] != factors[1]);
+}
+
 fn search_config(queries: u64) -> baseline::SearchConfig {
     baseline::SearchConfig {
         method: "er",
@@ -343,7 +469,11 @@ fn search_config(queries: u64) -> baseline::SearchConfig {
 fn a_run_that_goes_on_is_one_that_never_stopped() {
     let view_set = view_set(TextureMapping::World);
     let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    let config = config(12);
+    let config = AttackConfig {
+        against: Against::Worst,
+        hard: 0.5,
+        ..config(12)
+    };
     let run = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
         Attack::begin(&view_set, detectors, &config, folder)
             .unwrap()
@@ -481,10 +611,16 @@ fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
             for value in [0.0, 1.0] {
                 let cells = vec![[value; 3]; (CELLS * CELLS) as usize];
                 for floor in [0.5, 0.001] {
-                    let looked =
-                        loss_and_gradient(&view_set, &detectors, (0, &cells, &Augmentation::NONE), (0, floor)).unwrap();
+                    let looked = loss_and_gradient(
+                        &view_set,
+                        &detectors,
+                        (0, &cells, &Augmentation::NONE),
+                        (0, floor),
+                        &[1.0],
+                    )
+                    .unwrap();
                     assert!(
-                        looked.loss.is_finite() && looked.gradient.iter().flatten().all(|v| v.is_finite()),
+                        looked.losses[0].is_finite() && looked.gradient.iter().flatten().all(|v| v.is_finite()),
                         "{gain} {value} {floor}"
                     );
                 }
@@ -494,9 +630,15 @@ fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
         let mut blind = Weave::new(1.0, &view_set);
         blind.boxes.clear();
         let blind: Vec<Box<dyn WhiteBox>> = vec![Box::new(blind)];
-        let looked =
-            loss_and_gradient(&view_set, &blind, (0, &random_cells(1), &Augmentation::NONE), (0, 0.5)).unwrap();
-        assert_eq!((looked.loss, looked.confidence), (0.0, 0.0));
+        let looked = loss_and_gradient(
+            &view_set,
+            &blind,
+            (0, &random_cells(1), &Augmentation::NONE),
+            (0, 0.5),
+            &[1.0],
+        )
+        .unwrap();
+        assert_eq!((looked.losses[0], looked.confidence), (0.0, 0.0));
         assert!(looked.gradient.iter().flatten().all(|v| *v == 0.0));
         let judged = judge(&view_set, &blind, &random_cells(1)).unwrap();
         assert_eq!((judged.ap50, judged.hit_rate), (0.0, 0.0));
@@ -613,15 +755,15 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
     for laying in [TextureMapping::World, TextureMapping::Repeated] {
         let folder = tempfile::tempdir().unwrap();
         let set = roof_seen_from(7.0, folder.path());
-        let view_set = ViewSet::open(&set, grid, laying, || {}).unwrap();
+        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, laying, || {}).unwrap();
         let detectors = detectors(30.0, &view_set);
         let cells = random_cells(5);
         let at = |cells: &[Rgb]| {
-            loss_and_gradient(&view_set, &detectors, (0, cells, &Augmentation::NONE), (0, 0.5)).unwrap()
+            loss_and_gradient(&view_set, &detectors, (0, cells, &Augmentation::NONE), (0, 0.5), &[1.0]).unwrap()
         };
         let seen = at(&cells);
-        assert!(seen.loss.is_finite() && seen.gradient.iter().flatten().all(|v| v.is_finite()));
-        let off = worst(&cells, &seen.gradient, |cells| at(cells).loss);
+        assert!(seen.losses[0].is_finite() && seen.gradient.iter().flatten().all(|v| v.is_finite()));
+        let off = worst(&cells, &seen.gradient, |cells| at(cells).losses[0]);
         println!("{laying:?}: gradients of a grazing view off by {off:.1e} of the largest");
         assert!(off < 1e-4, "{laying:?}: {off}");
         if laying == TextureMapping::World {
@@ -633,7 +775,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         }
         // From below, it is not seen.
         let below = tempfile::tempdir().unwrap();
-        let none = ViewSet::open(&roof_seen_from(4.0, below.path()), grid, laying, || {});
+        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, laying, || {});
         assert!(matches!(none.err().unwrap(), RunError::NothingSeen));
     }
 }
@@ -694,6 +836,7 @@ fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
     }
     let view_set = view_set(TextureMapping::World);
     let prediction = |box_px, confidence| Prediction {
+        is_reported: true,
         box_px,
         confidence,
         loss: 0.0,
@@ -742,7 +885,7 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
     };
     let open = || {
         ViewSet::open(
-            &FrameSet::open(copy.path()).unwrap(),
+            &[FrameSet::open(copy.path()).unwrap()],
             grid,
             TextureMapping::World,
             || {},
@@ -837,6 +980,10 @@ fn bad_arguments_are_one_sentence() {
     assert_refused(&run(&["run", "--floor", "0.7"]), &["--floor"]);
     assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
     assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
+    assert_refused(&run(&["run", "--hard", "1.5"]), &["--hard"]);
+    assert_refused(&run(&["run", "--augment", "blurr"]), &["blurr", "blur"]);
+    assert_refused(&run(&["run", "--augment", "none,blur"]), &["none"]);
+    assert_refused(&run(&["run", "--against", "best"]), &["best", "worst"]);
     assert_refused(&run(&["baseline", "flat", "--flat", "red"]), &["red"]);
     let patch = out.path().join("patch.png");
     image::RgbImage::new(4, 4).save(&patch).unwrap();
@@ -867,7 +1014,7 @@ fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
     use scaleproof::attack::result::{CONFIG, PATTERN, write};
     use scaleproof::attack::setup::Setup;
     let texture = (CELLS, 240.0, TextureMapping::World);
-    let setup = Setup::open(stored(), texture, Default::default(), || {}).unwrap();
+    let setup = Setup::open(vec![stored()], texture, Default::default(), || {}).unwrap();
     let history = setup.history("dta", 1, Vec::new());
     let (cells, config) = (random_cells(1), config(2));
     let write = |folder: &Path, config| write(folder, (&cells, CELLS), &history, config);

@@ -9,6 +9,8 @@ mod attack_dtn;
 mod attack_evaluate;
 mod attack_frames;
 mod attack_import;
+#[cfg(feature = "attack")]
+mod attack_judge;
 mod attack_models;
 #[cfg(feature = "attack")]
 mod attack_onnx;

@@ -3,13 +3,14 @@
 use super::run::RunError;
 use super::run::history::{Entry, History};
 use super::run::view_set::{TextureMapping, ViewSet};
+use crate::files;
 use crate::frames::FrameSet;
 use crate::surrogate::projection::Grid;
 use crate::whitebox::WhiteBox;
 
 /// What a pattern is made on and against.
 pub(crate) struct Setup {
-    pub frames: FrameSet,
+    pub frames: Vec<FrameSet>,
     pub frames_sha256: String,
     /// Width of one repeat of the pattern on the model.
     pub tile_mm: f64,
@@ -25,7 +26,7 @@ impl Setup {
     /// # Errors
     /// Those of [`ViewSet::open`].
     pub(crate) fn open(
-        frames: FrameSet,
+        frames: Vec<FrameSet>,
         (columns, tile_mm, mapping): (u32, f64, TextureMapping),
         (detectors, detector_names): (Vec<Box<dyn WhiteBox>>, Vec<String>),
         on_view: impl Fn() + Sync,
@@ -38,7 +39,7 @@ impl Setup {
         Ok(Self {
             tile_mm,
             view_set: ViewSet::open(&frames, grid, mapping, on_view)?,
-            frames_sha256: frames.sha256()?,
+            frames_sha256: sha256(&frames)?,
             frames,
             detectors,
             detector_names,
@@ -57,4 +58,13 @@ impl Setup {
             entries,
         }
     }
+}
+
+/// Of the frames' lists: that of the only one, or that of all in their order.
+fn sha256(frames: &[FrameSet]) -> Result<String, RunError> {
+    let hashes = frames.iter().map(FrameSet::sha256).collect::<Result<Vec<_>, _>>()?;
+    Ok(match &hashes[..] {
+        [only] => only.clone(),
+        several => files::sha256_hex(several.concat().as_bytes()),
+    })
 }

@@ -9,6 +9,7 @@ mod device;
 mod evaluate;
 mod history;
 mod import;
+mod judge;
 mod on_frames;
 mod photos;
 mod render;
@@ -47,6 +48,7 @@ enum What {
     TrainDtn(train_dtn::TrainArgs),
     Run(Box<run::RunArgs>),
     Baseline(Box<baseline::BaselineArgs>),
+    Judge(Box<judge::JudgeArgs>),
     History(history::HistoryArgs),
     Demo(demo::DemoArgs),
 }
@@ -76,6 +78,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         What::TrainDtn(args) => train_dtn::run(&args, out),
         What::Run(args) => run::run(&args, out),
         What::Baseline(args) => baseline::run(&args, out),
+        What::Judge(args) => judge::run(&args, out),
         What::History(args) => history::run(&args, out),
         What::Demo(args) => demo::run(&args, out),
     }

@@ -134,6 +134,7 @@ const ADVICE: &[advice::Advise] = &[
 pub(crate) fn main() -> ExitCode {
     keep_to_ourselves();
     keep_refusals_quiet();
+    crate::workers::memory::keep();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let mut command = command();
     let parsed = command.try_get_matches_from_mut(&arguments);

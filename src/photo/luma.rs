@@ -16,7 +16,7 @@ pub trait Luma {
     /// All pixels.
     fn whole(&self) -> &GrayImage;
 
-    /// Means over squares of `factor` × `factor` pixels; a rest at the right and at the bottom is left out.
+    /// A pixel for each square of `factor` × `factor` pixels, without what so few pixels cannot show; a rest at the right and at the bottom is left out.
     fn reduced(&self, factor: u32) -> Cow<'_, GrayImage>;
 
     /// The pixels from `(x, y)` on, `size` of them, all inside the image.
@@ -129,7 +129,7 @@ mod tests {
         assert_eq!(small.as_raw(), &[6, 26, 46, 8, 28, 48]); // 5.5 and so on, rounded up
     }
 
-    /// However it is turned, and wherever the part begins: the same bytes as of the whole; means within rounding.
+    /// However it is turned, and wherever the part begins: the same bytes as of the whole.
     #[test]
     fn a_part_of_a_jpeg_is_what_the_whole_has_there() {
         use Orientation::*;

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use burn::tensor::Device;
 
-use super::memory;
 use super::onnx::{NetworkPass, OnnxNetwork, Output};
 use super::resample::Resampler;
 use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size};
 use crate::files;
 use crate::geometry::BoxPx;
 use crate::whitebox::{ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
+use crate::workers;
 
 /// A network with its manifest and the labels that count as the model.
 pub struct OnnxDetector {
@@ -35,7 +35,7 @@ impl OnnxDetector {
             name: manifest.name.clone(),
             reason: reason.into(),
         };
-        memory::keep();
+        workers::memory::keep();
         let shape = input_shape(manifest).map_err(refused)?;
         let is_missing = |label: &&usize| manifest.labels.name(**label).is_none();
         if labels.is_empty() || labels.iter().any(|l| is_missing(&l)) {
@@ -147,6 +147,7 @@ impl OnnxDetector {
             box_px: way.placement().to_photo(anchor.b),
             confidence: terms.confidence(),
             loss: terms.loss(),
+            is_reported: keeps_way || self.is_reported(anchor, &found, &answer.outputs[anchor.output]),
         });
         Ok(Seen {
             predictions: predictions.collect(),
@@ -154,6 +155,24 @@ impl OnnxDetector {
             answer,
             way,
         })
+    }
+
+    /// Whether scoring, which takes the best label of an anchor (`detect::heads`), takes one that counts.
+    fn is_reported(&self, anchor: &Anchor, anchors: &Anchors, output: &Output) -> bool {
+        if anchor.label.is_some() {
+            return true;
+        }
+        let labels = self.manifest.labels.count().saturating_sub(anchors.first_scored);
+        let scores = output.raw.iter().skip(anchor.first_label).step_by(anchor.label_step);
+        let (mut counted, mut others) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+        for (i, score) in scores.take(labels).enumerate() {
+            let best = match self.labels.contains(&(i + anchors.first_scored)) {
+                true => &mut counted,
+                false => &mut others,
+            };
+            *best = best.max(*score);
+        }
+        counted >= others
     }
 
     /// What an anchor's confidence is made of: its objectness and the best of the labels that count.

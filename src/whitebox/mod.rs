@@ -17,8 +17,6 @@ mod fault;
 #[cfg(feature = "attack")]
 mod layers;
 #[cfg(feature = "attack")]
-mod memory;
-#[cfg(feature = "attack")]
 pub(crate) mod onnx;
 pub(crate) mod program;
 #[cfg(feature = "attack")]
@@ -92,6 +90,9 @@ pub struct Prediction {
     pub confidence: f64,
     /// `−ln(1 − C)`, the term of DTA's attack loss (CVPR 2022, eq. 7), finite for every C.
     pub loss: f64,
+    /// No class that does not count has a higher score in this box, so that scoring reports it as the model and not as something else. True for all
+    /// where the way back is asked for: an attack on nothing but what is reported lets go too early (`docs/lessons.md`).
+    pub is_reported: bool,
 }
 
 /// A differentiable detector.
@@ -108,7 +109,7 @@ pub trait WhiteBox {
     /// What the detector cannot do with this image.
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError>;
 
-    /// The loss of the strongest prediction that meets `outline`, the box around the model; `None` where none does.
+    /// The loss of the strongest prediction that is reported and meets `outline`, the box around the model; `None` where none does.
     ///
     /// # Errors
     /// Those of [`WhiteBox::predictions`].

@@ -88,6 +88,7 @@ impl WhiteBox for ProgramWhiteBox {
         })?;
         let counted = found.into_iter().filter(|d| self.labels.contains(&d.label));
         let prediction = |confidence: f64, box_px| Prediction {
+            is_reported: true,
             box_px,
             confidence,
             loss: -(-confidence.min(1.0 - f64::EPSILON)).ln_1p(),

@@ -7,11 +7,10 @@ use crate::geometry::BoxPx;
 /// win by moving a little; others, such as those of cars in the background, never drive the loss.
 pub(crate) const MEETS_IOU: f64 = 0.3;
 
-/// The most confident prediction that overlaps `outline` so much; `None` when no box does. A prediction that is not a number is
+/// The most confident prediction that is reported as the model and overlaps `outline` so much; `None` when no box does. A prediction that is not a number is
 /// the most confident, so that it is found and refused instead of passed over.
 pub(crate) fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: f64) -> Option<usize> {
-    let meets =
-        |prediction: &Prediction| !prediction.confidence.is_finite() || prediction.box_px.iou(outline) >= least_iou;
+    let meets = |p: &Prediction| !p.confidence.is_finite() || (p.is_reported && p.box_px.iou(outline) >= least_iou);
     let candidates = predictions
         .iter()
         .enumerate()

@@ -8,7 +8,9 @@ use serde::Serialize;
 use super::Rgb;
 use super::resample::Resample;
 use crate::geometry::BoxPx;
+use crate::photo::as_jpeg;
 use crate::surrogate::projection::repeated::Jitter;
+use crate::whitebox::separable::{Separable, Tap};
 
 /// Ranges to draw from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -27,6 +29,14 @@ pub struct Eot {
     pub offset_px: f64,
     /// Standard deviation of the noise of each value, in sRGB of 0 to 1.
     pub noise: f64,
+    /// Factor of each channel: from one less than 1 to its inverse.
+    pub white_balance: f64,
+    /// Standard deviation of the blur, from none to so many px.
+    pub blur_px: f64,
+    /// JPEG compression, from the best quality down to this one; 100 for none.
+    pub jpeg_quality: u8,
+    /// Share of images that get the background of another view.
+    pub background: f64,
 }
 
 impl Eot {
@@ -39,6 +49,10 @@ impl Eot {
         scale: [1.0, 1.0],
         offset_px: 0.0,
         noise: 0.0,
+        white_balance: 1.0,
+        blur_px: 0.0,
+        jpeg_quality: 100,
+        background: 0.0,
     };
 
     /// The usual: no shift of the pattern (print fixes where it lies), and of the image what a camera does.
@@ -50,7 +64,55 @@ impl Eot {
         scale: [0.6, 1.15],
         offset_px: 12.0,
         noise: 0.01,
+        ..Self::NONE
     };
+
+    /// With one kind more of augmentation, by its name; `None` for a name that is not one of [`Eot::NAMES`].
+    pub fn with(self, name: &str) -> Option<Self> {
+        Some(match name {
+            "brightness" => Self {
+                brightness: 0.25,
+                ..self
+            },
+            "contrast" => Self { contrast: 0.7, ..self },
+            "far" => Self {
+                scale: [0.25, self.scale[1]],
+                ..self
+            },
+            "noise" => Self { noise: 0.04, ..self },
+            "white-balance" => Self {
+                white_balance: 0.8,
+                ..self
+            },
+            "blur" => Self { blur_px: 1.5, ..self },
+            "jpeg" => Self {
+                jpeg_quality: 30,
+                ..self
+            },
+            "background" => Self {
+                background: 0.5,
+                ..self
+            },
+            "shift" => Self {
+                shift_tiles: 0.5,
+                ..self
+            },
+            _ => return None,
+        })
+    }
+
+    /// What [`Eot::with`] takes.
+    pub const NAMES: [&str; 9] = [
+        "brightness",
+        "contrast",
+        "far",
+        "noise",
+        "white-balance",
+        "blur",
+        "jpeg",
+        "background",
+        "shift",
+    ];
 }
 
 /// One draw of everything.
@@ -64,6 +126,12 @@ pub struct Augmentation {
     pub offset_px: [f64; 2],
     noise: f64,
     noise_seed: u64,
+    /// Factors of the channels.
+    white_balance: Rgb,
+    blur_px: f64,
+    jpeg_quality: u8,
+    /// Which view the background is of, as a share of all views; `None` for its own.
+    pub background: Option<f64>,
 }
 
 impl Augmentation {
@@ -76,6 +144,10 @@ impl Augmentation {
         offset_px: [0.0, 0.0],
         noise: 0.0,
         noise_seed: 0,
+        white_balance: [1.0; 3],
+        blur_px: 0.0,
+        jpeg_quality: 100,
+        background: None,
     };
 
     pub fn random(eot: &Eot, rng: &mut impl Rng) -> Self {
@@ -87,14 +159,22 @@ impl Augmentation {
         let (brightness, contrast) = (either(eot.brightness), eot.contrast.powf(either(1.0)));
         let offset_px = [either(eot.offset_px), either(eot.offset_px)];
         let [low, high] = eot.scale;
+        let scale = low + (high - low) * rng.random::<f64>();
+        let noise_seed: u64 = rng.random();
+        // From a generator of their own: runs without them draw what they drew before there were any.
+        let mut more = Pcg32::seed_from_u64(noise_seed ^ 0xa06);
         Self {
+            white_balance: std::array::from_fn(|_| eot.white_balance.powf(more.random_range(-1.0..1.0))),
+            blur_px: eot.blur_px * more.random::<f64>(),
+            jpeg_quality: more.random_range(eot.jpeg_quality..=100),
+            background: (more.random::<f64>() < eot.background).then(|| more.random()),
             jitter,
             brightness,
             contrast,
             offset_px,
-            scale: low + (high - low) * rng.random::<f64>(),
+            scale,
             noise: eot.noise,
-            noise_seed: rng.random(),
+            noise_seed,
         }
     }
 
@@ -111,25 +191,33 @@ impl Augmentation {
         let is_still = self.scale == 1.0 && self.offset_px == [0.0, 0.0];
         let resample = (!is_still).then(|| Resample::new(size_px, self.scale, self.offset_px));
         let mut image = resample.as_ref().map_or_else(|| image.to_vec(), |r| r.forward(image));
+        let blur = (self.blur_px > LEAST_BLUR_PX).then(|| blur(size_px, self.blur_px));
+        if let Some(blur) = &blur {
+            image = blur.forward(&image);
+        }
         let mut rng = Pcg32::seed_from_u64(self.noise_seed);
         let mut is_open = vec![[true; 3]; image.len()];
         for (pixel, is_open) in image.iter_mut().zip(&mut is_open) {
-            for (value, is_open) in pixel.iter_mut().zip(is_open) {
+            for ((value, is_open), balance) in pixel.iter_mut().zip(is_open).zip(self.white_balance) {
                 let noise = if self.noise > 0.0 {
                     self.noise * normal(&mut rng)
                 } else {
                     0.0
                 };
-                *value = self.contrast * (*value - 0.5) + 0.5 + self.brightness + noise;
+                *value = self.contrast * (balance * *value - 0.5) + 0.5 + self.brightness + noise;
                 *is_open = (0.0..=1.0).contains(value);
                 *value = value.clamp(0.0, 1.0);
             }
         }
+        if self.jpeg_quality < 100 {
+            image = compressed(image, size_px, self.jpeg_quality);
+        }
         AugmentedImage {
             image,
             is_open,
-            contrast: self.contrast,
+            factors: self.white_balance.map(|balance| balance * self.contrast),
             resample,
+            blur,
         }
     }
 }
@@ -140,21 +228,64 @@ pub struct AugmentedImage {
     pub image: Vec<Rgb>,
     /// Not clipped.
     is_open: Vec<[bool; 3]>,
-    contrast: f64,
+    /// Of each channel.
+    factors: Rgb,
     resample: Option<Resample>,
+    blur: Option<Separable>,
 }
 
 impl AugmentedImage {
-    /// From the derivative with respect to the augmented image to that with respect to the image before.
+    /// From the derivative with respect to the augmented image to that with respect to the image before. Compression counts as no change: it
+    /// rounds, and has no derivative of its own (Shin & Song 2017; "straight-through", Bengio et al. 2013).
     pub fn vjp(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
         for (pixel, is_open) in gradient.iter_mut().zip(&self.is_open) {
-            for (value, is_open) in pixel.iter_mut().zip(is_open) {
-                *value *= if *is_open { self.contrast } else { 0.0 };
+            for ((value, is_open), factor) in pixel.iter_mut().zip(is_open).zip(self.factors) {
+                *value *= if *is_open { factor } else { 0.0 };
             }
+        }
+        if let Some(blur) = &self.blur {
+            gradient = blur.transposed(&gradient);
         }
         self.resample
             .as_ref()
             .map_or_else(|| gradient.clone(), |r| r.transposed(&gradient))
+    }
+}
+
+/// Less blur is none.
+const LEAST_BLUR_PX: f64 = 0.2;
+
+/// A Gaussian blur, up to three standard deviations; beyond the border, the image goes on as it ends.
+fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
+    let reach = (3.0 * sigma_px).ceil() as i64;
+    let kernel = |by: i64| (-0.5 * (by as f64 / sigma_px).powi(2)).exp();
+    let sum: f64 = (-reach..=reach).map(kernel).sum();
+    let taps = |size: u32| {
+        let last = i64::from(size) - 1;
+        let tap = |at: i64| {
+            let first = (at - reach).clamp(0, last);
+            let mut weights = vec![0.0; ((at + reach).clamp(0, last) - first + 1) as usize];
+            for by in -reach..=reach {
+                weights[((at + by).clamp(0, last) - first) as usize] += kernel(by) / sum;
+            }
+            Tap {
+                first: first as usize,
+                weights,
+            }
+        };
+        (0..=last).map(tap).collect()
+    };
+    let [columns, rows] = size_px.map(taps);
+    Separable::new(size_px.map(|side| side as usize), columns, rows)
+}
+
+/// As it comes back from a JPEG; as it is where it cannot be encoded.
+fn compressed(image: Vec<Rgb>, size_px: [u32; 2], quality: u8) -> Vec<Rgb> {
+    let bytes = image.iter().flatten().map(|v| (255.0 * v).round() as u8).collect();
+    let picture = image::RgbImage::from_raw(size_px[0], size_px[1], bytes);
+    match picture.and_then(|picture| as_jpeg(&picture, quality)) {
+        Some(lossy) => lossy.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect(),
+        None => image,
     }
 }
 

@@ -38,7 +38,7 @@ pub(crate) fn judge(
     })
 }
 
-/// Judges whatever is in the images of the views.
+/// Judges whatever is in the images of the views held out.
 ///
 /// # Errors
 /// Those of `image`, and of the detectors.
@@ -47,37 +47,77 @@ pub(crate) fn judge_images(
     detectors: &[Box<dyn WhiteBox>],
     image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
 ) -> Result<HeldOutFigures, RunError> {
-    let views = view_set.judged();
-    let (mut hits, mut sum) = (0, 0.0);
-    let mut boxes: Vec<Vec<ImageBoxes>> = vec![Vec::new(); detectors.len()];
-    let looked = together::on_each(workers::thread_count(), detectors, &views, |detectors, view| {
+    let seen = look(view_set, detectors, &view_set.judged(), image)?;
+    let mean = |of: fn(&SeenByDetector) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
+    Ok(HeldOutFigures {
+        views: view_set.judged().len(),
+        ap50: mean(SeenByDetector::ap50),
+        hit_rate: mean(SeenByDetector::hit_rate),
+        mean_confidence: mean(SeenByDetector::mean_confidence),
+    })
+}
+
+/// What one detector makes of some views.
+pub(crate) struct SeenByDetector {
+    /// Of the most confident box on the model, in each view; 0 where there is none.
+    pub confidences: Vec<f64>,
+    boxes: Vec<ImageBoxes>,
+}
+
+impl SeenByDetector {
+    /// As `score` computes it by default.
+    pub(crate) fn ap50(&self) -> f64 {
+        average_precision(&self.boxes, HIT_IOU).map_or(0.0, |found| found.ap)
+    }
+
+    /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
+    pub(crate) fn hit_rate(&self) -> f64 {
+        let hits = self.confidences.iter().filter(|c| **c >= HIT_CONFIDENCE);
+        hits.count() as f64 / self.confidences.len().max(1) as f64
+    }
+
+    pub(crate) fn mean_confidence(&self) -> f64 {
+        self.confidences.iter().sum::<f64>() / self.confidences.len().max(1) as f64
+    }
+}
+
+/// Lets every detector look at some views.
+///
+/// # Errors
+/// Those of `image`, and of the detectors.
+pub(crate) fn look(
+    view_set: &ViewSet,
+    detectors: &[Box<dyn WhiteBox>],
+    views: &[usize],
+    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
+) -> Result<Vec<SeenByDetector>, RunError> {
+    let looked = together::on_each(workers::thread_count(), detectors, views, |detectors, view| {
         let image = image(*view)?;
-        let looks = detectors
-            .iter()
-            .map(|detector| predictions(view_set, *detector, (*view, &image)));
-        looks.collect::<Result<Vec<_>, RunError>>()
+        let reported = |detector: &&dyn WhiteBox| {
+            let mut predictions = predictions(view_set, *detector, (*view, &image))?;
+            predictions.retain(|prediction| prediction.is_reported);
+            Ok(predictions)
+        };
+        detectors.iter().map(reported).collect::<Result<Vec<_>, RunError>>()
     });
+    let empty = || SeenByDetector {
+        confidences: Vec::new(),
+        boxes: Vec::new(),
+    };
+    let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| empty()).collect();
     for (view, looks) in views.iter().zip(looked?) {
         let outline = &view_set.views[*view].outline;
-        for ((detector, predictions), boxes) in detectors.iter().zip(looks).zip(&mut boxes) {
-            let confidence = strongest(&predictions, outline, HIT_IOU).map_or(0.0, |i| predictions[i].confidence);
-            hits += usize::from(confidence >= HIT_CONFIDENCE);
-            sum += confidence;
-            boxes.push(ImageBoxes {
+        for ((detector, predictions), seen) in detectors.iter().zip(looks).zip(&mut seen) {
+            let found = strongest(&predictions, outline, HIT_IOU);
+            seen.confidences.push(found.map_or(0.0, |i| predictions[i].confidence));
+            seen.boxes.push(ImageBoxes {
                 truths: vec![*outline],
                 detections: detections(&predictions, detector.nms_iou()),
                 ..ImageBoxes::default()
             });
         }
     }
-    let count = (views.len() * detectors.len()).max(1) as f64;
-    let aps = boxes.iter().filter_map(|images| average_precision(images, HIT_IOU));
-    Ok(HeldOutFigures {
-        views: views.len(),
-        ap50: aps.map(|found| found.ap).sum::<f64>() / detectors.len().max(1) as f64,
-        hit_rate: hits as f64 / count,
-        mean_confidence: sum / count,
-    })
+    Ok(seen)
 }
 
 /// The highest confidence of a box that overlaps the model so much; 0 where there is none.
@@ -101,7 +141,7 @@ fn predictions(
     (view, image): (usize, &[Rgb]),
 ) -> Result<Vec<Prediction>, RunError> {
     let name = || (detector.name().to_owned(), view_set.views[view].frame.name.clone());
-    let predictions = detector.predictions(image, view_set.list.size_px).map_err(|reason| {
+    let predictions = detector.predictions(image, view_set.size_px(view)).map_err(|reason| {
         let (detector, view) = name();
         let reason = Box::new(reason);
         RunError::ForwardPass { detector, view, reason }

@@ -5,12 +5,15 @@
 //! - [`augmentation`]: what happens between the pattern and the detector;
 //! - [`loss`], [`penalty`], [`adam`]: what is moved against what, and how;
 //! - [`judge`]: how often a pattern is still detected in the views held out;
+//! - [`weights`]: how much each of several detectors counts;
+//! - `difficulty`: which views a step looks at;
 //! - `together`: images looked at in parallel;
 //! - [`history`], [`checkpoint`]: what is kept of a run.
 
 pub(crate) mod adam;
 pub(crate) mod augmentation;
 pub(crate) mod checkpoint;
+mod difficulty;
 pub(crate) mod history;
 pub(crate) mod judge;
 pub(crate) mod loss;
@@ -18,6 +21,7 @@ pub(crate) mod penalty;
 mod resample;
 mod together;
 pub(crate) mod view_set;
+pub(crate) mod weights;
 
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -32,8 +36,10 @@ use serde::{Deserialize, Serialize};
 use adam::Adam;
 use augmentation::{Augmentation, Eot};
 use checkpoint::Checkpoint;
+use difficulty::Difficulty;
 use history::Entry;
 use view_set::{TextureMapping, ViewSet};
+use weights::{Against, DetectorWeights};
 
 use crate::files::FileError;
 use crate::frames::FramesError;
@@ -119,6 +125,10 @@ pub struct AttackConfig {
     pub learning_rate: f64,
     /// The confidence below which the loss fades (`loss::from_floor`).
     pub floor: f64,
+    /// What is made small of the losses of several detectors.
+    pub against: Against,
+    /// The share of a step's views that are drawn for how well the model is still seen in them.
+    pub hard: f64,
     /// Of the first pattern, the batches and the augmentations.
     pub seed: u64,
     /// How the pattern lies on the model.
@@ -156,16 +166,18 @@ pub struct Attack<'a> {
 pub(crate) struct AttackState {
     pub cells: Vec<Rgb>,
     pub adam: Adam,
+    pub weights: DetectorWeights,
+    pub difficulty: Difficulty,
 }
 
-/// What detectors make of one image: sums over the detectors.
+/// What detectors make of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LossAndGradient {
-    /// [`loss::from_floor`] of the most confident box that meets the model, summed; 0 where none does.
-    pub loss: f64,
-    /// `Σ C` of it.
+    /// Of each detector: [`loss::from_floor`] of the most confident box that meets the model; 0 where none does.
+    pub losses: Vec<f64>,
+    /// `Σ C` of these boxes.
     pub confidence: f64,
-    /// With respect to the cells.
+    /// Of the weighted sum, with respect to the cells.
     pub gradient: Vec<Rgb>,
 }
 
@@ -190,8 +202,13 @@ impl<'a> Attack<'a> {
             }
             None => {
                 let cells = clipped(of_pattern(&Pattern::random(config.cells, config.seed)?), config.range);
-                let adam = Adam::new(cells.len());
-                (Checkpoint::new(key, Vec::new()), AttackState { cells, adam })
+                let state = AttackState {
+                    adam: Adam::new(cells.len()),
+                    weights: DetectorWeights::new(detectors.len()),
+                    difficulty: Difficulty::new(view_set.views.len()),
+                    cells,
+                };
+                (Checkpoint::new(key, Vec::new()), state)
             }
         };
         Ok(Self {
@@ -282,9 +299,13 @@ impl<'a> Attack<'a> {
     fn step(&mut self, step: u32) -> Result<Entry, RunError> {
         let (config, state) = (self.config, &mut self.state);
         let mut rng = drawn_by(config.seed, step);
-        let views = batch(&self.view_set.trained(), config.batch, config.seed, step);
+        let trained = self.view_set.trained();
+        let views = state
+            .difficulty
+            .batch(&trained, (config.batch, config.hard), config.seed, step);
+        let weights = state.weights.of(config.against);
         let count = views.len() as f64;
-        let (mut loss, mut confidence) = (0.0, 0.0);
+        let (mut losses, mut confidence) = (vec![0.0; self.detectors.len()], 0.0);
         let mut gradient = vec![[0.0; 3]; state.cells.len()];
         let draws: Vec<(usize, Augmentation)> = views
             .iter()
@@ -296,13 +317,20 @@ impl<'a> Attack<'a> {
                 detectors,
                 (*view, &state.cells, draw),
                 (step, config.floor),
+                &weights,
             )
         });
-        for looked in looked? {
-            loss += looked.loss / count;
+        for (looked, view) in looked?.into_iter().zip(&views) {
+            for (sum, loss) in losses.iter_mut().zip(&looked.losses) {
+                *sum += loss / count;
+            }
             confidence += looked.confidence / count / self.detectors.len() as f64;
             add(&mut gradient, &looked.gradient, 1.0 / count);
+            state
+                .difficulty
+                .observe(*view, looked.losses.iter().copied().fold(0.0, f64::max));
         }
+        state.weights.observe(&losses);
         let (_, penalties) = penalties(&state.cells, config);
         add(&mut gradient, &penalties, 1.0);
         let range = config.range.map(|v| f64::from(v) / 255.0);
@@ -313,7 +341,7 @@ impl<'a> Attack<'a> {
             step: step + 1,
             queries: u64::from(step + 1) * views.len() as u64,
             wall_s: 0.0,
-            loss: Some(loss),
+            loss: Some(losses.iter().sum()),
             confidence: Some(confidence),
             held_out: None,
         })
@@ -329,13 +357,14 @@ pub(crate) fn loss_and_gradient<'a>(
     detectors: &[impl Deref<Target = dyn WhiteBox + 'a>],
     (view, cells, draw): (usize, &[Rgb], &Augmentation),
     (step, floor): (u32, f64),
+    weights: &[f64],
 ) -> Result<LossAndGradient, RunError> {
     let textured = view_set.textured(view, cells, draw);
     let name = || view_set.views[view].frame.name.clone();
     let mut on_image: Option<Vec<Rgb>> = None;
-    let (mut loss, mut confidence) = (0.0, 0.0);
-    for detector in detectors {
-        let found = detector.loss_and_gradient(&textured.augmented.image, view_set.list.size_px, &textured.outline);
+    let (mut losses, mut confidence) = (vec![0.0; detectors.len()], 0.0);
+    for ((detector, weight), loss) in detectors.iter().zip(weights).zip(&mut losses) {
+        let found = detector.loss_and_gradient(&textured.augmented.image, view_set.size_px(view), &textured.outline);
         let found = found.map_err(|reason| RunError::ForwardPass {
             detector: detector.name().to_owned(),
             view: name(),
@@ -357,17 +386,17 @@ pub(crate) fn loss_and_gradient<'a>(
             });
         }
         let (value, derivative) = loss::from_floor(found.loss, floor);
-        loss += value;
+        *loss = value;
         confidence += found.confidence;
         let on_image = on_image.get_or_insert_with(|| vec![[0.0; 3]; found.gradient.len()]);
-        add(on_image, &found.gradient, derivative);
+        add(on_image, &found.gradient, weight * derivative);
     }
     let gradient = match on_image {
         Some(gradient) => textured.vjp(gradient, cells),
         None => vec![[0.0; 3]; cells.len()],
     };
     Ok(LossAndGradient {
-        loss,
+        losses,
         confidence,
         gradient,
     })

@@ -57,8 +57,12 @@ impl TextureMapping {
 pub struct SurrogateView {
     /// Of its first frame.
     pub frame: Frame,
+    /// Which of the frame lists it is of.
+    list: usize,
     /// Around the object's mask, corner to corner of the image's pixels.
     pub outline: BoxPx,
+    /// How much of each pixel the object covers, 0 to 1.
+    object: Vec<f32>,
     model: PerPixel,
     place: Place,
 }
@@ -72,8 +76,8 @@ enum Place {
 /// All views, and which are held out.
 #[derive(Debug)]
 pub struct ViewSet {
-    /// The frames that the views are of.
-    pub list: FrameList,
+    /// The frames that the views are of: a list for each car or render.
+    lists: Vec<FrameList>,
     /// Cells of the pattern.
     pub grid: Grid,
     /// The views, with their surrogates fitted.
@@ -89,6 +93,8 @@ pub struct TexturedView<'a> {
     columns: usize,
     shift_tiles: [f64; 2],
     paint: Vec<Rgb>,
+    /// Outside the object another image is seen.
+    has_other_background: bool,
     pub augmented: AugmentedImage,
     /// Where the model is in the augmented image.
     pub outline: BoxPx,
@@ -102,13 +108,20 @@ impl ViewSet {
     /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
     /// model in it.
     pub fn open(
-        set: &FrameSet,
+        sets: &[FrameSet],
         grid: Grid,
         mapping: TextureMapping,
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
-        let all = views(&set.list.frames);
-        let load = |(): &mut (), frames: &Vec<&Frame>| load(set, frames, &grid, mapping);
+        let of_set = |(i, set): (usize, &'_ FrameSet)| -> Vec<(usize, Vec<Frame>)> {
+            let views = views(&set.list.frames);
+            views
+                .into_iter()
+                .map(|frames| (i, frames.into_iter().cloned().collect()))
+                .collect()
+        };
+        let all: Vec<(usize, Vec<Frame>)> = sets.iter().enumerate().flat_map(of_set).collect();
+        let load = |(): &mut (), (i, frames): &(usize, Vec<Frame>)| load((*i, &sets[*i]), frames, &grid, mapping);
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
         let count = loaded.len();
         let views: Vec<SurrogateView> = loaded.into_iter().flatten().collect();
@@ -116,7 +129,7 @@ impl ViewSet {
             return Err(RunError::NothingSeen);
         }
         Ok(Self {
-            list: set.list.clone(),
+            lists: sets.iter().map(|set| set.list.clone()).collect(),
             grid,
             unseen: count - views.len(),
             views,
@@ -145,8 +158,19 @@ impl ViewSet {
         self.holds_out() && view % HELD_OUT_EVERY == FIRST_HELD_OUT
     }
 
+    /// Which of the frame sets a view is of.
+    pub(crate) fn set_of(&self, view: usize) -> usize {
+        self.views[view].list
+    }
+
+    /// Width and height of a view's image, px.
+    pub fn size_px(&self, view: usize) -> [u32; 2] {
+        self.lists[self.views[view].list].size_px
+    }
+
     /// A view with a pattern on. `cells`: sRGB, 0 to 1, row by row from the top.
     pub fn textured(&self, view: usize, cells: &[Rgb], draw: &Augmentation) -> TexturedView<'_> {
+        let size_px = self.size_px(view);
         let view = &self.views[view];
         let columns = self.grid.columns as usize;
         let light: Vec<Rgb> = cells.iter().map(|cell| cell.map(light::decode)).collect();
@@ -154,22 +178,46 @@ impl ViewSet {
             Place::World(projection) => (Cow::Borrowed(projection), draw.jitter.shift_tiles),
             // The shift is the projection's own there.
             Place::Repeated(mask) => {
-                let (list, frame, nearest) = (&self.list, &view.frame, Sampling::Nearest);
+                let (list, frame, nearest) = (&self.lists[view.list], &view.frame, Sampling::Nearest);
                 let textured = repeated::project(list, frame, mask, &self.grid, nearest, &draw.jitter);
                 (Cow::Owned(textured), [0.0, 0.0])
             }
         };
         let paint = projection.forward(&rolled(&light, columns, shift_tiles));
-        let augmented = draw.apply(&view.model.predict(&paint), self.list.size_px);
+        let mut image = view.model.predict(&paint);
+        let has_other_background = draw
+            .background
+            .is_some_and(|background| self.exchange(&mut image, view, background));
+        let augmented = draw.apply(&image, size_px);
         TexturedView {
-            outline: draw.moved(&view.outline, self.list.size_px),
+            outline: draw.moved(&view.outline, size_px),
             view,
             projection,
             columns,
             shift_tiles,
             paint,
+            has_other_background,
             augmented,
         }
+    }
+
+    /// Puts the surroundings of another view behind the object: its image turned by half its width, so that the object there is cut in two and
+    /// out of the way. `which`: a share of all views. False for one of another size, which changes nothing.
+    fn exchange(&self, image: &mut [Rgb], view: &SurrogateView, which: f64) -> bool {
+        let other = &self.views[(which * self.views.len() as f64) as usize % self.views.len()];
+        let [size, size_of_other] = [view, other].map(|view| self.lists[view.list].size_px);
+        if size_of_other != size {
+            return false;
+        }
+        let width = size[0] as usize;
+        let behind = other.model.predict(&vec![[0.2; 3]; other.object.len()]);
+        for (i, (pixel, object)) in image.iter_mut().zip(&view.object).enumerate() {
+            let (row, column) = (i / width, i % width);
+            let behind = behind[row * width + (column + width / 2) % width];
+            let object = f64::from(*object);
+            *pixel = std::array::from_fn(|c| object * pixel[c] + (1.0 - object) * behind[c]);
+        }
+        true
     }
 
     /// A view in any paint (linear reflectance of each pixel), as it is.
@@ -182,6 +230,11 @@ impl TexturedView<'_> {
     /// From the derivative with respect to the augmented image to that with respect to the cells of its texture.
     pub fn vjp(&self, gradient: Vec<Rgb>, cells: &[Rgb]) -> Vec<Rgb> {
         let mut gradient = self.augmented.vjp(gradient);
+        if self.has_other_background {
+            for (g, object) in gradient.iter_mut().zip(&self.view.object) {
+                *g = g.map(|v| v * f64::from(*object));
+            }
+        }
         for (g, derivative) in gradient.iter_mut().zip(self.view.model.derivative(&self.paint)) {
             *g = std::array::from_fn(|c| g[c] * derivative[c]);
         }
@@ -196,14 +249,15 @@ impl TexturedView<'_> {
 
 /// `None` for a view in which the model or its paint is not seen.
 fn load(
-    set: &FrameSet,
-    frames: &[&Frame],
+    (list, set): (usize, &FrameSet),
+    frames: &[Frame],
     grid: &Grid,
     mapping: TextureMapping,
 ) -> Result<Option<SurrogateView>, RunError> {
-    let frame = frames[0];
+    let frame = &frames[0];
     let mask = set.paint_mask(frame)?;
-    let Some(seen) = outline(&set.object_mask(frame)?) else {
+    let object = set.object_mask(frame)?;
+    let Some(seen) = outline(&object) else {
         return Ok(None);
     };
     if !mask.pixels().any(|p| p.0[0] >= 128) {
@@ -230,6 +284,8 @@ fn load(
     let outline = BoxPx::new(seen.x1 + 0.5, seen.y1 + 0.5, seen.x2 + 0.5, seen.y2 + 0.5);
     Ok(Some(SurrogateView {
         frame: frame.clone(),
+        list,
+        object: object.pixels().map(|p| f32::from(p.0[0]) / 255.0).collect(),
         outline,
         model,
         place,

@@ -102,10 +102,8 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
         }
         Method::Import(args) => {
             let pattern = cells_of(&args.pattern)?;
-            let on = OnFrames {
-                cells: pattern.columns(),
-                ..args.on.clone()
-            };
+            let mut on = args.on.clone();
+            on.looking.cells = pattern.columns();
             finished("import", &on, &of_pattern(&pattern), out)
         }
         Method::Er(args) => searched("er", args, out),
@@ -192,7 +190,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     refuse_other_results(&args.on)?;
     let setup = args.on.open(false)?;
     check_seen(&setup, &patches)?;
-    let on = (&setup.view_set, &setup.frames);
+    let on = (&setup.view_set, setup.frames.as_slice());
     let image = |view: usize| painted(on, view, &patches, base);
     let judgement = judge_images(&setup.view_set, &setup.detectors, image)?;
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
@@ -212,7 +210,11 @@ fn check_seen(setup: &Setup, patches: &[PlacedPatch]) -> Result<(), Box<dyn Erro
     for (i, patch) in patches.iter().enumerate() {
         let mut is_shown = false;
         for view in setup.view_set.judged() {
-            is_shown |= is_seen(&setup.frames, &setup.view_set.views[view].frame, patch)? != Some(false);
+            is_shown |= is_seen(
+                &setup.frames[setup.view_set.set_of(view)],
+                &setup.view_set.views[view].frame,
+                patch,
+            )? != Some(false);
         }
         if !is_shown {
             return Err(format!(
@@ -227,13 +229,13 @@ fn check_seen(setup: &Setup, patches: &[PlacedPatch]) -> Result<(), Box<dyn Erro
 }
 
 fn painted(
-    (view_set, frames): (&ViewSet, &FrameSet),
+    (view_set, frames): (&ViewSet, &[FrameSet]),
     view: usize,
     patches: &[PlacedPatch],
     base: [u8; 3],
 ) -> Result<Vec<Rgb>, RunError> {
     let frame = &view_set.views[view].frame;
-    let paint = paint(frames, frame, patches, base)?;
+    let paint = paint(&frames[view_set.set_of(view)], frame, patches, base)?;
     let paint = paint.ok_or_else(|| RunError::NoPositions {
         view: frame.name.clone(),
     })?;

@@ -5,12 +5,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::device::OnDevice;
-use super::on_frames::OnFrames;
+use super::on_frames::{Looking, OnFrames};
 use super::run::{Settings, optimise};
 use super::{CommandResult, Outcome};
 use crate::attack::result::PATTERN;
 use crate::attack::run::judge::judge;
 use crate::attack::run::view_set::TextureMapping;
+use crate::attack::run::weights::Against;
 use crate::attack::run::{ColourPenalty, Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
 use crate::cli::demo::{home, print_template};
@@ -36,16 +37,18 @@ pub(super) struct DemoArgs {
 
 pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     let on = OnFrames {
-        frames: home().join(FRAMES),
-        detector: vec![DETECTOR.to_owned()],
-        folder: args.folder.clone(),
-        programs: Programs::default(),
-        class: "car".parse()?,
-        cells: CELLS,
-        tile_mm: TILE_MM,
-        mapping: TextureMapping::default(),
-        device: OnDevice::default(),
-        json: false,
+        looking: Looking {
+            frames: vec![home().join(FRAMES)],
+            detector: vec![DETECTOR.to_owned()],
+            folder: args.folder.clone(),
+            programs: Programs::default(),
+            class: "car".parse()?,
+            cells: CELLS,
+            tile_mm: TILE_MM,
+            mapping: TextureMapping::default(),
+            device: OnDevice::default(),
+            json: false,
+        },
         seed: 1,
         output: args.output.clone(),
     };
@@ -61,6 +64,9 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         batch: 5,
         learning_rate: 0.05,
         floor: 0.001,
+        against: Against::default(),
+        hard: 0.0,
+        eot: None,
         smooth: 0.0,
         printable: ColourPenalty::default(),
         palette: ColourPenalty::default(),

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::io::Write;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -30,11 +31,12 @@ use crate::whitebox::detector::OnnxDetector;
 use crate::whitebox::device::DeviceKind;
 use crate::whitebox::program::ProgramWhiteBox;
 
+/// What looks at what.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct OnFrames {
-    /// A folder of frames, each view in three flat colours or more
-    #[arg(value_name = "FRAMES")]
-    pub frames: PathBuf,
+pub(super) struct Looking {
+    /// Folders of frames, each view in three flat colours or more; several to see several models at once
+    #[arg(value_name = "FRAMES", required = true)]
+    pub frames: Vec<PathBuf>,
     /// The detectors to be misled; several at once as in yolox_nano,nanodet_m; a program as in 'exec:python3 mine.py'
     #[arg(
         long = "detector",
@@ -65,6 +67,13 @@ pub(super) struct OnFrames {
     /// One JSON object instead of the text
     #[arg(long)]
     pub json: bool,
+}
+
+/// The same, to make a pattern.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct OnFrames {
+    #[command(flatten)]
+    pub looking: Looking,
     /// The same seed gives the same pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -73,13 +82,21 @@ pub(super) struct OnFrames {
     pub output: PathBuf,
 }
 
+impl Deref for OnFrames {
+    type Target = Looking;
+
+    fn deref(&self) -> &Looking {
+        &self.looking
+    }
+}
+
 fn texture_mapping() -> impl TypedValueParser<Value = TextureMapping> {
     let by_name = |name: String| TextureMapping::ALL.into_iter().find(|mapping| mapping.name() == name);
     PossibleValuesParser::new(TextureMapping::ALL.map(TextureMapping::name))
         .map(move |name| by_name(name).unwrap_or_default())
 }
 
-impl OnFrames {
+impl Looking {
     /// `differentiates`: the detectors must give gradients.
     pub(super) fn open(&self, differentiates: bool) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
@@ -93,13 +110,24 @@ impl OnFrames {
             detectors.0.push(detector);
             detectors.1.push(name);
         }
-        let frames = FrameSet::open(&self.frames)?;
-        files::check_writable(&self.output)?;
+        let opened = self.frames.iter().map(|folder| FrameSet::open(folder));
+        let frames = opened.collect::<Result<Vec<_>, _>>()?;
         let texture = (self.cells, self.tile_mm, self.mapping);
-        let bar = progress::frames("reading views", views(&frames.list.frames).len());
+        let bar = progress::frames(
+            "reading views",
+            frames.iter().map(|set| views(&set.list.frames).len()).sum(),
+        );
         let setup = Setup::open(frames, texture, detectors, || bar.inc(1));
         bar.finish_and_clear();
         Ok(setup?)
+    }
+}
+
+impl OnFrames {
+    /// As [`Looking::open`], with a folder for what is made.
+    pub(super) fn open(&self, differentiates: bool) -> Result<Setup, Box<dyn Error>> {
+        files::check_writable(&self.output)?;
+        self.looking.open(differentiates)
     }
 
     /// Writes the result of a method, and says what it is.

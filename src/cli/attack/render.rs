@@ -53,6 +53,9 @@ pub(super) struct RenderArgs {
     /// Panorama paths a pixel
     #[arg(long, default_value_t = 64)]
     samples: u32,
+    /// Clean the noise away (Open Image Denoise): 8 paths a pixel are then enough for an attack, but light no longer adds up exactly
+    #[arg(long)]
+    denoise: bool,
     #[arg(long, default_value_t = 1)]
     seed: u32,
     /// Points along each side of a pixel at which the paint's position is kept
@@ -111,7 +114,7 @@ impl RenderArgs {
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
             samples: self.samples,
-            denoise: false,
+            denoise: self.denoise,
             seed: self.seed,
             factor: self.position_factor,
             threads: self.threads,
@@ -169,6 +172,9 @@ impl RenderArgs {
         if !self.texture.is_empty() {
             let names = self.texture.iter().map(|text| name(named(text).1));
             text += &format!(" --texture {}", names.collect::<Vec<_>>().join(" "));
+        }
+        if self.denoise {
+            text += " --denoise";
         }
         text + &format!(
             " --size-px {} --field-of-view-deg {} --samples {} --seed {} --position-factor {}",

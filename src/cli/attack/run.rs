@@ -4,9 +4,13 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
 use super::on_frames::OnFrames;
 use super::{CommandResult, Outcome, progress};
+use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
+use crate::attack::run::weights::Against;
 use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb};
 use crate::attack::setup::Setup;
 use crate::pattern::palette::Palette;
@@ -34,6 +38,16 @@ pub(super) struct RunArgs {
         allow_negative_numbers = true
     )]
     floor: f64,
+    /// Of several detectors: what is made small, their mean loss or that of the one that still sees the model best
+    #[arg(long, default_value = "mean", value_parser = against())]
+    against: Against,
+    /// Share of a step's views that are drawn for how well the model is still seen in them
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
+    hard: f64,
+    /// What happens to images at random besides the usual (a little brightness, contrast, size, place and noise): several as in blur,shift; `none`
+    /// for nothing at all
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = PossibleValuesParser::new(Eot::NAMES.into_iter().chain(["none"])))]
+    augment: Vec<String>,
     /// Weight of the differences between neighbouring cells
     #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
     smooth: f64,
@@ -69,6 +83,11 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
+fn against() -> impl TypedValueParser<Value = Against> {
+    let by_name = |name: String| Against::ALL.into_iter().find(|against| against.name() == name);
+    PossibleValuesParser::new(Against::ALL.map(Against::name)).map(move |name| by_name(name).unwrap_or_default())
+}
+
 /// Runs the attack with a bar that shows where it stands.
 pub(super) fn optimise(
     on: &OnFrames,
@@ -93,6 +112,10 @@ pub(super) struct Settings {
     pub batch: u32,
     pub learning_rate: f64,
     pub floor: f64,
+    pub against: Against,
+    pub hard: f64,
+    /// `None` for the usual.
+    pub eot: Option<Eot>,
     pub smooth: f64,
     pub printable: ColourPenalty,
     pub palette: ColourPenalty,
@@ -108,9 +131,11 @@ impl Settings {
             batch: self.batch,
             learning_rate: self.learning_rate,
             floor: self.floor,
+            against: self.against,
+            hard: self.hard,
             seed: on.seed,
             mapping: on.mapping,
-            eot: on.mapping.usual_eot(),
+            eot: self.eot.unwrap_or(on.mapping.usual_eot()),
             smooth: self.smooth,
             printable: self.printable,
             palette: self.palette,
@@ -128,6 +153,9 @@ impl RunArgs {
         }
         if !(1e-6..=0.5).contains(&self.floor) {
             return Err(format!("--floor is {:e}: give a confidence from 0.000001 to 0.5", self.floor).into());
+        }
+        if !(0.0..=1.0).contains(&self.hard) {
+            return Err(format!("--hard is {}: give a share from 0 to 1", self.hard).into());
         }
         for (name, weight) in [
             ("smooth", self.smooth),
@@ -147,11 +175,28 @@ impl RunArgs {
             batch: self.batch,
             learning_rate: self.rate,
             floor: self.floor,
+            against: self.against,
+            hard: self.hard,
+            eot: Some(self.eot()?),
             smooth: self.smooth,
             printable: self.printable()?,
             palette: self.palette()?,
             range,
         })
+    }
+
+    fn eot(&self) -> Result<Eot, Box<dyn Error>> {
+        let mut eot = self.on.mapping.usual_eot();
+        if self.augment.iter().any(|name| name == "none") {
+            return match self.augment.len() {
+                1 => Ok(Eot::NONE),
+                _ => Err("--augment none goes with no other: leave the others out".into()),
+            };
+        }
+        for name in &self.augment {
+            eot = eot.with(name).unwrap_or(eot);
+        }
+        Ok(eot)
     }
 
     fn printable(&self) -> Result<ColourPenalty, Box<dyn Error>> {

@@ -88,7 +88,7 @@ impl Component {
             Store::Dense { all, entries } => {
                 let to = &mut all[64 * block..][..64];
                 to[0] = mean;
-                each_entry(&entries[..count.min(128)], |place, value| to[place] = value);
+                each_entry(&entries[..count.min(128)], 63, |place, value| to[place] = value);
             }
             Store::Sparse { blocks, used, .. } => {
                 blocks[block] = SparseBlock {
@@ -118,17 +118,17 @@ impl Component {
         }
     }
 
-    /// Calls with every other value that is not zero and its place; says whether there was any.
+    /// Calls with every other value that is not zero and its place, up to the place `last`; says whether the block has any.
     #[inline(always)]
-    pub(super) fn each_other(&self, block: usize, mut with: impl FnMut(usize, i16)) -> bool {
+    pub(super) fn each_other(&self, block: usize, last: usize, mut with: impl FnMut(usize, i16)) -> bool {
         match &self.store {
             Store::Sparse { blocks, values, .. } => {
                 let SparseBlock { start, count, .. } = blocks[block];
-                each_entry(&values[start as usize..][..usize::from(count)], with);
+                each_entry(&values[start as usize..][..usize::from(count)], last, with);
                 count > 0
             }
             Store::Dense { all, .. } => {
-                let others = (1..64).zip(&all[64 * block + 1..]).filter(|(_, value)| **value != 0);
+                let others = (1..=last).zip(&all[64 * block + 1..]).filter(|(_, value)| **value != 0);
                 others.map(|(place, value)| with(place, *value)).count() > 0
             }
         }
@@ -169,14 +169,18 @@ impl Others<'_> {
 }
 
 #[inline(always)]
-fn each_entry(entries: &[u16], mut with: impl FnMut(usize, i16)) {
+fn each_entry(entries: &[u16], last: usize, mut with: impl FnMut(usize, i16)) {
     let mut entries = entries.iter();
     while let Some(entry) = entries.next() {
+        let place = usize::from(entry >> 10);
+        if place > last {
+            return;
+        }
         let value = match entry & 0x3FF {
             NEXT_HAS_IT => entries.next().map_or(0, |value| *value as i16),
             // Ten bits with a sign.
             _ => ((entry << 6) as i16) >> 6,
         };
-        with(usize::from(entry >> 10), value);
+        with(place, value);
     }
 }

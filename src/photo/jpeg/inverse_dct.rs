@@ -11,16 +11,8 @@ pub(super) const ZIGZAG: [u8; 64] = [
     47, 55, 62, 63,
 ];
 
-/// How a block becomes fewer samples than 8 × 8.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Reducing {
-    /// Each sample is the mean of those that it stands for.
-    Means,
-    /// The lowest frequencies alone, taken at the middle of each sample: as sharp as so few samples can be.
-    Lowest,
-}
-
-/// Makes `N` samples of each block of a component, its rows one after the other.
+/// Makes `N` samples of each block of a component, its rows one after the other. Fewer than 8 × 8 are made of the lowest frequencies alone, taken at
+/// the middle of each sample: as sharp as so few samples can be.
 pub(super) struct Transform<const N: usize> {
     /// By places: what one unit of the coefficient adds to each sample. Empty for whole blocks, whose rows and columns are taken one after the
     /// other.
@@ -29,12 +21,14 @@ pub(super) struct Transform<const N: usize> {
     row_shares: [Lanes; 64],
     /// What one unit of the mean adds to each sample.
     mean_share: f32,
+    /// The last place of the frequencies that count.
+    last: usize,
 }
 
 impl<const N: usize> Transform<N> {
     /// For so many samples across and down, whose product is `N`.
-    pub(super) fn new([across, down]: [usize; 2], reducing: Reducing, component: &Component) -> Transform<N> {
-        let (x, y) = (shares(across, reducing), shares(down, reducing));
+    pub(super) fn new([across, down]: [usize; 2], component: &Component) -> Transform<N> {
+        let (x, y) = (shares(across), shares(down));
         let places = || ZIGZAG.map(|at| (usize::from(at % 8), usize::from(at / 8)));
         let steps = component.steps.map(f32::from);
         let with_steps = || places().into_iter().zip(steps);
@@ -47,6 +41,10 @@ impl<const N: usize> Transform<N> {
             },
             row_shares: std::array::from_fn(|i| times(x[places()[i].0], steps[i])),
             mean_share: steps[0] / 8.0,
+            last: places()
+                .iter()
+                .rposition(|(u, v)| *u < across && *v < down)
+                .unwrap_or(0),
         }
     }
 
@@ -61,7 +59,7 @@ impl<const N: usize> Transform<N> {
             return self.whole(component, block, mean);
         }
         let mut samples = [mean; N];
-        component.each_other(block, |place, value| {
+        component.each_other(block, self.last, |place, value| {
             let value = f32::from(value);
             for (sample, share) in samples.iter_mut().zip(&self.shares[place & 63]) {
                 *sample += value * share;
@@ -76,7 +74,7 @@ impl<const N: usize> Transform<N> {
         let mut rows = [[0.0_f32; 8]; 8];
         // The columns multiply it by [`C`] of 4.
         rows[0] = [mean / C[4]; 8];
-        let has_any = component.each_other(block, |place, value| {
+        let has_any = component.each_other(block, 63, |place, value| {
             let value = f32::from(value);
             let row = &mut rows[(usize::from(ZIGZAG[place & 63]) / 8) & 7];
             *row = sum(*row, times(self.row_shares[place & 63], value));
@@ -107,25 +105,12 @@ fn rounded(value: f32) -> u8 {
 }
 
 /// What one unit of each of the eight frequencies of a row adds to each of `n` samples, 1, 2, 4 or 8.
-fn shares(n: usize, reducing: Reducing) -> [[f32; 8]; 8] {
+fn shares(n: usize) -> [[f32; 8]; 8] {
     let mut shares = [[0.0; 8]; 8];
-    for (u, shares) in shares.iter_mut().enumerate() {
+    for (u, shares) in shares.iter_mut().enumerate().take(n) {
         let scale = if u == 0 { FRAC_1_SQRT_2 } else { 1.0 } / 2.0;
-        // The cosine at a place of the row, 0 to 1.
-        let wave = |place: f32| scale * (PI * u as f32 * place).cos();
         for (i, share) in shares.iter_mut().enumerate().take(n) {
-            let stands_for = 8 / n;
-            *share = match reducing {
-                Reducing::Means => {
-                    let samples = i * stands_for..(i + 1) * stands_for;
-                    let sum: f32 = samples.map(|x| wave((x as f32 + 0.5) / 8.0)).sum();
-                    let mean = sum / stands_for as f32;
-                    // Whole waves cancel, but for rounding.
-                    if mean.abs() < 1e-6 { 0.0 } else { mean }
-                }
-                Reducing::Lowest if u < n => wave((i as f32 + 0.5) / n as f32),
-                Reducing::Lowest => 0.0,
-            };
+            *share = scale * (PI * u as f32 * (i as f32 + 0.5) / n as f32).cos();
         }
     }
     shares

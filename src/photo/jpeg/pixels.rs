@@ -8,7 +8,7 @@ use image::{GrayImage, RgbImage};
 use super::coefficients::Component;
 use super::colour;
 use super::frame::Colours;
-use super::inverse_dct::{Reducing, Transform};
+use super::inverse_dct::Transform;
 use super::read::Coefficients;
 use super::upsample;
 
@@ -16,7 +16,7 @@ impl Coefficients {
     /// The first component upright, at 1/`reduction` of the size (1, 2, 4 or 8); a rest at the right and at the bottom is left out.
     pub(in crate::photo) fn luma(&self, reduction: u32, orientation: Orientation) -> GrayImage {
         let mut canvas = self.canvas(reduction, orientation);
-        self.rows(&self.components[..1], reduction, Reducing::Means, |y, width, rows| {
+        self.rows(&self.components[..1], reduction, |y, width, rows| {
             canvas.put(y, &rows[0][..width]);
         });
         let [width, height] = canvas.turn.upright;
@@ -44,7 +44,7 @@ impl Coefficients {
             pixels: vec![0; size[0] * size[1]],
             turn: Turn::new(&flips, size),
         };
-        let transform = Transform::<64>::new([8, 8], Reducing::Means, component);
+        let transform = Transform::<64>::new([8, 8], component);
         let [columns, rows] = [0, 1].map(|i| start[i] / 8..(start[i] + size[i]).div_ceil(8));
         let mut strip = vec![0; 64 * columns.len()];
         let stride = 8 * columns.len();
@@ -71,7 +71,7 @@ impl Coefficients {
     pub(in crate::photo) fn rgb(&self, reduction: u32, orientation: Orientation) -> RgbImage {
         let mut canvas = self.canvas(reduction, orientation);
         let mut row = Vec::new();
-        self.rows(&self.components, reduction, Reducing::Lowest, |y, width, rows| {
+        self.rows(&self.components, reduction, |y, width, rows| {
             row.resize(width, [0; 3]);
             match (self.colours, rows) {
                 (Colours::YCbCr, [y, cb, cr]) => colour::from_ycbcr([y, cb, cr], &mut row),
@@ -95,18 +95,12 @@ impl Coefficients {
     }
 
     /// Calls with the place of each row of the image, its width, and a slice for each of the components.
-    fn rows(
-        &self,
-        components: &[Component],
-        reduction: u32,
-        reducing: Reducing,
-        mut with: impl FnMut(usize, usize, &[&[u8]]),
-    ) {
+    fn rows(&self, components: &[Component], reduction: u32, mut with: impl FnMut(usize, usize, &[&[u8]])) {
         let [width, height] = self.size.map(|side| (side / reduction) as usize);
         let across = self.most_sampling.map(|most| (8 / reduction * most) as usize);
         let mut planes: Vec<Plane> = components
             .iter()
-            .map(|c| Plane::of(c, self.most_sampling, 8 / reduction, reducing))
+            .map(|c| Plane::of(c, self.most_sampling, 8 / reduction))
             .collect();
         let mut buffers: Vec<Buffer> = planes.iter().map(Plane::buffer).collect();
         for y in 0..height {
@@ -257,7 +251,7 @@ enum Whichever {
 
 impl<'a> Plane<'a> {
     /// For pictures that make `n` pixels of the eight of a block. A component with fewer samples is reduced less, where that serves.
-    fn of(component: &'a Component, most_sampling: [u32; 2], n: u32, reducing: Reducing) -> Plane<'a> {
+    fn of(component: &'a Component, most_sampling: [u32; 2], n: u32) -> Plane<'a> {
         let mut block = [n as usize; 2];
         let mut enlarged = [0, 1].map(|i| (most_sampling[i] / component.sampling[i]).max(1) as usize);
         for (n, enlarged) in block.iter_mut().zip(&mut enlarged) {
@@ -267,13 +261,13 @@ impl<'a> Plane<'a> {
             }
         }
         let transform = match block[0] * block[1] {
-            1 => Whichever::S1(Transform::new(block, reducing, component)),
-            2 => Whichever::S2(Transform::new(block, reducing, component)),
-            4 => Whichever::S4(Transform::new(block, reducing, component)),
-            8 => Whichever::S8(Transform::new(block, reducing, component)),
-            16 => Whichever::S16(Transform::new(block, reducing, component)),
-            32 => Whichever::S32(Transform::new(block, reducing, component)),
-            _ => Whichever::S64(Transform::new(block, reducing, component)),
+            1 => Whichever::S1(Transform::new(block, component)),
+            2 => Whichever::S2(Transform::new(block, component)),
+            4 => Whichever::S4(Transform::new(block, component)),
+            8 => Whichever::S8(Transform::new(block, component)),
+            16 => Whichever::S16(Transform::new(block, component)),
+            32 => Whichever::S32(Transform::new(block, component)),
+            _ => Whichever::S64(Transform::new(block, component)),
         };
         let group = component.sampling[1] as usize * block[1];
         Plane {

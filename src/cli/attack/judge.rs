@@ -1,0 +1,201 @@
+//! `scaleproof attack judge`: patterns on every view of frames, as the surrogate renderer predicts them.
+
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+
+use nalgebra::Point3;
+use serde_json::{Value, json};
+
+use super::on_frames::{Looking, cells_of};
+use super::render::{hex, named};
+use super::{CommandResult, Outcome, progress};
+use crate::attack::run::augmentation::Augmentation;
+use crate::attack::run::judge::{SeenByDetector, look};
+use crate::attack::run::{Rgb, of_pattern, srgb};
+use crate::attack::setup::Setup;
+use crate::scene::Viewpoint;
+use crate::spelling::count;
+use crate::statistics::intervals_95;
+
+/// What detectors make of patterns on every view of frames, predicted and not rendered: a minute's look before `attack evaluate`
+#[derive(clap::Args)]
+pub(super) struct JudgeArgs {
+    #[command(flatten)]
+    on: Looking,
+    /// Patterns and their names: square PNG files of as many cells as --cells says
+    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required = true)]
+    patterns: Vec<String>,
+    /// What they are compared with: a flat colour as hex sRGB
+    #[arg(long, value_name = "HEX", default_value = "808080")]
+    normal: String,
+}
+
+/// What a pattern is called, and its cells.
+type NamedCells = (String, Vec<Rgb>);
+
+/// A pattern seen by each detector.
+struct Judged {
+    name: String,
+    seen: Vec<SeenByDetector>,
+}
+
+pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
+    let patterns = args.patterns()?;
+    let setup = args.on.open(false)?;
+    let views: Vec<usize> = (0..setup.view_set.views.len()).collect();
+    let bar = progress::frames("looking", views.len() * patterns.len());
+    let look = |(name, cells): NamedCells| {
+        let seen = look(&setup.view_set, &setup.detectors, &views, |view| {
+            bar.inc(1);
+            Ok(setup
+                .view_set
+                .textured(view, &cells, &Augmentation::NONE)
+                .augmented
+                .image)
+        })?;
+        Ok(Judged { name, seen })
+    };
+    let judged = patterns
+        .into_iter()
+        .map(look)
+        .collect::<Result<Vec<_>, Box<dyn Error>>>();
+    bar.finish_and_clear();
+    let judged = judged?;
+    let sectors = Sectors::of(&setup);
+    if args.on.json {
+        let rows = rows(&setup, &judged, &sectors);
+        writeln!(
+            out,
+            "{}",
+            json!({ "views": views.len(), "classes": args.on.class, "results": rows })
+        )?;
+        return Ok(Outcome::Done);
+    }
+    table(&setup, &judged, &sectors, out)?;
+    Ok(Outcome::Done)
+}
+
+impl JudgeArgs {
+    fn patterns(&self) -> Result<Vec<NamedCells>, Box<dyn Error>> {
+        let cells = self.on.cells as usize * self.on.cells as usize;
+        let mut patterns = vec![(self.normal.clone(), srgb(&vec![hex(&self.normal)?; cells]))];
+        for text in &self.patterns {
+            let (name, path) = named(text);
+            patterns.push((name, self.cells(path)?));
+        }
+        Ok(patterns)
+    }
+
+    fn cells(&self, path: &Path) -> Result<Vec<Rgb>, Box<dyn Error>> {
+        let pattern = cells_of(path)?;
+        match pattern.columns() == self.on.cells {
+            true => Ok(of_pattern(&pattern)),
+            false => Err(format!(
+                "{} has {} cells a side and --cells is {}: give patterns of one size, and their size",
+                path.display(),
+                pattern.columns(),
+                self.on.cells
+            )
+            .into()),
+        }
+    }
+}
+
+/// The views by the direction they are seen from.
+struct Sectors(Vec<usize>);
+
+/// So many around the model, the first about the front.
+const SECTORS: usize = 8;
+
+impl Sectors {
+    fn of(setup: &Setup) -> Self {
+        let step = 360.0 / SECTORS as f64;
+        let sector = |azimuth_deg: f64| (azimuth_deg / step).round().rem_euclid(SECTORS as f64) as usize;
+        let views = setup.view_set.views.iter();
+        Self(
+            views
+                .map(|view| {
+                    let camera_mm = view.frame.pose().inverse() * Point3::origin();
+                    sector(Viewpoint::of_camera(camera_mm, Point3::origin()).azimuth_deg)
+                })
+                .collect(),
+        )
+    }
+
+    /// The sector in which the model is seen best: its middle in degrees and the mean confidence.
+    fn worst(&self, confidences: &[f64]) -> (f64, f64) {
+        let mean = |sector: usize| {
+            let inside = self.0.iter().zip(confidences).filter(|(s, _)| **s == sector);
+            let (sum, n) = inside.fold((0.0, 0), |(sum, n), (_, c)| (sum + c, n + 1));
+            (n > 0).then(|| sum / f64::from(n))
+        };
+        let means = (0..SECTORS).filter_map(|sector| Some((sector as f64 * 360.0 / SECTORS as f64, mean(sector)?)));
+        means.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
+    }
+}
+
+/// How much less confident a detector is than of the plain model, view by view, and its 95 % interval over the views.
+fn drop(plain: &SeenByDetector, seen: &SeenByDetector) -> (f64, Option<[f64; 2]>) {
+    let differences: Vec<f64> = plain
+        .confidences
+        .iter()
+        .zip(&seen.confidences)
+        .map(|(a, b)| a - b)
+        .collect();
+    let mean = |weights: &[u32]| {
+        let weighted = differences.iter().zip(weights).map(|(d, w)| d * f64::from(*w));
+        weighted.sum::<f64>() / f64::from(weights.iter().sum::<u32>().max(1))
+    };
+    let all = mean(&vec![1; differences.len()]);
+    let [interval] = intervals_95(differences.len(), |weights| [mean(weights)]);
+    (all, interval.map(|interval| [interval.low, interval.high]))
+}
+
+fn table(setup: &Setup, judged: &[Judged], sectors: &Sectors, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+    writeln!(
+        out,
+        "predicted, not rendered, on {}; drop: of the mean confidence, with its 95 % interval over the views",
+        count(setup.view_set.views.len(), "view")
+    )?;
+    writeln!(
+        out,
+        "{:<14} {:<20} {:>7} {:>9} {:>11} {:>18}  drop",
+        "detector", "pattern", "AP@0.5", "hit rate", "confidence", "worst direction"
+    )?;
+    for (d, detector) in setup.detectors.iter().enumerate() {
+        for pattern in judged {
+            let seen = &pattern.seen[d];
+            let (azimuth, worst) = sectors.worst(&seen.confidences);
+            let (drop, interval) = drop(&judged[0].seen[d], seen);
+            let interval = interval.map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
+            writeln!(
+                out,
+                "{:<14} {:<20} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {azimuth:>3}°  {drop:.2}{interval}",
+                detector.name(),
+                pattern.name,
+                seen.ap50(),
+                seen.hit_rate(),
+                seen.mean_confidence(),
+                worst
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn rows(setup: &Setup, judged: &[Judged], sectors: &Sectors) -> Vec<Value> {
+    let row = |d: usize, name: &str, pattern: &Judged| {
+        let seen = &pattern.seen[d];
+        let (azimuth_deg, mean_confidence) = sectors.worst(&seen.confidences);
+        let (drop, drop_95) = drop(&judged[0].seen[d], seen);
+        json!({
+            "detector": name, "pattern": pattern.name, "ap50": seen.ap50(), "hit_rate": seen.hit_rate(), "mean_confidence": seen.mean_confidence(),
+            "worst_direction": { "azimuth_deg": azimuth_deg, "mean_confidence": mean_confidence }, "drop": drop, "drop_95": drop_95,
+        })
+    };
+    let detectors = setup.detectors.iter().enumerate();
+    detectors
+        .flat_map(|(d, detector)| judged.iter().map(move |pattern| row(d, detector.name(), pattern)))
+        .collect()
+}

@@ -1,0 +1,83 @@
+//! `attack judge`: what is printed is what a run's own judging says, of all views.
+
+use crate::tests::common;
+
+use common::{assert_refused, home, program, shared};
+use scaleproof::pattern::Pattern;
+use serde_json::Value;
+
+#[test]
+fn patterns_are_judged_on_every_view_beside_the_plain_model() {
+    let Some(detectors) = shared("detectors") else { return };
+    let out = tempfile::tempdir().unwrap();
+    let random = out.path().join("random.png");
+    Pattern::random(16, 1).unwrap().cells().save(&random).unwrap();
+    let judge = |arguments: &[&str]| {
+        let mut command = program();
+        command
+            .args(["attack", "judge"])
+            .arg(home().join("captures/skyline_attack"));
+        command.arg("--detectors").arg(&detectors).args(arguments);
+        command.output().unwrap()
+    };
+    let attack = home().join("print_templates/patterns/yolox_nano_attack_1.png");
+    let patterns = [
+        format!("attack={}", attack.display()),
+        format!("random={}", random.display()),
+    ];
+    let asked = [
+        "--detector",
+        "yolox_nano,fastestdet",
+        "--pattern",
+        &patterns[0],
+        &patterns[1],
+    ];
+    let output = judge(&[&asked[..], &["--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["views"], 12);
+    let rows = json["results"].as_array().unwrap();
+    let of = |detector: &str, pattern: &str| {
+        let found = rows
+            .iter()
+            .find(|row| row["detector"] == detector && row["pattern"] == pattern);
+        found.unwrap_or_else(|| panic!("{detector} {pattern}: {json}"))
+    };
+    assert_eq!(rows.len(), 6);
+    let (plain, attack) = (of("yolox_nano", "808080"), of("yolox_nano", "attack"));
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+    assert_eq!(number(plain, "drop"), 0.0);
+    assert!(number(attack, "ap50") < 0.5 * number(plain, "ap50"), "{json}");
+    let difference = number(plain, "mean_confidence") - number(attack, "mean_confidence");
+    assert!((number(attack, "drop") - difference).abs() < 1e-12);
+    let [low, high] = [0, 1].map(|i| attack["drop_95"][i].as_f64().unwrap());
+    assert!(0.0 < low && low < difference && difference < high, "{attack}");
+    for row in rows {
+        let worst = &row["worst_direction"];
+        assert!(
+            number(worst, "mean_confidence") >= number(row, "mean_confidence") - 1e-12,
+            "{row}"
+        );
+        assert_eq!(number(worst, "azimuth_deg") % 45.0, 0.0);
+    }
+    // The table says the same.
+    let text = String::from_utf8(judge(&asked).stdout).unwrap();
+    let line = text
+        .lines()
+        .find(|line| line.starts_with("yolox_nano") && line.contains("attack"))
+        .unwrap();
+    assert!(
+        line.contains(&format!("{:.2} [{low:.2}, {high:.2}]", difference)),
+        "{text}"
+    );
+    // What cannot be judged.
+    assert_refused(&judge(&["--pattern", "missing.png"]), &["missing.png"]);
+    assert_refused(
+        &judge(&["--cells", "8", "--pattern", &patterns[0]]),
+        &["16 cells", "--cells is 8"],
+    );
+    assert_refused(
+        &judge(&["--normal", "grey", "--pattern", &patterns[0]]),
+        &["grey", "808080"],
+    );
+}
