@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     /// Commands that write no file, or only into a folder that is their input.
-    const WITHOUT: [&str; 15] = [
+    const WITHOUT: [&str; 16] = [
         "locate",
         "plan",
         "camera show",
@@ -92,6 +92,7 @@ mod tests {
         "session new",
         "session show",
         "attack check",
+        "attack judge",
         "completions",
     ];
 
