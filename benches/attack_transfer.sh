@@ -25,6 +25,6 @@ for held_out in "${all[@]}" none; do
     done
 done
 "$home/run" attack baseline random "$frames" --detector yolox_nano --tile-mm 240 -o "$folder/random"
-"$home/run" attack evaluate "$mesh" --material Material.001 --length-mm 455 --normal 808080 --tile-mm 240 --light courtyard sunrise@60 \
+"$home/run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --tile-mm 240 --light courtyard sunrise@60 \
     --azimuth-deg every30 --pitch-deg 0 15 30 --distance-mm 900 1200 1500 --field-of-view-deg 40 -o "$folder/evaluation" --pattern "${patterns[@]}" \
     camou="$stored/yolox_nano_camou.png" er="$stored/yolox_nano_er.png" random="$folder/random/pattern.png" dta="$published"
