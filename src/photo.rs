@@ -70,7 +70,7 @@ fn convert_sentence(path: &Path, kind: &str) -> String {
 }
 
 /// How much smaller a JPEG can be decoded: its blocks of 8 × 8 pixels come back as 1 × 1, 2 × 2 or 4 × 4.
-const REDUCTIONS: [u32; 3] = [8, 4, 2];
+pub(crate) const REDUCTIONS: [u32; 3] = [8, 4, 2];
 
 /// A photo: its file is read and hashed and its header understood. The data of a JPEG is decoded once, when pixels are first requested;
 /// damage inside shows then. Pixels of any size follow from what is kept of it.

@@ -6,6 +6,7 @@ use std::cell::OnceCell;
 use image::metadata::Orientation;
 use image::{GrayImage, imageops};
 
+use super::REDUCTIONS;
 use super::jpeg::Coefficients;
 
 /// Luma of an upright image.
@@ -77,7 +78,9 @@ impl Luma for JpegLuma<'_> {
         // A turned image leaves the rest out on the other side.
         let is_whole = self.size.iter().all(|side| side.is_multiple_of(factor));
         match factor {
-            2 | 4 | 8 if is_whole => Cow::Owned(self.coefficients.luma(factor, self.orientation)),
+            _ if is_whole && REDUCTIONS.contains(&factor) => {
+                Cow::Owned(self.coefficients.luma(factor, self.orientation))
+            }
             _ => self.whole().reduced(factor),
         }
     }

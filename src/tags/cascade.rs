@@ -9,7 +9,7 @@ use super::fit::TagFit;
 use super::merge::MergedTags;
 use super::search::{Found, Search, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
-use crate::photo::Luma;
+use crate::photo::{Luma, REDUCTIONS};
 use crate::scene::TagFamily;
 
 /// Images of at most this long side are searched as they are, larger ones reduced to it at most.
@@ -17,9 +17,6 @@ const SEARCHED_PX: u32 = 1600;
 
 /// The first finder is shown the larger ones still smaller, at least this long: tags that it misses are looked for where the pose expects them.
 const SMALL_PX: u32 = 800;
-
-/// By these a JPEG is reduced without its pixels.
-const CHEAP_FACTORS: [u32; 3] = [8, 4, 2];
 
 /// The same for live images, where the answer must come soon and the next image brings another chance.
 const SEARCHED_LIVE_PX: u32 = 640;
@@ -104,7 +101,7 @@ impl Stage {
         let factor = match self.view {
             View::Reduced(to_px) => longest.div_ceil(to_px).max(1),
             View::Small if longest <= SEARCHED_PX => 1,
-            View::Small => CHEAP_FACTORS.into_iter().find(|f| longest / f >= SMALL_PX).unwrap_or(1),
+            View::Small => REDUCTIONS.into_iter().find(|f| longest / f >= SMALL_PX).unwrap_or(1),
             View::Whole if longest <= SEARCHED_PX => return None,
             View::Whole => 1,
         };

@@ -3,7 +3,7 @@
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::{Found, Search};
-use super::{SeenTag, TagDetector, TagImage, border, cells_across, inset};
+use super::{SeenTag, TagDetector, TagImage, cells_across, inset};
 use crate::photo::Luma;
 use crate::statistics::upper_median;
 
@@ -72,12 +72,10 @@ impl TagFit {
         let inset = self.inset_px.unwrap_or(usual_inset_px);
         let fitted = self.outline.as_ref().and_then(|outline| outline.corners(inset));
         let corners_px = fitted.unwrap_or_else(|| self.part.inside(&self.found.corners_px));
-        let Found { family, id, .. } = self.found;
+        let in_part = SeenTag::new(self.found.family, self.found.id, corners_px, &self.part.pixels);
         SeenTag {
-            id,
-            family,
-            is_whole: border::is_whole(&self.part.pixels, &corners_px, cells_across(family)),
             corners_px: self.part.in_image(&corners_px),
+            ..in_part
         }
     }
 }

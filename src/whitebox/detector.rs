@@ -157,22 +157,10 @@ impl OnnxDetector {
         })
     }
 
-    /// Whether scoring, which takes the best label of an anchor (`detect::heads`), takes one that counts.
+    /// Whether the label that scoring takes is one that counts.
     fn is_reported(&self, anchor: &Anchor, anchors: &Anchors, output: &Output) -> bool {
-        if anchor.label.is_some() {
-            return true;
-        }
-        let labels = self.manifest.labels.count().saturating_sub(anchors.first_scored);
-        let scores = output.raw.iter().skip(anchor.first_label).step_by(anchor.label_step);
-        let (mut counted, mut others) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
-        for (i, score) in scores.take(labels).enumerate() {
-            let best = match self.labels.contains(&(i + anchors.first_scored)) {
-                true => &mut counted,
-                false => &mut others,
-            };
-            *best = best.max(*score);
-        }
-        counted >= others
+        let best = || anchors.best_label(anchor, &output.raw, self.manifest.labels.count()).0;
+        anchor.label.is_some() || self.labels.contains(&best())
     }
 
     /// What an anchor's confidence is made of: its objectness and the best of the labels that count.

@@ -5,12 +5,15 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use serde::Serialize;
 
-use super::Rgb;
 use super::resample::Resample;
+use super::{Rgb, of_image, to_image};
 use crate::geometry::BoxPx;
 use crate::photo::as_jpeg;
 use crate::surrogate::projection::repeated::Jitter;
 use crate::whitebox::separable::{Separable, Tap};
+
+/// A kind of augmentation: its name, and what adds it.
+type Kind = (&'static str, fn(&mut Eot));
 
 /// Ranges to draw from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -67,51 +70,17 @@ impl Eot {
         ..Self::NONE
     };
 
-    /// With one kind more of augmentation, by its name; `None` for a name that is not one of [`Eot::NAMES`].
-    pub fn with(self, name: &str) -> Option<Self> {
-        Some(match name {
-            "brightness" => Self {
-                brightness: 0.25,
-                ..self
-            },
-            "contrast" => Self { contrast: 0.7, ..self },
-            "far" => Self {
-                scale: [0.25, self.scale[1]],
-                ..self
-            },
-            "noise" => Self { noise: 0.04, ..self },
-            "white-balance" => Self {
-                white_balance: 0.8,
-                ..self
-            },
-            "blur" => Self { blur_px: 1.5, ..self },
-            "jpeg" => Self {
-                jpeg_quality: 30,
-                ..self
-            },
-            "background" => Self {
-                background: 0.5,
-                ..self
-            },
-            "shift" => Self {
-                shift_tiles: 0.5,
-                ..self
-            },
-            _ => return None,
-        })
-    }
-
-    /// What [`Eot::with`] takes.
-    pub const NAMES: [&str; 9] = [
-        "brightness",
-        "contrast",
-        "far",
-        "noise",
-        "white-balance",
-        "blur",
-        "jpeg",
-        "background",
-        "shift",
+    /// What can be added to the usual, by name.
+    pub const KINDS: [Kind; 9] = [
+        ("brightness", |eot| eot.brightness = 0.25),
+        ("contrast", |eot| eot.contrast = 0.7),
+        ("far", |eot| eot.scale[0] = 0.25),
+        ("noise", |eot| eot.noise = 0.04),
+        ("white-balance", |eot| eot.white_balance = 0.8),
+        ("blur", |eot| eot.blur_px = 1.5),
+        ("jpeg", |eot| eot.jpeg_quality = 30),
+        ("background", |eot| eot.background = 0.5),
+        ("shift", |eot| eot.shift_tiles = 0.5),
     ];
 }
 
@@ -210,7 +179,7 @@ impl Augmentation {
             }
         }
         if self.jpeg_quality < 100 {
-            image = compressed(image, size_px, self.jpeg_quality);
+            image = compressed(image, size_px[0], self.jpeg_quality);
         }
         AugmentedImage {
             image,
@@ -246,9 +215,10 @@ impl AugmentedImage {
         if let Some(blur) = &self.blur {
             gradient = blur.transposed(&gradient);
         }
-        self.resample
-            .as_ref()
-            .map_or_else(|| gradient.clone(), |r| r.transposed(&gradient))
+        match &self.resample {
+            Some(resample) => resample.transposed(&gradient),
+            None => gradient,
+        }
     }
 }
 
@@ -280,13 +250,9 @@ fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
 }
 
 /// As it comes back from a JPEG; as it is where it cannot be encoded.
-fn compressed(image: Vec<Rgb>, size_px: [u32; 2], quality: u8) -> Vec<Rgb> {
-    let bytes = image.iter().flatten().map(|v| (255.0 * v).round() as u8).collect();
-    let picture = image::RgbImage::from_raw(size_px[0], size_px[1], bytes);
-    match picture.and_then(|picture| as_jpeg(&picture, quality)) {
-        Some(lossy) => lossy.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect(),
-        None => image,
-    }
+fn compressed(image: Vec<Rgb>, columns: u32, quality: u8) -> Vec<Rgb> {
+    let lossy = as_jpeg(&to_image(&image, columns), quality);
+    lossy.map_or(image, |lossy| of_image(&lossy))
 }
 
 /// A standard normal value (Box & Muller 1958).

@@ -472,14 +472,15 @@ pub(crate) fn srgb(colours: &[[u8; 3]]) -> Vec<Rgb> {
 
 /// A pattern's cells, row by row.
 pub(crate) fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
-    pattern
-        .cells()
-        .pixels()
-        .map(|p| p.0.map(|v| f64::from(v) / 255.0))
-        .collect()
+    of_image(pattern.cells())
 }
 
-/// Cells as a pattern of so many columns.
+/// Pixels as sRGB of 0 to 1, row by row.
+fn of_image(image: &RgbImage) -> Vec<Rgb> {
+    image.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect()
+}
+
+/// Cells or pixels as an image of so many columns.
 pub(crate) fn to_image(cells: &[Rgb], columns: u32) -> RgbImage {
     RgbImage::from_fn(columns, cells.len() as u32 / columns, |x, y| {
         image::Rgb(cells[(y * columns + x) as usize].map(|v| (255.0 * v).round() as u8))

@@ -66,7 +66,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         floor: 0.001,
         against: Against::default(),
         hard: 0.0,
-        eot: None,
+        eot: on.mapping.usual_eot(),
         smooth: 0.0,
         printable: ColourPenalty::default(),
         palette: ColourPenalty::default(),

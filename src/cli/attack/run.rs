@@ -46,7 +46,7 @@ pub(super) struct RunArgs {
     hard: f64,
     /// What happens to images at random besides the usual (a little brightness, contrast, size, place and noise): several as in blur,shift; `none`
     /// for nothing at all
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = PossibleValuesParser::new(Eot::NAMES.into_iter().chain(["none"])))]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = PossibleValuesParser::new(Eot::KINDS.map(|(name, _)| name).into_iter().chain(["none"])))]
     augment: Vec<String>,
     /// Weight of the differences between neighbouring cells
     #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -114,8 +114,7 @@ pub(super) struct Settings {
     pub floor: f64,
     pub against: Against,
     pub hard: f64,
-    /// `None` for the usual.
-    pub eot: Option<Eot>,
+    pub eot: Eot,
     pub smooth: f64,
     pub printable: ColourPenalty,
     pub palette: ColourPenalty,
@@ -135,7 +134,7 @@ impl Settings {
             hard: self.hard,
             seed: on.seed,
             mapping: on.mapping,
-            eot: self.eot.unwrap_or(on.mapping.usual_eot()),
+            eot: self.eot,
             smooth: self.smooth,
             printable: self.printable,
             palette: self.palette,
@@ -177,7 +176,7 @@ impl RunArgs {
             floor: self.floor,
             against: self.against,
             hard: self.hard,
-            eot: Some(self.eot()?),
+            eot: self.eot()?,
             smooth: self.smooth,
             printable: self.printable()?,
             palette: self.palette()?,
@@ -193,8 +192,10 @@ impl RunArgs {
                 _ => Err("--augment none goes with no other: leave the others out".into()),
             };
         }
-        for name in &self.augment {
-            eot = eot.with(name).unwrap_or(eot);
+        for (name, add) in Eot::KINDS {
+            if self.augment.iter().any(|asked| asked == name) {
+                add(&mut eot);
+            }
         }
         Ok(eot)
     }

@@ -113,23 +113,29 @@ impl Anchors {
         }
     }
 
+    /// The label of an anchor that scores best, of so many, and its number in the output.
+    pub(crate) fn best_label(&self, anchor: &Anchor, output: &[f32], labels: usize) -> (usize, f32) {
+        let scores = output[anchor.first_label..]
+            .iter()
+            .step_by(anchor.label_step)
+            .take(labels - self.first_scored);
+        let (nth, best) = best(scores.copied());
+        (nth + self.first_scored, best)
+    }
+
     /// Each anchor's best label, where it reaches the score floor.
     fn candidates(&self, outputs: &[Tensor], labels: usize) -> Vec<CandidateBox> {
         let score = |number: f32| if self.are_logits { sigmoid(number) } else { number };
         let power = |score: f32, exponent: f32| if exponent == 1.0 { score } else { score.powf(exponent) };
         let candidate = |anchor: &Anchor| {
             let data = outputs.get(anchor.output)?.floats()?;
-            let scores = data[anchor.first_label..]
-                .iter()
-                .step_by(anchor.label_step)
-                .take(labels - self.first_scored);
-            let (label, best) = best(scores.copied());
+            let (label, best) = self.best_label(anchor, data, labels);
             let of_label = power(score(best), self.exponents[1]);
             let both = match anchor.objectness {
                 Some(i) => power(score(data[i]), self.exponents[0]) * of_label,
                 None => of_label,
             };
-            from_corners(label + self.first_scored, both, anchor.b)
+            from_corners(label, both, anchor.b)
         };
         self.anchors.iter().filter_map(candidate).collect()
     }
