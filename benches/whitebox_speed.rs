@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use ort::environment::Environment;
 use ort::session::Session;
-use scaleproof::{BoxPx, Manifest, OnnxDetector, TensorDevice, WhiteBox};
+use scaleproof::{BoxPx, Boxes, Manifest, OnnxDetector, TensorDevice, WhiteBox};
 
 const ROUNDS: usize = 15;
 /// Pictures a thread looks at while two are at work.
@@ -56,7 +56,7 @@ fn measure(environment: &Environment, manifest: &Manifest, weights: &Path) {
     let mut session = session(environment, weights);
     let look = || {
         detector
-            .loss_and_gradient(&picture, size, &outline)
+            .loss_and_gradient(&picture, size, &outline, Boxes::Strongest)
             .expect("a gradient")
             .expect("a car")
     };

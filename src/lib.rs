@@ -110,7 +110,7 @@ pub use frames::{FrameSet, FramesError};
 #[cfg(feature = "attack")]
 pub use surrogate::projection::Grid;
 #[cfg(feature = "attack")]
-pub use whitebox::{WhiteBox, WhiteBoxError, detector::OnnxDetector};
+pub use whitebox::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector};
 
 /// The program `scaleproof`.
 #[doc(hidden)]

@@ -196,7 +196,7 @@ fn projections(set: &FrameSet, frame: &Frame) -> Vec<(String, Projection)> {
     let mut rng = Pcg32::seed_from_u64(11);
     let mut all = Vec::new();
     for sampling in [Sampling::Nearest, Sampling::Bilinear] {
-        let world = world::project(set, frame, &GRID, sampling).unwrap().unwrap();
+        let world = world::project(set, frame, &GRID, (sampling, false)).unwrap().unwrap();
         all.push((format!("world {sampling:?}"), world));
         for jitter in [repeated::Jitter::NONE, repeated::Jitter::random(&mut rng)] {
             let projection = repeated::project(&set.list, frame, &mask, &GRID, sampling, &jitter);
@@ -302,7 +302,11 @@ fn pattern_error(set: &FrameSet, view: &[&Frame], place: impl Fn(&Frame, &Grid) 
 fn the_world_aligned_projection_is_what_was_rendered() {
     let set = stored();
     for view in views(&set.list.frames) {
-        let world = |frame: &Frame, grid: &Grid| world::project(&set, frame, grid, Sampling::Nearest).unwrap().unwrap();
+        let world = |frame: &Frame, grid: &Grid| {
+            world::project(&set, frame, grid, (Sampling::Nearest, false))
+                .unwrap()
+                .unwrap()
+        };
         let plane = |frame: &Frame, grid: &Grid| {
             let mask = set.paint_mask(frame).unwrap();
             repeated::project(

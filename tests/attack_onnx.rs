@@ -20,7 +20,7 @@ use scaleproof::frames::FrameSet;
 use scaleproof::surrogate::projection::Grid;
 use scaleproof::whitebox::detector::OnnxDetector;
 use scaleproof::whitebox::onnx::OnnxNetwork;
-use scaleproof::whitebox::{Prediction, WhiteBox};
+use scaleproof::whitebox::{Boxes, Prediction, WhiteBox};
 
 use crate::tests::common::onnx;
 pub(super) mod parity;
@@ -246,6 +246,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         steps: 2,
         batch: 5,
         learning_rate: 0.03,
+        boxes: Boxes::Strongest,
         floor: 0.001,
         against: Against::Mean,
         hard: 0.0,
@@ -253,7 +254,8 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         mapping: TextureMapping::World,
         eot: Eot::USUAL,
         smooth: 0.0,
-        printable: ColourPenalty::default(),
+        near: None,
+        printer: None,
         palette: ColourPenalty::default(),
         range: [0, 255],
         frames_sha256: String::new(),

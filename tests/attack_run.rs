@@ -15,16 +15,19 @@ use scaleproof::attack::baseline::{self, BlackBox, genetic};
 use scaleproof::attack::run::augmentation::{Augmentation, Eot, rolled};
 use scaleproof::attack::run::judge::{judge, look};
 use scaleproof::attack::run::loss::from_floor;
-use scaleproof::attack::run::penalty::{off_colours, smooth};
+use scaleproof::attack::run::penalty::{distance, off_colours, smooth};
+use scaleproof::attack::run::printer::PrinterMap;
 use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof::attack::run::weights::Against;
-use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb, RunError, batch, loss_and_gradient};
+use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty, Near, Rgb, RunError, batch, loss_and_gradient};
 use scaleproof::frames::light;
-use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb};
+use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
 use scaleproof::geometry::BoxPx;
+use scaleproof::pattern::colour::Lab;
+use scaleproof::pattern::gamut::Gamut;
 use scaleproof::pattern::world_aligned::Side;
-use scaleproof::surrogate::projection::Grid;
-use scaleproof::whitebox::{ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
+use scaleproof::surrogate::projection::{Grid, Sampling, world};
+use scaleproof::whitebox::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
 
 /// C = σ(z), z = gain · Σ w(x, y) · (image − base) / pixels: sees the model the better, the more its image is like
 /// a fixed weave. Unsure of a grey model.
@@ -84,8 +87,9 @@ impl WhiteBox for Weave {
         picture: &[Rgb],
         size_px: [u32; 2],
         outline: &BoxPx,
+        boxes: Boxes,
     ) -> Result<Option<ImageLoss>, WhiteBoxError> {
-        Ok(ImageLoss::of(Box::new(self.forward(picture, size_px)), outline))
+        Ok(ImageLoss::of(Box::new(self.forward(picture, size_px)), outline, boxes))
     }
 }
 
@@ -160,6 +164,7 @@ fn config(steps: u32) -> AttackConfig {
         steps,
         batch: 2,
         learning_rate: 0.05,
+        boxes: Boxes::Strongest,
         floor: 0.5,
         against: Against::Mean,
         hard: 0.0,
@@ -167,7 +172,8 @@ fn config(steps: u32) -> AttackConfig {
         mapping: TextureMapping::World,
         eot: Eot::USUAL,
         smooth: 0.0,
-        printable: ColourPenalty::default(),
+        near: None,
+        printer: None,
         palette: ColourPenalty::default(),
         range: [0, 255],
         frames_sha256: String::new(),
@@ -246,9 +252,10 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             let draw = Augmentation::random(&eot, &mut Pcg32::seed_from_u64(seed + 40));
             let view = seed as usize % view_set.views.len();
             let floor = [0.5, 0.001][seed as usize];
+            let boxes = [Boxes::Strongest, Boxes::Overlap][seed as usize];
             let weights = [0.4, 1.6];
             let at = |cells: &[Rgb]| {
-                loss_and_gradient(&view_set, &detectors, (view, cells, &draw), (0, floor), &weights).unwrap()
+                loss_and_gradient(&view_set, &detectors, (view, cells, &draw), (0, boxes, floor), &weights).unwrap()
             };
             let weighted = |cells: &[Rgb]| {
                 at(cells)
@@ -279,6 +286,152 @@ fn penalties_have_the_gradients_of_finite_differences_and_mean_what_they_say() {
         "a paint of the palette costs nothing"
     );
     assert_eq!(off_colours(&cells, &[]).0, 0.0);
+    let other = random_cells(4);
+    assert!(worst(&cells, &distance(&cells, &other).1, |c| distance(c, &other).0) < 1e-5);
+    assert_eq!(distance(&[[0.5; 3]; 2], &[[0.5; 3], [0.5, 0.5, 1.0]]).0, 0.125);
+}
+
+/// Each side in one colour: every pixel has the colours of the sides that are seen in it.
+#[test]
+fn each_side_has_cells_of_its_own() {
+    let set = stored();
+    let [columns, rows] = TextureMapping::Sides.grid(CELLS);
+    let grid = Grid {
+        columns,
+        rows,
+        cell_mm: 40.0,
+    };
+    let of_side = |side: usize| [0.1 * side as f64, 1.0 - 0.15 * side as f64, 0.5];
+    let a_side = grid.cells() / 6;
+    let cells: Vec<Rgb> = (0..grid.cells()).map(|i| of_side(i / a_side)).collect();
+    for frame in views(&set.list.frames).iter().map(|frames| frames[0]) {
+        let projection = world::project(&set, frame, &grid, (Sampling::Nearest, true))
+            .unwrap()
+            .unwrap();
+        let points = set.surface(frame).unwrap().unwrap();
+        let factor = set.list.positions.as_ref().unwrap().factor as usize;
+        let width = set.list.size_px[0] as usize;
+        let mut seen = std::collections::BTreeSet::<usize>::new();
+        for (i, colour) in projection.forward(&cells).iter().enumerate() {
+            let (x, y) = (i % width, i / width);
+            let parts = (0..factor * factor).map(|p| (x * factor + p % factor, y * factor + p / factor));
+            let sides: Vec<usize> = parts
+                .filter_map(|(x, y)| points[y * width * factor + x].side.map(|side| side as usize))
+                .collect();
+            seen.extend(&sides);
+            for c in 0..3 {
+                let expected: f64 = sides.iter().map(|side| of_side(*side)[c]).sum::<f64>() / sides.len() as f64;
+                assert!(
+                    sides.is_empty() || (colour[c] - expected).abs() < 1e-9,
+                    "{} {i}",
+                    frame.name
+                );
+            }
+        }
+        assert!(seen.len() > 1, "{}: {seen:?}", frame.name);
+    }
+}
+
+/// A printer that makes everything paler: the pattern asks for more contrast than it would have.
+#[test]
+fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
+    let levels = [0, 51, 102, 153, 204, 255];
+    let pale = |rgb: [u8; 3]| Lab::of_linear(rgb.map(|v| 0.25 + 0.4 * light::decode(f64::from(v) / 255.0)));
+    let printer = || PrinterMap::new(Gamut::new(&levels, pale), "pale".to_owned());
+    let view_set = view_set(TextureMapping::World);
+    let made = |printer: Option<PrinterMap>| {
+        let folder = tempfile::tempdir().unwrap();
+        let config = AttackConfig { printer, ..config(60) };
+        let detectors = detectors(40.0, &view_set);
+        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
+        attack.run(folder.path(), |_, _| {}).unwrap()
+    };
+    let confidence = |cells: &[Rgb]| {
+        judge(&view_set, &detectors(40.0, &view_set), cells)
+            .unwrap()
+            .mean_confidence
+    };
+    let (for_printer, entries) = made(Some(printer()));
+    let (for_screen, _) = made(None);
+    let [printed, clipped] = [&for_printer, &for_screen].map(|cells| confidence(&printer().printed(cells)));
+    println!("as printed: made for the printer {printed:.3}, made for a screen {clipped:.3}");
+    assert!(printed <= clipped);
+    let judged = entries.last().unwrap().held_out.unwrap();
+    assert!(
+        (judged.mean_confidence - printed).abs() < 0.01,
+        "what is judged is what is printed"
+    );
+}
+
+#[test]
+fn a_pattern_stays_near_another_where_it_is_asked_to() {
+    let view_set = view_set(TextureMapping::World);
+    let near = random_cells(8);
+    let off = |weight: f64| {
+        let folder = tempfile::tempdir().unwrap();
+        let config = AttackConfig {
+            near: Some(Near {
+                weight,
+                cells: near.clone(),
+            }),
+            ..config(60)
+        };
+        let detectors = detectors(40.0, &view_set);
+        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
+        distance(&attack.run(folder.path(), |_, _| {}).unwrap().0, &near).0
+    };
+    let offs = [0.01, 1.0, 100.0].map(off);
+    println!("mean squared distance: {offs:?}");
+    assert!(offs[0] > offs[1] && offs[1] > offs[2] && offs[2] < 1e-3);
+}
+
+#[test]
+fn all_boxes_count_by_the_sum_of_their_odds() {
+    struct Said(Vec<Prediction>);
+    impl ForwardPass for Said {
+        fn predictions(&self) -> &[Prediction] {
+            &self.0
+        }
+        fn vjp(self: Box<Self>, weights: &[f64]) -> Vec<Rgb> {
+            weights.iter().map(|w| [*w, 0.0, 0.0]).collect()
+        }
+    }
+    let model = BoxPx::new(0.0, 0.0, 40.0, 20.0);
+    let of = |odds: [f64; 3], boxes: Boxes| {
+        let wide = [1.0, 0.5, 0.01].map(|share| BoxPx::new(0.0, 0.0, 40.0 * share, 20.0));
+        let said = wide.into_iter().zip(odds).map(|(box_px, odds)| Prediction {
+            is_reported: true,
+            box_px,
+            confidence: odds / (1.0 + odds),
+            loss: odds.ln_1p(),
+        });
+        ImageLoss::of(Box::new(Said(said.collect())), &model, boxes).unwrap()
+    };
+    // The last box is not on the model.
+    let odds = [0.3, 0.05, 9.0];
+    assert!((of(odds, Boxes::Strongest).loss - 1.3_f64.ln()).abs() < 1e-12);
+    assert!((of(odds, Boxes::All).loss - 1.35_f64.ln()).abs() < 1e-12);
+    assert!((of(odds, Boxes::Overlap).loss - 1.325_f64.ln()).abs() < 1e-12);
+    assert_eq!(of(odds, Boxes::All).confidence, 0.3 / 1.3);
+    // By the loss of each, ln(1 + odds), as differences have it.
+    for boxes in Boxes::ALL {
+        let gradient = of(odds, boxes).gradient;
+        for i in 0..3 {
+            let by = |d: f64| {
+                let mut moved = odds;
+                moved[i] = (odds[i].ln_1p() + d).exp_m1();
+                of(moved, boxes).loss
+            };
+            let difference = (by(1e-6) - by(-1e-6)) / 2e-6;
+            assert!(
+                (difference - gradient[i][0]).abs() < 1e-6,
+                "{boxes:?} {i}: {difference} {gradient:?}"
+            );
+        }
+    }
+    // One that is as good as certain overflows nothing.
+    let sure = of([1e300, 1e300, 0.0], Boxes::All);
+    assert!((sure.loss - 2e300_f64.ln()).abs() < 1e-9 && sure.gradient[0][0].is_finite());
 }
 
 #[test]
@@ -615,7 +768,7 @@ fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
                         &view_set,
                         &detectors,
                         (0, &cells, &Augmentation::NONE),
-                        (0, floor),
+                        (0, Boxes::All, floor),
                         &[1.0],
                     )
                     .unwrap();
@@ -634,7 +787,7 @@ fn saturated_detectors_extreme_colours_and_hidden_models_give_numbers() {
             &view_set,
             &blind,
             (0, &random_cells(1), &Augmentation::NONE),
-            (0, 0.5),
+            (0, Boxes::Strongest, 0.5),
             &[1.0],
         )
         .unwrap();
@@ -759,7 +912,14 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         let detectors = detectors(30.0, &view_set);
         let cells = random_cells(5);
         let at = |cells: &[Rgb]| {
-            loss_and_gradient(&view_set, &detectors, (0, cells, &Augmentation::NONE), (0, 0.5), &[1.0]).unwrap()
+            loss_and_gradient(
+                &view_set,
+                &detectors,
+                (0, cells, &Augmentation::NONE),
+                (0, Boxes::Strongest, 0.5),
+                &[1.0],
+            )
+            .unwrap()
         };
         let seen = at(&cells);
         assert!(seen.losses[0].is_finite() && seen.gradient.iter().flatten().all(|v| v.is_finite()));
@@ -830,7 +990,13 @@ fn ap_of_held_out_views_is_that_of_a_count_by_hand() {
         fn predictions(&self, _: &[Rgb], _: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
             Ok(self.0.clone())
         }
-        fn loss_and_gradient(&self, _: &[Rgb], _: [u32; 2], _: &BoxPx) -> Result<Option<ImageLoss>, WhiteBoxError> {
+        fn loss_and_gradient(
+            &self,
+            _: &[Rgb],
+            _: [u32; 2],
+            _: &BoxPx,
+            _: Boxes,
+        ) -> Result<Option<ImageLoss>, WhiteBoxError> {
             Ok(None)
         }
     }

@@ -366,6 +366,7 @@ fn the_card_beside_a_pattern_says_how_large_a_repeat_is() {
         let card = Card {
             pattern_sha256: files::sha256_hex(bytes),
             tile_mm,
+            sides: false,
             about: serde_json::Map::new(),
         };
         let (path, text) = card.to_file(&pattern).unwrap();

@@ -10,8 +10,8 @@ use std::time::Duration;
 use common::{assert_refused, home, program, read_json, stderr};
 use scaleproof::detect::{Manifest, ProgramDetector, ProgramSpec};
 use scaleproof::geometry::BoxPx;
-use scaleproof::whitebox::WhiteBox;
 use scaleproof::whitebox::program::ProgramWhiteBox;
+use scaleproof::whitebox::{Boxes, WhiteBox};
 
 /// C = σ(z), z = 30 · Σ w · (value − 0.5) / values, so that −ln(1 − C) = ln(1 + e^z). Its one box is at 10, 10, 86, 54.
 const WEAVE: &str = r#"
@@ -125,7 +125,10 @@ fn losses_and_gradients_are_those_of_the_formula() {
         / values;
     let outline = BoxPx::new(12.0, 8.0, 84.0, 54.0);
     let size = [width as u32, height as u32];
-    let found = detector.loss_and_gradient(&image, size, &outline).unwrap().unwrap();
+    let found = detector
+        .loss_and_gradient(&image, size, &outline, Boxes::Strongest)
+        .unwrap()
+        .unwrap();
     let confidence = 1.0 / (1.0 + (-z).exp());
     assert!((found.loss - z.exp().ln_1p()).abs() < 1e-6, "{} {z}", found.loss);
     assert!((found.confidence - confidence).abs() < 1e-6);
@@ -136,7 +139,12 @@ fn losses_and_gradients_are_those_of_the_formula() {
         }
     }
     let far = BoxPx::new(70.0, 40.0, 95.0, 63.0);
-    assert_eq!(detector.loss_and_gradient(&image, size, &far).unwrap(), None);
+    assert_eq!(
+        detector
+            .loss_and_gradient(&image, size, &far, Boxes::Strongest)
+            .unwrap(),
+        None
+    );
     // Rounded to 8 bits it sees about the same.
     let predicted = detector.predictions(&image, size).unwrap();
     assert_eq!(predicted.len(), 1);

@@ -1,6 +1,6 @@
 //! Textures of meshes: files written here with known coordinates, and the published camouflage, against colours read in another way.
 
-use crate::tests::common::shared;
+use crate::tests::common::{assert_refused, home, program, shared, stderr};
 
 use std::path::Path;
 
@@ -9,7 +9,10 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof::mesh::{FaceList, Mesh, MeshPlacement, Wrap};
-use scaleproof::texture::{FaceTexels, Mapped, MappedImages, SurfacePoint, Texture};
+use scaleproof::pattern::Pattern;
+use scaleproof::pattern::card::Card;
+use scaleproof::pattern::world_aligned::Side;
+use scaleproof::texture::{FaceTexels, Mapped, MappedImages, SidePatterns, SurfacePoint, Texture};
 use serde_json::{Value, json};
 
 /// Columns and rows of the image of the tests.
@@ -653,6 +656,79 @@ fn an_array_of_another_mesh_or_kind_is_refused_with_a_sentence() {
     }
     std::fs::write(&path, npy("<f4", "False", shape, &whole)).unwrap();
     assert!(FaceTexels::load(&path, &mesh).is_ok(), "and the whole one is read");
+}
+
+/// The colours of a box, face by face, against the six patterns by its normals; then the file with its card, as commands take it.
+#[test]
+fn a_pattern_for_each_side_is_a_texture_of_the_model() {
+    let own = |side: usize, column: u32, row: u32| [40 * side as u8, 90 * column as u8, 60 * row as u8];
+    let below_each_other = RgbImage::from_fn(2, 12, |x, y| Rgb(own((y / 2) as usize, x, y % 2)));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sides.png");
+    std::fs::write(&path, png(below_each_other)).unwrap();
+    let pattern = Pattern::load(&path).unwrap();
+    let mesh = Mesh::cuboid([200.0, 120.0, 80.0]);
+    let patterns = SidePatterns::new(&pattern, 60.0, &mesh).unwrap().unwrap();
+    let texture = Texture::Sides(patterns);
+    let mut seen = std::collections::BTreeSet::new();
+    for triangle in 0..12 {
+        let [a, b, c] = mesh.corners_mm(&mesh.triangles()[triangle]);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let side = Side::ALL
+            .iter()
+            .position(|side| side.outward().dot(&normal) > 0.99)
+            .unwrap();
+        for weights in [[0.5, 0.3, 0.2], [0.1, 0.8, 0.1], [0.2, 0.25, 0.55]] {
+            let point = SurfacePoint { triangle, weights };
+            let [u, v] = Side::ALL[side].project(&point.place_mm(&mesh));
+            let cell = |mm: f64| (mm / 30.0).floor().rem_euclid(2.0) as u32;
+            let expected = own(side, cell(u), cell(-v));
+            assert_eq!(texture.colour(&mesh, &point), expected, "{side} {u} {v}");
+            let corners = texture.in_cells(&mesh, triangle).unwrap();
+            let place = [0, 1].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum::<f64>());
+            let found = texture.cell(triangle, [place[0].floor() as i64, place[1].floor() as i64]);
+            seen.insert(found[0]);
+        }
+    }
+    assert_eq!(seen.len(), 6, "each side has its own: {seen:?}");
+    let nine = Pattern::random(9, 1).unwrap();
+    assert!(
+        SidePatterns::new(&nine, 60.0, &mesh).unwrap().is_none(),
+        "9 rows are not those of six sides"
+    );
+
+    let scene = home().join("captures/skyline/scene.toml");
+    let command = |option: &str, out: &str| {
+        let out = folder.path().join(out);
+        let mut command = program();
+        command
+            .args(["texture", "bake", "--scene"])
+            .arg(&scene)
+            .args(["--size", "256", option])
+            .arg(&path);
+        let output = command.arg("-o").arg(&out).output().unwrap();
+        (output, out)
+    };
+    let card = Card {
+        pattern_sha256: pattern.sha256().to_owned(),
+        tile_mm: 60.0,
+        sides: true,
+        about: serde_json::Map::new(),
+    };
+    std::fs::write(path.with_extension("json"), card.to_file(&path).unwrap().1).unwrap();
+    let (baked, image) = command("--texture", "baked.png");
+    assert!(baked.status.success(), "{}", stderr(&baked));
+    let reds: std::collections::BTreeSet<u8> = image::open(image)
+        .unwrap()
+        .into_rgb8()
+        .pixels()
+        .map(|p| p.0[0])
+        .collect();
+    assert!((0..6).all(|side| reds.contains(&(40 * side))), "{reds:?}");
+    assert_refused(
+        &command("--pattern", "no.png").0,
+        &["a pattern for each side", "--texture"],
+    );
 }
 
 proptest! {

@@ -27,7 +27,8 @@ pub(crate) fn write(
 ) -> Result<PathBuf, RunError> {
     let path = folder.join(PATTERN);
     let png = encode_rgb(&to_image(cells, columns))?;
-    let card = card(&png, columns, history).to_file(&path)?;
+    let rows = cells.len() as u32 / columns;
+    let card = card(&png, [columns, rows], history).to_file(&path)?;
     let mut new = vec![(path.clone(), png), card, history.to_file(folder)?];
     let config_path = folder.join(CONFIG);
     if let Some(config) = config {
@@ -41,10 +42,10 @@ pub(crate) fn write(
     Ok(path)
 }
 
-fn card(png: &[u8], columns: u32, history: &History) -> Card {
+fn card(png: &[u8], [columns, rows]: [u32; 2], history: &History) -> Card {
     let about = json!({
         "made_by": format!("scaleproof {} attack, method {}", history.scaleproof, history.method),
-        "cells": [columns, columns],
+        "cells": [columns, rows],
         "seed": history.seed,
         "detectors": history.detectors,
         "frames_sha256": history.frames_sha256,
@@ -54,6 +55,7 @@ fn card(png: &[u8], columns: u32, history: &History) -> Card {
     Card {
         pattern_sha256: files::sha256_hex(png),
         tile_mm: history.tile_mm,
+        sides: rows != columns,
         about: about.as_object().cloned().unwrap_or_default(),
     }
 }

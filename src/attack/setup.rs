@@ -31,9 +31,10 @@ impl Setup {
         (detectors, detector_names): (Vec<Box<dyn WhiteBox>>, Vec<String>),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
+        let [columns, rows] = mapping.grid(columns);
         let grid = Grid {
             columns,
-            rows: columns,
+            rows,
             cell_mm: tile_mm / f64::from(columns),
         };
         Ok(Self {

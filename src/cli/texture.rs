@@ -7,8 +7,11 @@ use super::model::Model;
 use crate::files;
 use crate::mesh::{FaceList, Mesh, MeshPlacement};
 use crate::pattern::Pattern;
+use crate::pattern::card::{Card, card};
 use crate::print::patch::PanelPatch;
-use crate::texture::{FaceTexels, Mapped, MappedImages, PlacedPatch, Texture, TextureError, Tile, check_same_shape};
+use crate::texture::{
+    FaceTexels, Mapped, MappedImages, PlacedPatch, SidePatterns, Texture, TextureError, Tile, check_same_shape,
+};
 
 /// The pattern or texture.
 #[derive(clap::Args)]
@@ -77,6 +80,9 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
             images: Vec::new(),
         });
     }
+    if let Some(sides) = of_sides(path, model)? {
+        return Ok(sides);
+    }
     let (mapped, sha256) = if is_mesh(path) {
         let mapped = textured_mesh(path, model)?;
         let own = files::sha256_hex(&files::read(path)?);
@@ -96,6 +102,33 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
         sha256,
         images: mapped.files,
     })
+}
+
+/// A pattern for each side of the model, where the card beside it says so.
+fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn Error>> {
+    if extension(path) != "png" || !Card::path(path).is_file() {
+        return Ok(None);
+    }
+    let Ok(pattern) = Pattern::load(path) else {
+        return Ok(None);
+    };
+    let Some(card) = card(path, &pattern).ok().filter(|card| card.sides) else {
+        return Ok(None);
+    };
+    let Some(patterns) = SidePatterns::new(&pattern, card.tile_mm, &model.mesh)? else {
+        return Err(format!(
+            "{} has {} rows, which are not those of six sides",
+            path.display(),
+            pattern.rows()
+        )
+        .into());
+    };
+    Ok(Some(NamedTexture {
+        name: name_of(path),
+        sha256: pattern.sha256().to_owned(),
+        texture: Texture::Sides(patterns),
+        images: vec![Card::path(path)],
+    }))
 }
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.

@@ -15,6 +15,9 @@ pub(crate) struct Card {
     pub pattern_sha256: String,
     /// Width of one repeat on the model.
     pub tile_mm: f64,
+    /// The patterns of the model's sides lie below each other: a texture of that model, and no pattern that is repeated.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub sides: bool,
     /// What else its maker knows.
     #[serde(flatten)]
     pub about: serde_json::Map<String, serde_json::Value>,
@@ -32,6 +35,8 @@ pub(crate) enum CardError {
     OtherPattern { path: PathBuf, pattern: PathBuf },
     #[error("{pattern} has no card that says how wide a repeat is", pattern = pattern.display())]
     None { pattern: PathBuf },
+    #[error("{pattern} is a pattern for each side of the model (so says its card): give it with --texture", pattern = pattern.display())]
+    OfSides { pattern: PathBuf },
 }
 
 impl Card {
@@ -54,11 +59,33 @@ impl Card {
 /// The width of a repeat: as given, else as the pattern's card says.
 ///
 /// # Errors
-/// Nothing given, and no card, a damaged one, one whose width is none, or one of another pattern.
+/// Nothing given, and no card, a damaged one, one whose width is none, or one of another pattern. A pattern for each side.
 pub(crate) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
-    if let Some(tile_mm) = given {
-        return Ok(tile_mm);
+    refuse_sides(path, pattern)?;
+    match given {
+        Some(tile_mm) => Ok(tile_mm),
+        None => Ok(card(path, pattern)?.tile_mm),
     }
+}
+
+/// Refuses a pattern that is not one for all sides.
+///
+/// # Errors
+/// A card that says so.
+pub(crate) fn refuse_sides(path: &Path, pattern: &Pattern) -> Result<(), CardError> {
+    match card(path, pattern) {
+        Ok(Card { sides: true, .. }) => Err(CardError::OfSides {
+            pattern: path.to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// The card of a pattern.
+///
+/// # Errors
+/// None, a damaged one, one whose width is none, one of another pattern.
+pub(crate) fn card(path: &Path, pattern: &Pattern) -> Result<Card, CardError> {
     let card = Card::path(path);
     if !card.is_file() {
         return Err(CardError::None {
@@ -77,7 +104,7 @@ pub(crate) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Res
         });
     }
     match is_size(found.tile_mm) {
-        true => Ok(found.tile_mm),
+        true => Ok(found),
         false => Err(bad(format!("its tile_mm is {}", shown(found.tile_mm)))),
     }
 }

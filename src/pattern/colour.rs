@@ -28,8 +28,13 @@ impl Lab {
 
     /// The nearest 8-bit sRGB: channels beyond the screen's range are clipped.
     pub(crate) fn rgb(self) -> [u8; 3] {
+        Srgb::from(self.srgb()).into_format().into()
+    }
+
+    /// sRGB of 0 to 1; channels beyond are clipped.
+    pub(crate) fn srgb(self) -> [f64; 3] {
         let srgb: Srgb<f64> = self.palette().into_color();
-        srgb.into_format().into()
+        <[f64; 3]>::from(srgb).map(|v| v.clamp(0.0, 1.0))
     }
 
     /// CIEDE2000 with all weights 1. Below 1 most people see no difference, 2.3 is just noticeable in CIE 1976's measure.

@@ -16,7 +16,7 @@ const STARTS: usize = 4;
 const STEPS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
 /// A printer's map from requested to printed colours.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Gamut {
     levels: Vec<u8>,
     /// Red slowest, blue fastest.
@@ -56,13 +56,18 @@ impl Gamut {
 
     /// What comes out when a colour is requested.
     pub(crate) fn printed(&self, asked: [u8; 3]) -> Lab {
+        self.printed_between(asked.map(f64::from))
+    }
+
+    /// The same for a colour between those of 8 bits; each channel 0 to 255.
+    pub(crate) fn printed_between(&self, asked: [f64; 3]) -> Lab {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];
         for channel in 0..3 {
-            let above = self.levels.partition_point(|level| *level <= asked[channel]);
+            let above = self.levels.partition_point(|level| f64::from(*level) <= asked[channel]);
             corner[channel] = above.clamp(1, self.levels.len() - 1) - 1;
-            let (low, high) = (self.levels[corner[channel]], self.levels[corner[channel] + 1]);
-            share[channel] = f64::from(asked[channel] - low) / f64::from(high - low);
+            let [low, high] = [0, 1].map(|next| f64::from(self.levels[corner[channel] + next]));
+            share[channel] = (asked[channel] - low) / (high - low);
         }
         let mut steps = [0, 1, 2];
         steps.sort_by(|a, b| share[*b].total_cmp(&share[*a]));

@@ -129,6 +129,14 @@ impl Pattern {
         Self::of_cells(cells)
     }
 
+    /// Some of its rows.
+    ///
+    /// # Errors
+    /// Only if the encoder fails.
+    pub(crate) fn rows_from(&self, first: u32, count: u32) -> Result<Self, PatternError> {
+        Self::of_cells(image::imageops::crop_imm(&self.cells, 0, first, self.columns(), count).to_image())
+    }
+
     /// The pattern as a PNG file with one pixel per cell.
     ///
     /// # Errors

@@ -249,7 +249,7 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
             let calibrated = &repeated::Jitter::NONE;
             patterns.push(PatternTest {
                 image: set.rgb(frame)?,
-                world: world::project(set, frame, &grid, Sampling::Nearest)?.map(textured),
+                world: world::project(set, frame, &grid, (Sampling::Nearest, false))?.map(textured),
                 repeated: textured(repeated::project(
                     &set.list,
                     frame,

@@ -5,12 +5,14 @@ mod face_texels;
 mod mapped;
 mod patches;
 mod same_shape;
+mod sides;
 mod tile;
 
 pub(crate) use face_texels::FaceTexels;
 pub(crate) use mapped::{Mapped, MappedImages};
 pub(crate) use patches::PlacedPatch;
 pub(crate) use same_shape::check_same_shape;
+pub(crate) use sides::SidePatterns;
 pub(crate) use tile::Tile;
 
 use std::path::PathBuf;
@@ -86,6 +88,8 @@ pub(crate) enum Texture {
     Flat([u8; 3]),
     /// A pattern, repeated and aligned with the world.
     Tile(Tile),
+    /// A pattern for each side.
+    Sides(SidePatterns),
     /// Images on texture coordinates.
     Images(MappedImages),
     /// Colours of each triangle by itself.
@@ -101,6 +105,7 @@ impl Texture {
         match self {
             Self::Flat(rgb) => *rgb,
             Self::Tile(tile) => tile.colour(mesh, at),
+            Self::Sides(patterns) => patterns.colour(mesh, at),
             Self::Images(images) => images.colour(at),
             Self::Faces(texels) => texels.colour(at),
             Self::Patches(below, patches) => {
@@ -116,6 +121,7 @@ impl Texture {
         match self {
             Self::Flat(_) => Some([[0.0; 2]; 3]),
             Self::Tile(tile) => Some(tile.in_cells(mesh, triangle)),
+            Self::Sides(patterns) => Some(patterns.in_cells(mesh, triangle)),
             Self::Images(images) => Some(images.in_cells(triangle)),
             Self::Faces(_) | Self::Patches(..) => None,
         }
@@ -127,6 +133,7 @@ impl Texture {
         match self {
             Self::Flat(rgb) => *rgb,
             Self::Tile(tile) => tile.cell(middle),
+            Self::Sides(patterns) => patterns.cell(triangle, middle),
             Self::Images(images) => images.cell(triangle, middle),
             Self::Faces(_) | Self::Patches(..) => [255; 3],
         }
@@ -139,6 +146,7 @@ impl Texture {
         match self {
             Self::Flat(_) => None,
             Self::Tile(tile) => Some(tile.cell_mm),
+            Self::Sides(patterns) => Some(patterns.cell_mm()),
             Self::Images(images) => {
                 let texels = images.texels(triangle).filter(|texels| *texels > 0.0)?;
                 Some((area_mm2()? / texels).sqrt())

@@ -9,7 +9,7 @@ use super::resample::Resampler;
 use crate::detect::{Anchor, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size};
 use crate::files;
 use crate::geometry::BoxPx;
-use crate::whitebox::{ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
+use crate::whitebox::{Boxes, ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use crate::workers;
 
 /// A network with its manifest and the labels that count as the model.
@@ -91,8 +91,9 @@ impl WhiteBox for OnnxDetector {
         image: &[[f64; 3]],
         size_px: [u32; 2],
         outline: &BoxPx,
+        boxes: Boxes,
     ) -> Result<Option<ImageLoss>, WhiteBoxError> {
-        Ok(ImageLoss::of(self.forward(image, size_px)?, outline))
+        Ok(ImageLoss::of(self.forward(image, size_px)?, outline, boxes))
     }
 
     /// Without the way back.

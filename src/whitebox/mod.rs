@@ -30,6 +30,7 @@ mod strongest;
 pub(crate) use quietly::is_refusing;
 
 pub(crate) use fault::NetworkFault;
+pub use strongest::Boxes;
 pub(crate) use strongest::{MEETS_IOU, strongest};
 
 use crate::detect::ProgramError;
@@ -76,6 +77,8 @@ pub enum WhiteBoxError {
         "{name} takes photos as files, and here are images that lie in none: let the input of its hello be \"rgb\""
     )]
     NoPixels { name: String },
+    #[error("{name} gives the loss of its strongest box alone: leave --loss out, or attack a detector of the program")]
+    StrongestAlone { name: String },
     /// What is wrong with the gradient of a program.
     #[error("{0}")]
     Gradient(String),
@@ -109,7 +112,7 @@ pub trait WhiteBox {
     /// What the detector cannot do with this image.
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError>;
 
-    /// The loss of the strongest prediction that is reported and meets `outline`, the box around the model; `None` where none does.
+    /// The loss of the predictions that meet `outline`, the box around the model: of the strongest, or of all; `None` where none meets it.
     ///
     /// # Errors
     /// Those of [`WhiteBox::predictions`].
@@ -118,6 +121,7 @@ pub trait WhiteBox {
         image: &[[f64; 3]],
         size_px: [u32; 2],
         outline: &BoxPx,
+        boxes: Boxes,
     ) -> Result<Option<ImageLoss>, WhiteBoxError>;
 
     /// Itself, where several threads may look through it at a time: each looks as if it were alone. `None` where one look follows another.

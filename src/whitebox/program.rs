@@ -6,7 +6,7 @@ use image::RgbImage;
 
 use super::derivative::{LEAST_LOSS, fault};
 use super::strongest::MEETS_IOU;
-use super::{ImageLoss, Prediction, WhiteBox, WhiteBoxError};
+use super::{Boxes, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use crate::detect::{Gradients, Manifest, ProgramDetector, ProgramImage, ProgramPhoto};
 use crate::geometry::BoxPx;
 
@@ -102,7 +102,12 @@ impl WhiteBox for ProgramWhiteBox {
         image: &[[f64; 3]],
         size_px: [u32; 2],
         outline: &BoxPx,
+        boxes: Boxes,
     ) -> Result<Option<ImageLoss>, WhiteBoxError> {
+        if boxes != Boxes::Strongest {
+            let name = self.manifest.name.clone();
+            return Err(WhiteBoxError::StrongestAlone { name });
+        }
         let found = self.asked(image, size_px, outline)?;
         if let Some(first) = found
             .as_ref()

@@ -1,5 +1,7 @@
 //! The prediction that an attack works against.
 
+use serde::Serialize;
+
 use super::{ForwardPass, ImageLoss, Prediction};
 use crate::geometry::BoxPx;
 
@@ -27,17 +29,72 @@ pub(crate) fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: 
         .map(|(i, _)| i)
 }
 
+/// Which of the boxes that meet the model an attack works against.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Boxes {
+    /// The most confident one, as DTA does.
+    #[default]
+    Strongest,
+    /// All, by the sum of their odds.
+    All,
+    /// All, each weighted with its overlap with the model.
+    Overlap,
+}
+
+impl Boxes {
+    /// All, the default first.
+    pub const ALL: [Self; 3] = [Self::Strongest, Self::All, Self::Overlap];
+
+    /// Its name in options and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Strongest => "strongest",
+            Self::All => "all",
+            Self::Overlap => "overlap",
+        }
+    }
+}
+
 impl ImageLoss {
-    /// That of the strongest prediction that meets the model; `None` where none does.
-    pub(crate) fn of(pass: Box<dyn ForwardPass + '_>, outline: &BoxPx) -> Option<ImageLoss> {
-        let worst = strongest(pass.predictions(), outline, MEETS_IOU)?;
-        let Prediction { confidence, loss, .. } = pass.predictions()[worst];
-        let mut weights = vec![0.0; pass.predictions().len()];
-        weights[worst] = 1.0;
+    /// Of the predictions that meet the model; `None` where none does.
+    pub(crate) fn of(pass: Box<dyn ForwardPass + '_>, outline: &BoxPx, boxes: Boxes) -> Option<ImageLoss> {
+        let predictions = pass.predictions();
+        let worst = strongest(predictions, outline, MEETS_IOU)?;
+        let Prediction { confidence, loss, .. } = predictions[worst];
+        let mut weights = vec![0.0; predictions.len()];
+        let loss = match boxes {
+            Boxes::Strongest => {
+                weights[worst] = 1.0;
+                loss
+            }
+            _ if !loss.is_finite() => loss,
+            Boxes::All | Boxes::Overlap => of_all(predictions, outline, boxes, &mut weights),
+        };
         Some(ImageLoss {
             loss,
             confidence,
             gradient: pass.vjp(&weights),
         })
     }
+}
+
+/// `ln(1 + Σ w · odds(C))` over the boxes that meet the model, which is `−ln(1 − C)` where there is one, and its derivative with respect to the loss of
+/// each.
+fn of_all(predictions: &[Prediction], outline: &BoxPx, boxes: Boxes, weights: &mut [f64]) -> f64 {
+    // Relative to the strongest, so that nothing overflows: 1 + odds is e^loss.
+    let highest = predictions.iter().map(|p| p.loss).fold(0.0, f64::max);
+    let mut sum = (-highest).exp();
+    for (prediction, weight) in predictions.iter().zip(weights.iter_mut()) {
+        let iou = prediction.box_px.iou(outline);
+        if !prediction.is_reported || iou < MEETS_IOU {
+            continue;
+        }
+        let share = if boxes == Boxes::Overlap { iou } else { 1.0 };
+        let one_and_odds = (prediction.loss - highest).exp();
+        *weight = share * one_and_odds;
+        sum += share * (one_and_odds - (-highest).exp()).max(0.0);
+    }
+    weights.iter_mut().for_each(|weight| *weight /= sum);
+    highest + sum.ln()
 }

@@ -282,6 +282,7 @@ fn workplace() -> tempfile::TempDir {
     let card = Card {
         pattern_sha256: sha256_hex(&pattern),
         tile_mm: 40.0,
+        sides: false,
         about: serde_json::Map::new(),
     };
     write("carded.json", &card.to_file(Path::new("carded.png")).unwrap().1);

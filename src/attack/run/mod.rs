@@ -4,6 +4,7 @@
 //! - [`view_set`]: the views, each with its surrogate renderer and texture projection;
 //! - [`augmentation`]: what happens between the pattern and the detector;
 //! - [`loss`], [`penalty`], [`adam`]: what is moved against what, and how;
+//! - [`printer`]: what comes out of the printer for the cells;
 //! - [`judge`]: how often a pattern is still detected in the views held out;
 //! - [`weights`]: how much each of several detectors counts;
 //! - `difficulty`: which views a step looks at;
@@ -18,11 +19,13 @@ pub(crate) mod history;
 pub(crate) mod judge;
 pub(crate) mod loss;
 pub(crate) mod penalty;
+pub(crate) mod printer;
 mod resample;
 mod together;
 pub(crate) mod view_set;
 pub(crate) mod weights;
 
+use std::borrow::Cow;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -38,6 +41,7 @@ use augmentation::{Augmentation, Eot};
 use checkpoint::Checkpoint;
 use difficulty::Difficulty;
 use history::Entry;
+use printer::PrinterMap;
 use view_set::{TextureMapping, ViewSet};
 use weights::{Against, DetectorWeights};
 
@@ -45,7 +49,7 @@ use crate::files::FileError;
 use crate::frames::FramesError;
 use crate::pattern::{Pattern, PatternError};
 use crate::surrogate::renderer::FitError;
-use crate::whitebox::{WhiteBox, WhiteBoxError};
+use crate::whitebox::{Boxes, WhiteBox, WhiteBoxError};
 use crate::workers;
 
 /// A value of each channel.
@@ -109,6 +113,15 @@ pub struct ColourPenalty {
     pub rgb: Vec<[u8; 3]>,
 }
 
+/// Cells that a pattern is kept near to, by the mean squared distance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Near {
+    /// Weight of the penalty in the loss.
+    pub weight: f64,
+    /// As many as the pattern has, sRGB of 0 to 1.
+    pub cells: Vec<Rgb>,
+}
+
 /// Everything a run depends on besides the frames' and detectors' content, whose hashes are in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AttackConfig {
@@ -123,6 +136,8 @@ pub struct AttackConfig {
     /// The learning rate in sRGB of 0 to 1; it falls to a tenth along half a cosine.
     #[serde(rename = "rate")]
     pub learning_rate: f64,
+    /// Which boxes count.
+    pub boxes: Boxes,
     /// The confidence below which the loss fades (`loss::from_floor`).
     pub floor: f64,
     /// What is made small of the losses of several detectors.
@@ -136,10 +151,12 @@ pub struct AttackConfig {
     pub mapping: TextureMapping,
     /// The augmentations that expectation over transformation draws from.
     pub eot: Eot,
-    /// Weights of the total variation, and of what can be printed.
+    /// Weight of the total variation.
     pub smooth: f64,
-    /// The non-printability score: distance from the colours a printer has.
-    pub printable: ColourPenalty,
+    /// What the pattern is kept near to.
+    pub near: Option<Near>,
+    /// The printer that the pattern is optimised for: cells are what is requested of it.
+    pub printer: Option<PrinterMap>,
     /// Cells end on these colours.
     pub palette: ColourPenalty,
     /// Darkest and lightest value of a cell, 8-bit sRGB.
@@ -201,7 +218,14 @@ impl<'a> Attack<'a> {
                 (found, whole.ok_or(RunError::Damaged { path })?)
             }
             None => {
-                let cells = clipped(of_pattern(&Pattern::random(config.cells, config.seed)?), config.range);
+                let mut cells = Vec::new();
+                for block in 0..view_set.grid.rows / view_set.grid.columns {
+                    cells.extend(of_pattern(&Pattern::random(
+                        config.cells,
+                        config.seed + 1000 * u64::from(block),
+                    )?));
+                }
+                let cells = clipped(cells, config.range);
                 let state = AttackState {
                     adam: Adam::new(cells.len()),
                     weights: DetectorWeights::new(detectors.len()),
@@ -278,7 +302,7 @@ impl<'a> Attack<'a> {
         let Some(entry) = last.filter(|entry| is_due && entry.held_out.is_none()) else {
             return Ok(false);
         };
-        match judge::judge(self.view_set, self.detectors, &self.state.cells) {
+        match judge::judge(self.view_set, self.detectors, &shown(&self.state.cells, self.config)) {
             Ok(judgement) => {
                 entry.held_out = Some(judgement);
                 Ok(true)
@@ -311,12 +335,13 @@ impl<'a> Attack<'a> {
             .iter()
             .map(|view| (*view, Augmentation::random(&config.eot, &mut rng)))
             .collect();
+        let cells = shown(&state.cells, config);
         let looked = together::on_each(self.threads, self.detectors, &draws, |detectors, (view, draw)| {
             loss_and_gradient(
                 self.view_set,
                 detectors,
-                (*view, &state.cells, draw),
-                (step, config.floor),
+                (*view, &cells, draw),
+                (step, config.boxes, config.floor),
                 &weights,
             )
         });
@@ -331,6 +356,9 @@ impl<'a> Attack<'a> {
                 .observe(*view, looked.losses.iter().copied().fold(0.0, f64::max));
         }
         state.weights.observe(&losses);
+        if let Some(printer) = &config.printer {
+            gradient = printer.vjp(&state.cells, &gradient);
+        }
         let (_, penalties) = penalties(&state.cells, config);
         add(&mut gradient, &penalties, 1.0);
         let range = config.range.map(|v| f64::from(v) / 255.0);
@@ -356,7 +384,7 @@ pub(crate) fn loss_and_gradient<'a>(
     view_set: &ViewSet,
     detectors: &[impl Deref<Target = dyn WhiteBox + 'a>],
     (view, cells, draw): (usize, &[Rgb], &Augmentation),
-    (step, floor): (u32, f64),
+    (step, boxes, floor): (u32, Boxes, f64),
     weights: &[f64],
 ) -> Result<LossAndGradient, RunError> {
     let textured = view_set.textured(view, cells, draw);
@@ -364,7 +392,12 @@ pub(crate) fn loss_and_gradient<'a>(
     let mut on_image: Option<Vec<Rgb>> = None;
     let (mut losses, mut confidence) = (vec![0.0; detectors.len()], 0.0);
     for ((detector, weight), loss) in detectors.iter().zip(weights).zip(&mut losses) {
-        let found = detector.loss_and_gradient(&textured.augmented.image, view_set.size_px(view), &textured.outline);
+        let found = detector.loss_and_gradient(
+            &textured.augmented.image,
+            view_set.size_px(view),
+            &textured.outline,
+            boxes,
+        );
         let found = found.map_err(|reason| RunError::ForwardPass {
             detector: detector.name().to_owned(),
             view: name(),
@@ -413,12 +446,24 @@ pub(crate) fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>)
     if config.smooth > 0.0 {
         include(config.smooth, penalty::smooth(cells, config.cells as usize));
     }
-    for penalty in [&config.printable, &config.palette] {
-        if penalty.weight > 0.0 {
-            include(penalty.weight, penalty::off_colours(cells, &srgb(&penalty.rgb)));
-        }
+    if config.palette.weight > 0.0 {
+        include(
+            config.palette.weight,
+            penalty::off_colours(cells, &srgb(&config.palette.rgb)),
+        );
+    }
+    if let Some(near) = &config.near {
+        include(near.weight, penalty::distance(cells, &near.cells));
     }
     (value, gradient)
+}
+
+/// The cells as they are on the model.
+fn shown<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
+    match &config.printer {
+        Some(printer) => Cow::Owned(printer.printed(cells)),
+        None => Cow::Borrowed(cells),
+    }
 }
 
 /// The cells as they are kept: on the palette where there is one, in 8 bits.

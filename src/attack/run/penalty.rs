@@ -32,8 +32,16 @@ pub(crate) fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
     (sum / count, gradient)
 }
 
-/// The mean over cells of the distance to the nearest of some colours: with a printer's measured colours the
-/// non-printability score as `pattern check` states it, with a palette the camouflage loss of ACTIVE (ICCV 2023). 0
+/// The mean over cells of the squared distance to those of another pattern.
+pub(crate) fn distance(cells: &[Rgb], others: &[Rgb]) -> (f64, Vec<Rgb>) {
+    let count = cells.len() as f64;
+    let both = || cells.iter().zip(others);
+    let gradient = both().map(|(cell, other)| std::array::from_fn(|c| 2.0 * (cell[c] - other[c]) / count));
+    let sum: f64 = both().map(|(cell, other)| squared(*cell, *other)).sum();
+    (sum / count, gradient.collect())
+}
+
+/// The mean over cells of the distance to the nearest of some colours: with a palette the camouflage loss of ACTIVE (ICCV 2023). 0
 /// without colours.
 pub(crate) fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
     let count = cells.len() as f64;

@@ -8,6 +8,7 @@ use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
 use super::{Rgb, RunError};
 use crate::frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
 use crate::geometry::BoxPx;
+use crate::pattern::world_aligned::Side;
 use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use crate::workers;
@@ -23,26 +24,37 @@ pub enum TextureMapping {
     /// As the printed panels are.
     #[default]
     World,
+    /// The same, with a pattern of its own for each side of the model.
+    Sides,
     /// DTA's Repeated Texture Projection.
     Repeated,
 }
 
 impl TextureMapping {
     /// Both, the default first.
-    pub const ALL: [Self; 2] = [Self::World, Self::Repeated];
+    pub const ALL: [Self; 3] = [Self::World, Self::Sides, Self::Repeated];
 
     /// Its name in files and options.
     pub fn name(self) -> &'static str {
         match self {
             Self::World => "world",
+            Self::Sides => "sides",
             Self::Repeated => "repeated",
+        }
+    }
+
+    /// Columns and rows of a pattern of so many cells a side: the sides' patterns lie below each other, in the order of [`Side::ALL`].
+    pub fn grid(self, cells: u32) -> [u32; 2] {
+        match self {
+            Self::Sides => [cells, Side::ALL.len() as u32 * cells],
+            Self::World | Self::Repeated => [cells, cells],
         }
     }
 
     /// The usual augmentation, with the shift and size of the texture where this mapping leaves them open.
     pub fn usual_eot(self) -> Eot {
         match self {
-            Self::World => Eot::USUAL,
+            Self::World | Self::Sides => Eot::USUAL,
             Self::Repeated => Eot {
                 shift_tiles: 0.5,
                 tile_scale: 0.25,
@@ -275,8 +287,8 @@ fn load(
     let model = fitted.map_err(|reason| RunError::Fit { view: name(), reason })?;
     let place = match mapping {
         TextureMapping::Repeated => Place::Repeated(mask),
-        TextureMapping::World => {
-            let projection = world::project(set, frame, grid, Sampling::Nearest)?;
+        TextureMapping::World | TextureMapping::Sides => {
+            let projection = world::project(set, frame, grid, (Sampling::Nearest, mapping == TextureMapping::Sides))?;
             Place::World(projection.ok_or_else(|| RunError::NoPositions { view: name() })?)
         }
     };

@@ -13,7 +13,7 @@ use crate::attack::baseline::patches::{PlacedPatch, is_seen, paint};
 use crate::attack::baseline::{self, BlackBox, genetic};
 use crate::attack::run::history::Entry;
 use crate::attack::run::judge::{HeldOutFigures, judge, judge_images};
-use crate::attack::run::view_set::ViewSet;
+use crate::attack::run::view_set::{TextureMapping, ViewSet};
 use crate::attack::run::{Rgb, RunError, checkpoint, of_pattern, srgb};
 use crate::attack::setup::Setup;
 use crate::cli::print::patch::{self, PlaceArgs};
@@ -90,7 +90,24 @@ struct PatchesArgs {
     flat: String,
 }
 
+impl Method {
+    fn on(&self) -> &OnFrames {
+        match self {
+            Self::Random(args) => &args.on,
+            Self::Flat(args) => &args.on,
+            Self::Er(args) | Self::Camou(args) => &args.on,
+            Self::Import(args) => &args.on,
+            Self::Patches(args) => &args.on,
+        }
+    }
+}
+
 pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
+    if args.method.on().mapping == TextureMapping::Sides {
+        return Err(
+            "--laying sides is for attack run and attack judge: a baseline is one pattern for all sides".into(),
+        );
+    }
     match &args.method {
         Method::Random(args) => {
             let pattern = Pattern::random(args.on.cells, args.on.seed)?;

@@ -18,6 +18,7 @@ use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
 use crate::pattern::Pattern;
+use crate::whitebox::Boxes;
 
 const FRAMES: &str = "captures/skyline_attack";
 const DETECTOR: &str = "yolox_nano";
@@ -63,12 +64,14 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         steps: 60,
         batch: 5,
         learning_rate: 0.05,
+        boxes: Boxes::default(),
         floor: 0.001,
         against: Against::default(),
         hard: 0.0,
         eot: on.mapping.usual_eot(),
         smooth: 0.0,
-        printable: ColourPenalty::default(),
+        near: None,
+        printer: None,
         palette: ColourPenalty::default(),
         range: [0, 255],
     };

@@ -9,8 +9,8 @@ use super::render::{azimuths, cache, hex, named, size, textured, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
-use crate::cli::enlarged::note_enlarged;
 use crate::cli::model::{Model, ModelArgs};
+use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::{at_hand, patterns};
 use crate::detect::Manifest;
@@ -34,9 +34,9 @@ pub(super) struct EvaluateArgs {
     #[arg(long, value_name = "HEX|original")]
     normal: String,
     /// Patterns and their names: PNG files with one pixel per cell, mapped onto the model as `print wrap` prints them
-    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required_unless_present = "textures", requires = "tile_mm")]
+    #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required_unless_present = "textures")]
     patterns: Vec<String>,
-    /// Width of one repeat of the patterns on the model, in mm
+    /// Width of one repeat of the patterns on the model, in mm; without it, what each pattern's card says
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tile_mm: Option<f64>,
     /// Textures and their names, as in car.obj or NAME=car.obj: images for the mesh's texture coordinates, .obj, .glb or .ply files with images of
@@ -150,9 +150,8 @@ impl EvaluateArgs {
         let mut paints = vec![(BASE_VARIANT.to_owned(), normal)];
         for text in &self.patterns {
             let (name, file) = patterns::named(text)?;
-            let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
             let pattern = Pattern::load(file)?;
-            note_enlarged(file, &pattern);
+            let tile_mm = tile_mm(self.tile_mm, file, &pattern)?;
             paints.push((name.to_owned(), RenderPaint::Pattern(name.to_owned(), pattern, tile_mm)));
         }
         for text in &self.textures {

@@ -2,12 +2,11 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::path::Path;
 
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use super::on_frames::{Looking, cells_of};
+use super::on_frames::Looking;
 use super::render::{hex, named};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::augmentation::Augmentation;
@@ -78,27 +77,14 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
 
 impl JudgeArgs {
     fn patterns(&self) -> Result<Vec<NamedCells>, Box<dyn Error>> {
-        let cells = self.on.cells as usize * self.on.cells as usize;
-        let mut patterns = vec![(self.normal.clone(), srgb(&vec![hex(&self.normal)?; cells]))];
+        let [columns, rows] = self.on.mapping.grid(self.on.cells);
+        let normal = vec![hex(&self.normal)?; columns as usize * rows as usize];
+        let mut patterns = vec![(self.normal.clone(), srgb(&normal))];
         for text in &self.patterns {
             let (name, path) = named(text);
-            patterns.push((name, self.cells(path)?));
+            patterns.push((name, of_pattern(&self.on.pattern(path)?)));
         }
         Ok(patterns)
-    }
-
-    fn cells(&self, path: &Path) -> Result<Vec<Rgb>, Box<dyn Error>> {
-        let pattern = cells_of(path)?;
-        match pattern.columns() == self.on.cells {
-            true => Ok(of_pattern(&pattern)),
-            false => Err(format!(
-                "{} has {} cells a side and --cells is {}: give patterns of one size, and their size",
-                path.display(),
-                pattern.columns(),
-                self.on.cells
-            )
-            .into()),
-        }
     }
 }
 

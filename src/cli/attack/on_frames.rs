@@ -123,6 +123,25 @@ impl Looking {
     }
 }
 
+impl Looking {
+    /// A pattern of as many cells as these look at.
+    pub(super) fn pattern(&self, path: &Path) -> Result<Pattern, Box<dyn Error>> {
+        let pattern = Pattern::load(path)?;
+        crate::cli::enlarged::note_enlarged(path, &pattern);
+        let [columns, rows] = self.mapping.grid(self.cells);
+        match [pattern.columns(), pattern.rows()] == [columns, rows] {
+            true => Ok(pattern),
+            false => Err(format!(
+                "{} has {}×{} cells, and here are {columns}×{rows}: give patterns of one size, and their --cells",
+                path.display(),
+                pattern.columns(),
+                pattern.rows()
+            )
+            .into()),
+        }
+    }
+}
+
 impl OnFrames {
     /// As [`Looking::open`], with a folder for what is made.
     pub(super) fn open(&self, differentiates: bool) -> Result<Setup, Box<dyn Error>> {

@@ -14,6 +14,7 @@ use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, bl
 use crate::frames::{LIST, light};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
+use crate::pattern::card::refuse_sides;
 use crate::scene::Viewpoint;
 
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
@@ -135,6 +136,7 @@ impl RenderArgs {
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default();
             let pattern = Pattern::load(path)?;
+            refuse_sides(path, &pattern)?;
             note_enlarged(path, &pattern);
             colours.push(RenderPaint::Pattern(name, pattern, tile_mm));
         }

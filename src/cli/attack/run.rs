@@ -10,11 +10,14 @@ use super::on_frames::OnFrames;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
+use crate::attack::run::printer::PrinterMap;
 use crate::attack::run::weights::Against;
-use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Rgb};
+use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Near, Rgb, of_pattern};
 use crate::attack::setup::Setup;
+use crate::files;
 use crate::pattern::palette::Palette;
 use crate::print::printer::PrinterFile;
+use crate::whitebox::Boxes;
 
 /// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours
 #[derive(clap::Args)]
@@ -38,6 +41,9 @@ pub(super) struct RunArgs {
         allow_negative_numbers = true
     )]
     floor: f64,
+    /// Which boxes on the model count: the most confident one (DTA), all by the sum of their odds, or all weighted with their overlap
+    #[arg(long, default_value = "strongest", value_parser = boxes())]
+    loss: Boxes,
     /// Of several detectors: what is made small, their mean loss or that of the one that still sees the model best
     #[arg(long, default_value = "mean", value_parser = against())]
     against: Against,
@@ -51,18 +57,15 @@ pub(super) struct RunArgs {
     /// Weight of the differences between neighbouring cells
     #[arg(long, value_name = "WEIGHT", default_value_t = 0.0, allow_negative_numbers = true)]
     smooth: f64,
-    /// Weight of what the printer cannot print (non-printability score)
-    #[arg(
-        long,
-        value_name = "WEIGHT",
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        requires = "printer"
-    )]
-    nps: f64,
-    /// The printer file that `colour read` put the printer's colours in
-    #[arg(long, value_name = "TOML", requires = "nps")]
+    /// Optimise the pattern as this printer prints it: the file that `colour read` put the printer's colours in
+    #[arg(long, value_name = "TOML", conflicts_with = "palette")]
     printer: Option<PathBuf>,
+    /// Keep the pattern near this one: a PNG file of as many cells
+    #[arg(long, value_name = "PNG", requires = "near_weight")]
+    near: Option<PathBuf>,
+    /// How strongly: the weight of the mean squared distance
+    #[arg(long, value_name = "WEIGHT", requires = "near", allow_negative_numbers = true)]
+    near_weight: Option<f64>,
     /// The pattern ends on the colours of this palette: a TOML file of [[paint]] tables
     #[arg(long, value_name = "TOML")]
     palette: Option<PathBuf>,
@@ -88,6 +91,11 @@ fn against() -> impl TypedValueParser<Value = Against> {
     PossibleValuesParser::new(Against::ALL.map(Against::name)).map(move |name| by_name(name).unwrap_or_default())
 }
 
+fn boxes() -> impl TypedValueParser<Value = Boxes> {
+    let by_name = |name: String| Boxes::ALL.into_iter().find(|boxes| boxes.name() == name);
+    PossibleValuesParser::new(Boxes::ALL.map(Boxes::name)).map(move |name| by_name(name).unwrap_or_default())
+}
+
 /// Runs the attack with a bar that shows where it stands.
 pub(super) fn optimise(
     on: &OnFrames,
@@ -111,12 +119,14 @@ pub(super) struct Settings {
     pub steps: u32,
     pub batch: u32,
     pub learning_rate: f64,
+    pub boxes: Boxes,
     pub floor: f64,
     pub against: Against,
     pub hard: f64,
     pub eot: Eot,
     pub smooth: f64,
-    pub printable: ColourPenalty,
+    pub near: Option<Near>,
+    pub printer: Option<PrinterMap>,
     pub palette: ColourPenalty,
     pub range: [u8; 2],
 }
@@ -129,6 +139,7 @@ impl Settings {
             steps: self.steps,
             batch: self.batch,
             learning_rate: self.learning_rate,
+            boxes: self.boxes,
             floor: self.floor,
             against: self.against,
             hard: self.hard,
@@ -136,7 +147,8 @@ impl Settings {
             mapping: on.mapping,
             eot: self.eot,
             smooth: self.smooth,
-            printable: self.printable,
+            near: self.near,
+            printer: self.printer,
             palette: self.palette,
             range: self.range,
             frames_sha256: setup.frames_sha256.clone(),
@@ -158,7 +170,7 @@ impl RunArgs {
         }
         for (name, weight) in [
             ("smooth", self.smooth),
-            ("nps", self.nps),
+            ("near-weight", self.near_weight.unwrap_or(0.0)),
             ("palette-weight", self.palette_weight),
         ] {
             if !(0.0..=1e6).contains(&weight) {
@@ -173,12 +185,14 @@ impl RunArgs {
             steps: self.steps,
             batch: self.batch,
             learning_rate: self.rate,
+            boxes: self.loss,
             floor: self.floor,
             against: self.against,
             hard: self.hard,
             eot: self.eot()?,
             smooth: self.smooth,
-            printable: self.printable()?,
+            near: self.near()?,
+            printer: self.printer()?,
             palette: self.palette()?,
             range,
         })
@@ -200,9 +214,20 @@ impl RunArgs {
         Ok(eot)
     }
 
-    fn printable(&self) -> Result<ColourPenalty, Box<dyn Error>> {
+    fn near(&self) -> Result<Option<Near>, Box<dyn Error>> {
+        let (Some(path), Some(weight)) = (&self.near, self.near_weight) else {
+            return Ok(None);
+        };
+        let pattern = self.on.pattern(path)?;
+        Ok(Some(Near {
+            weight,
+            cells: of_pattern(&pattern),
+        }))
+    }
+
+    fn printer(&self) -> Result<Option<PrinterMap>, Box<dyn Error>> {
         let Some(path) = &self.printer else {
-            return Ok(ColourPenalty::default());
+            return Ok(None);
         };
         let Some(colours) = PrinterFile::load(path)?.colours else {
             return Err(format!(
@@ -211,10 +236,8 @@ impl RunArgs {
             )
             .into());
         };
-        Ok(ColourPenalty {
-            weight: self.nps,
-            rgb: colours.patches.iter().map(|patch| patch.measured_rgb).collect(),
-        })
+        let sha256 = files::sha256_hex(&files::read(path)?);
+        Ok(Some(PrinterMap::new(colours.gamut(), sha256)))
     }
 
     fn palette(&self) -> Result<ColourPenalty, Box<dyn Error>> {

@@ -189,7 +189,7 @@ impl CutSheetArgs {
 }
 
 /// The width of a repeat: as given, else as the pattern's card says.
-pub(super) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
+pub(in crate::cli) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, String> {
     let found = card::tile_mm(given, path, pattern);
     if found.is_ok() {
         note_enlarged(path, pattern);
