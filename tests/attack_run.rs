@@ -319,10 +319,10 @@ fn each_side_has_cells_of_its_own() {
                 .filter_map(|(x, y)| points[y * width * factor + x].side.map(|side| side as usize))
                 .collect();
             seen.extend(&sides);
-            for c in 0..3 {
+            for (c, value) in colour.iter().enumerate() {
                 let expected: f64 = sides.iter().map(|side| of_side(*side)[c]).sum::<f64>() / sides.len() as f64;
                 assert!(
-                    sides.is_empty() || (colour[c] - expected).abs() < 1e-9,
+                    sides.is_empty() || (value - expected).abs() < 1e-9,
                     "{} {i}",
                     frame.name
                 );

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::choice::one_of;
 use super::{CommandResult, Outcome, Result};
 use crate::camera::{Camera, CameraFormat};
 use crate::files;
@@ -36,7 +36,7 @@ struct ConvertArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Its format; not needed for a name that ends in .cameramodel
-    #[arg(long, value_parser = formats())]
+    #[arg(long, value_parser = one_of(CameraFormat::ALL))]
     format: Option<CameraFormat>,
 }
 
@@ -56,14 +56,6 @@ struct GuessArgs {
     /// The camera file to write (OpenCV YAML); without it the guess is only shown
     #[arg(short, long, value_name = "YAML")]
     output: Option<PathBuf>,
-}
-
-fn formats() -> impl TypedValueParser<Value = CameraFormat> {
-    let known = PossibleValuesParser::new(CameraFormat::ALL.map(|(_, name)| name));
-    known.try_map(|name| {
-        let found = CameraFormat::ALL.into_iter().find(|(_, known)| *known == name);
-        found.map(|(format, _)| format).ok_or("there is no such format")
-    })
 }
 
 /// Runs `scaleproof camera …`.

@@ -14,6 +14,7 @@ mod camera;
 mod capture;
 #[cfg(feature = "full")]
 mod chart;
+mod choice;
 mod colour;
 mod compare;
 mod completions;

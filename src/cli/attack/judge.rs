@@ -4,7 +4,8 @@ use std::error::Error;
 use std::io::Write;
 
 use nalgebra::Point3;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::on_frames::Looking;
 use super::render::{hex, named};
@@ -61,17 +62,13 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
         .collect::<Result<Vec<_>, Box<dyn Error>>>();
     bar.finish_and_clear();
     let judged = judged?;
-    let sectors = Sectors::of(&setup);
+    let rows = rows(&setup, &judged);
     if args.on.json {
-        let rows = rows(&setup, &judged, &sectors);
-        writeln!(
-            out,
-            "{}",
-            json!({ "views": views.len(), "classes": args.on.class, "results": rows })
-        )?;
+        let answer = json!({ "views": views.len(), "classes": args.on.class, "results": rows });
+        writeln!(out, "{answer}")?;
         return Ok(Outcome::Done);
     }
-    table(&setup, &judged, &sectors, out)?;
+    table(&setup, &rows, out)?;
     Ok(Outcome::Done)
 }
 
@@ -138,7 +135,54 @@ fn drop(plain: &SeenByDetector, seen: &SeenByDetector) -> (f64, Option<[f64; 2]>
     (all, interval.map(|interval| [interval.low, interval.high]))
 }
 
-fn table(setup: &Setup, judged: &[Judged], sectors: &Sectors, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+/// A pattern and a detector.
+#[derive(Serialize)]
+struct Row<'a> {
+    detector: &'a str,
+    pattern: &'a str,
+    ap50: f64,
+    hit_rate: f64,
+    mean_confidence: f64,
+    worst_direction: WorstDirection,
+    /// Of the mean confidence, from the plain model's.
+    drop: f64,
+    drop_95: Option<[f64; 2]>,
+}
+
+#[derive(Serialize)]
+struct WorstDirection {
+    azimuth_deg: f64,
+    mean_confidence: f64,
+}
+
+/// Detector by detector, the plain model first.
+fn rows<'a>(setup: &'a Setup, judged: &'a [Judged]) -> Vec<Row<'a>> {
+    let sectors = Sectors::of(setup);
+    let mut rows = Vec::new();
+    for (d, detector) in setup.detectors.iter().enumerate() {
+        for pattern in judged {
+            let seen = &pattern.seen[d];
+            let (azimuth_deg, mean_confidence) = sectors.worst(&seen.confidences);
+            let (drop, drop_95) = drop(&judged[0].seen[d], seen);
+            rows.push(Row {
+                detector: detector.name(),
+                pattern: &pattern.name,
+                ap50: seen.ap50(),
+                hit_rate: seen.hit_rate(),
+                mean_confidence: seen.mean_confidence(),
+                worst_direction: WorstDirection {
+                    azimuth_deg,
+                    mean_confidence,
+                },
+                drop,
+                drop_95,
+            });
+        }
+    }
+    rows
+}
+
+fn table(setup: &Setup, rows: &[Row], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     writeln!(
         out,
         "predicted, not rendered, on {}; drop: of the mean confidence, with its 95 % interval over the views",
@@ -149,39 +193,22 @@ fn table(setup: &Setup, judged: &[Judged], sectors: &Sectors, out: &mut dyn Writ
         "{:<14} {:<20} {:>7} {:>9} {:>11} {:>18}  drop",
         "detector", "pattern", "AP@0.5", "hit rate", "confidence", "worst direction"
     )?;
-    for (d, detector) in setup.detectors.iter().enumerate() {
-        for pattern in judged {
-            let seen = &pattern.seen[d];
-            let (azimuth, worst) = sectors.worst(&seen.confidences);
-            let (drop, interval) = drop(&judged[0].seen[d], seen);
-            let interval = interval.map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
-            writeln!(
-                out,
-                "{:<14} {:<20} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {azimuth:>3}°  {drop:.2}{interval}",
-                detector.name(),
-                pattern.name,
-                seen.ap50(),
-                seen.hit_rate(),
-                seen.mean_confidence(),
-                worst
-            )?;
-        }
+    for row in rows {
+        let interval = row
+            .drop_95
+            .map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
+        writeln!(
+            out,
+            "{:<14} {:<20} {:>7.2} {:>9.2} {:>11.2} {:>10.2} at {:>3}°  {:.2}{interval}",
+            row.detector,
+            row.pattern,
+            row.ap50,
+            row.hit_rate,
+            row.mean_confidence,
+            row.worst_direction.mean_confidence,
+            row.worst_direction.azimuth_deg,
+            row.drop,
+        )?;
     }
     Ok(())
-}
-
-fn rows(setup: &Setup, judged: &[Judged], sectors: &Sectors) -> Vec<Value> {
-    let row = |d: usize, name: &str, pattern: &Judged| {
-        let seen = &pattern.seen[d];
-        let (azimuth_deg, mean_confidence) = sectors.worst(&seen.confidences);
-        let (drop, drop_95) = drop(&judged[0].seen[d], seen);
-        json!({
-            "detector": name, "pattern": pattern.name, "ap50": seen.ap50(), "hit_rate": seen.hit_rate(), "mean_confidence": seen.mean_confidence(),
-            "worst_direction": { "azimuth_deg": azimuth_deg, "mean_confidence": mean_confidence }, "drop": drop, "drop_95": drop_95,
-        })
-    };
-    let detectors = setup.detectors.iter().enumerate();
-    detectors
-        .flat_map(|(d, detector)| judged.iter().map(move |pattern| row(d, detector.name(), pattern)))
-        .collect()
 }

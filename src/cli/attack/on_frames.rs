@@ -5,7 +5,6 @@ use std::io::Write;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
 use super::device::OnDevice;
@@ -15,6 +14,7 @@ use crate::attack::run::history::{Entry, History};
 use crate::attack::run::view_set::TextureMapping;
 use crate::attack::run::{AttackConfig, Rgb};
 use crate::attack::setup::Setup;
+use crate::cli::choice::one_of;
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
@@ -60,7 +60,7 @@ pub(super) struct Looking {
     pub tile_mm: f64,
     /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
     /// (DTA)
-    #[arg(long = "laying", default_value = "world", value_parser = texture_mapping())]
+    #[arg(long = "laying", default_value = "world", value_parser = one_of(TextureMapping::ALL.map(|mapping| (mapping, mapping.name()))))]
     pub mapping: TextureMapping,
     #[command(flatten)]
     pub device: OnDevice,
@@ -88,12 +88,6 @@ impl Deref for OnFrames {
     fn deref(&self) -> &Looking {
         &self.looking
     }
-}
-
-fn texture_mapping() -> impl TypedValueParser<Value = TextureMapping> {
-    let by_name = |name: String| TextureMapping::ALL.into_iter().find(|mapping| mapping.name() == name);
-    PossibleValuesParser::new(TextureMapping::ALL.map(TextureMapping::name))
-        .map(move |name| by_name(name).unwrap_or_default())
 }
 
 impl Looking {

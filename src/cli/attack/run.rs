@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::PossibleValuesParser;
 
 use super::on_frames::OnFrames;
 use super::{CommandResult, Outcome, progress};
@@ -14,6 +14,7 @@ use crate::attack::run::printer::PrinterMap;
 use crate::attack::run::weights::Against;
 use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Near, Rgb, of_pattern};
 use crate::attack::setup::Setup;
+use crate::cli::choice::one_of;
 use crate::files;
 use crate::pattern::palette::Palette;
 use crate::print::printer::PrinterFile;
@@ -42,10 +43,10 @@ pub(super) struct RunArgs {
     )]
     floor: f64,
     /// Which boxes on the model count: the most confident one (DTA), all by the sum of their odds, or all weighted with their overlap
-    #[arg(long, default_value = "strongest", value_parser = boxes())]
+    #[arg(long, default_value = "strongest", value_parser = one_of(Boxes::ALL.map(|boxes| (boxes, boxes.name()))))]
     loss: Boxes,
     /// Of several detectors: what is made small, their mean loss or that of the one that still sees the model best
-    #[arg(long, default_value = "mean", value_parser = against())]
+    #[arg(long, default_value = "mean", value_parser = one_of(Against::ALL.map(|against| (against, against.name()))))]
     against: Against,
     /// Share of a step's views that are drawn for how well the model is still seen in them
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -84,16 +85,6 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let (cells, entries) = optimise(&args.on, &setup, &config)?;
     args.on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
     Ok(Outcome::Done)
-}
-
-fn against() -> impl TypedValueParser<Value = Against> {
-    let by_name = |name: String| Against::ALL.into_iter().find(|against| against.name() == name);
-    PossibleValuesParser::new(Against::ALL.map(Against::name)).map(move |name| by_name(name).unwrap_or_default())
-}
-
-fn boxes() -> impl TypedValueParser<Value = Boxes> {
-    let by_name = |name: String| Boxes::ALL.into_iter().find(|boxes| boxes.name() == name);
-    PossibleValuesParser::new(Boxes::ALL.map(Boxes::name)).map(move |name| by_name(name).unwrap_or_default())
 }
 
 /// Runs the attack with a bar that shows where it stands.
