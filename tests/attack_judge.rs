@@ -74,7 +74,7 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
     assert_refused(&judge(&["--pattern", "missing.png"]), &["missing.png"]);
     assert_refused(
         &judge(&["--cells", "8", "--pattern", &patterns[0]]),
-        &["16 cells", "--cells is 8"],
+        &["16 cells", "8×8", "--cells"],
     );
     assert_refused(
         &judge(&["--normal", "grey", "--pattern", &patterns[0]]),
