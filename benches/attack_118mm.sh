@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# The figures of patterns of 118 mm in docs/guide/reference/measured.md: frames, two seeds of the attack, random, all rendered anew and looked at by five detectors.
+# An hour on two cores; each step goes on where it was stopped.
+#
+#   benches/attack_118mm.sh MESH FOLDER
+#
+# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0). `print_templates/patterns` has what came out.
+set -euo pipefail
+if [ $# -ne 2 ]; then
+    echo "usage: $0 MESH FOLDER" >&2
+    exit 2
+fi
+home=$(cd "$(dirname "$0")/.." && pwd)
+folder=$2
+model=(--mesh "$1" --material Material.001 --length-mm 455)
+"$home/benches/attack_frames.sh" "$folder/frames" "${model[@]}"
+for seed in 1 2; do
+    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --tile-mm 118 --steps 1600 --rate 0.1 --hard 0.5 \
+        --floor 0.0003 --seed $seed -o "$folder/attack_$seed"
+done
+"$home/run" attack baseline random "$folder/frames/0" --detector yolox_nano --tile-mm 118 -o "$folder/random"
+"$home/run" attack evaluate "${model[@]}" --normal 808080 --target yolox_nano --detector yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto \
+    --light courtyard sunrise@60 --azimuth-deg every30 --pitch-deg 0 15 30 --distance-mm 900 1200 1500 --field-of-view-deg 40 \
+    -o "$folder/evaluation" --pattern random="$folder/random/pattern.png" attack_1="$folder/attack_1/pattern.png" attack_2="$folder/attack_2/pattern.png"
