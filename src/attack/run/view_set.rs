@@ -43,7 +43,7 @@ impl TextureMapping {
         }
     }
 
-    /// Columns and rows of a pattern of so many cells a side: the sides' patterns lie below each other, in the order of [`Side::ALL`].
+    /// Columns and rows of a pattern of so many cells a side: the sides' patterns lie below each other, in the order left, right, roof, front, rear, bottom.
     pub fn grid(self, cells: u32) -> [u32; 2] {
         match self {
             Self::Sides => [cells, Side::ALL.len() as u32 * cells],
