@@ -61,23 +61,12 @@ impl Card {
 /// # Errors
 /// Nothing given, and no card, a damaged one, one whose width is none, or one of another pattern. A pattern for each side.
 pub(crate) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
-    refuse_sides(path, pattern)?;
-    match given {
-        Some(tile_mm) => Ok(tile_mm),
-        None => Ok(card(path, pattern)?.tile_mm),
-    }
-}
-
-/// Refuses a pattern that is not one for all sides.
-///
-/// # Errors
-/// A card that says so.
-pub(crate) fn refuse_sides(path: &Path, pattern: &Pattern) -> Result<(), CardError> {
-    match card(path, pattern) {
-        Ok(Card { sides: true, .. }) => Err(CardError::OfSides {
+    match (card(path, pattern), given) {
+        (Ok(Card { sides: true, .. }), _) => Err(CardError::OfSides {
             pattern: path.to_owned(),
         }),
-        _ => Ok(()),
+        (_, Some(tile_mm)) => Ok(tile_mm),
+        (found, None) => Ok(found?.tile_mm),
     }
 }
 

@@ -69,7 +69,7 @@ impl ImageLoss {
                 loss
             }
             _ if !loss.is_finite() => loss,
-            Boxes::All | Boxes::Overlap => of_all(predictions, outline, boxes, &mut weights),
+            Boxes::All | Boxes::Overlap => of_all(predictions, loss, outline, boxes, &mut weights),
         };
         Some(ImageLoss {
             loss,
@@ -80,10 +80,9 @@ impl ImageLoss {
 }
 
 /// `ln(1 + Σ w · odds(C))` over the boxes that meet the model, which is `−ln(1 − C)` where there is one, and its derivative with respect to the loss of
-/// each.
-fn of_all(predictions: &[Prediction], outline: &BoxPx, boxes: Boxes, weights: &mut [f64]) -> f64 {
+/// each. `highest`: the loss of the strongest.
+fn of_all(predictions: &[Prediction], highest: f64, outline: &BoxPx, boxes: Boxes, weights: &mut [f64]) -> f64 {
     // Relative to the strongest, so that nothing overflows: 1 + odds is e^loss.
-    let highest = predictions.iter().map(|p| p.loss).fold(0.0, f64::max);
     let mut sum = (-highest).exp();
     for (prediction, weight) in predictions.iter().zip(weights.iter_mut()) {
         let iou = prediction.box_px.iou(outline);

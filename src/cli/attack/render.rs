@@ -7,14 +7,13 @@ use std::sync::Arc;
 
 use super::{CommandResult, progress};
 use crate::bake::TriangleImage;
-use crate::cli::enlarged::note_enlarged;
 use crate::cli::model::{Model, ModelArgs};
+use crate::cli::print::tile_mm;
 use crate::cli::texture::load_texture;
 use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
 use crate::frames::{LIST, light};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
-use crate::pattern::card::refuse_sides;
 use crate::scene::Viewpoint;
 
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
@@ -130,14 +129,12 @@ impl RenderArgs {
             colours.push(RenderPaint::Flat(hex(text)?));
         }
         for path in &self.pattern {
-            let tile_mm = self.tile_mm.ok_or("a pattern needs --tile-mm")?;
             let name = path
                 .file_stem()
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default();
             let pattern = Pattern::load(path)?;
-            refuse_sides(path, &pattern)?;
-            note_enlarged(path, &pattern);
+            let tile_mm = tile_mm(self.tile_mm, path, &pattern)?;
             colours.push(RenderPaint::Pattern(name, pattern, tile_mm));
         }
         for text in &self.texture {
