@@ -1,30 +1,37 @@
 #!/usr/bin/env bash
-# Patterns against detectors they never saw: for each of the five, one made against the other four, judged on it, beside one made against all five,
-# the patterns of benches/attack_yolox_nano.sh, random, and DTA's published pattern. Each step goes on where it was stopped.
+# Patterns of 118 mm against detectors they never saw: for each of the five, two made against the other four, judged on it beside random, DTA's published
+# pattern, and ER and CAMOU, which asked all five; and two patterns against all five. Each step goes on where it was stopped.
 #
-#   benches/attack_transfer.sh MESH FRAMES PUBLISHED FOLDER [STEPS]
+#   benches/attack_transfer.sh MESH FRAMES PUBLISHED FOLDER [STEPS] [STEPS_OF_FIVE]
 #
-# MESH: skyline_r32_lowpoly_ccby4.glb; FRAMES: those of benches/attack_yolox_nano.sh (FOLDER/frames there); PUBLISHED: DTA's pattern as a PNG.
-# Renders 216 photos a pattern: hours on two cores.
+# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0); FRAMES: those of benches/attack_frames.sh; PUBLISHED: DTA's
+# pattern as a PNG. FOLDER/evaluation has the tables; evaluation/differences.csv each pair of patterns with its
+# interval. Three hours on two cores.
 set -euo pipefail
 if [ $# -lt 4 ]; then
-    echo "usage: $0 MESH FRAMES PUBLISHED FOLDER [STEPS]" >&2
+    echo "usage: $0 MESH FRAMES PUBLISHED FOLDER [STEPS] [STEPS_OF_FIVE]" >&2
     exit 2
 fi
-home=$(cd "$(dirname "$0")/.." && pwd)
-mesh=$1 frames=$2 published=$3 folder=$4 steps=${5:-300}
+run="$(dirname "$0")/../run"
+mesh=$1 frames=("$2"/{0,1,2,3,4,5,6,7,8,9,10,11}) published=$3 folder=$4 steps=${5:-300} steps_of_five=${6:-1000}
 all=(yolox_nano nanodet_m fastestdet deimv2_femto deimv2_atto)
-stored=$home/print_templates/patterns
-patterns=()
-for held_out in "${all[@]}" none; do
-    others=$(printf '%s\n' "${all[@]}" | grep -vx "$held_out" | paste -sd,)
-    for seed in 1 2; do
-        out=$folder/without_${held_out}_$seed
-        "$home/run" attack run "$frames" --detector "$others" --against worst --tile-mm 240 --steps "$steps" --seed $seed -o "$out"
-        patterns+=("without_${held_out}_$seed=$out/pattern.png")
+five=$(printf '%s\n' "${all[@]}" | paste -sd,)
+attack=(--against worst --tile-mm 118 --rate 0.1 --hard 0.5 --floor 0.0003)
+for seed in 1 2; do
+    for held_out in "${all[@]}"; do
+        others=$(printf '%s\n' "${all[@]}" | grep -vx "$held_out" | paste -sd,)
+        "$run" attack run "${frames[@]}" --detector "$others" "${attack[@]}" --steps "$steps" --seed $seed -o "$folder/without_${held_out}_$seed"
     done
+    "$run" attack run "${frames[@]}" --detector "$five" "${attack[@]}" --steps "$steps_of_five" --seed $seed -o "$folder/five_$seed"
 done
-"$home/run" attack baseline random "$frames" --detector yolox_nano --tile-mm 240 -o "$folder/random"
-"$home/run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --tile-mm 240 --light courtyard sunrise@60 \
-    --azimuth-deg every30 --pitch-deg 0 15 30 --distance-mm 900 1200 1500 --field-of-view-deg 40 -o "$folder/evaluation" --pattern "${patterns[@]}" \
-    camou="$stored/yolox_nano_camou.png" er="$stored/yolox_nano_er.png" random="$folder/random/pattern.png" dta="$published"
+"$run" attack baseline random "$frames" --detector yolox_nano --tile-mm 118 -o "$folder/random"
+for method in er camou; do
+    "$run" attack baseline $method "${frames[@]}" --detector "$five" --tile-mm 118 --queries $((8 * steps)) -o "$folder/$method"
+done
+patterns=(random="$folder/random/pattern.png" camou="$folder/camou/pattern.png" er="$folder/er/pattern.png" dta="$published")
+for made in five "${all[@]/#/without_}"; do
+    patterns+=("${made}_1=$folder/${made}_1/pattern.png" "${made}_2=$folder/${made}_2/pattern.png")
+done
+"$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --tile-mm 118 --light courtyard sunrise@60 \
+    --azimuth-deg every30 --pitch-deg 0 15 30 --distance-mm 900 1200 1500 --field-of-view-deg 40 --detector "$five" -o "$folder/evaluation" \
+    --pattern "${patterns[@]}"

@@ -26,7 +26,8 @@ use scaleproof::geometry::BoxPx;
 use scaleproof::pattern::colour::Lab;
 use scaleproof::pattern::gamut::Gamut;
 use scaleproof::pattern::world_aligned::Side;
-use scaleproof::surrogate::projection::{Grid, Sampling, world};
+use scaleproof::surrogate::projection::world::{self, Misplacement};
+use scaleproof::surrogate::projection::{Grid, Sampling};
 use scaleproof::whitebox::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
 
 /// C = σ(z), z = gain · Σ w(x, y) · (image − base) / pixels: sees the model the better, the more its image is like
@@ -145,12 +146,16 @@ fn stored() -> FrameSet {
 }
 
 fn view_set(laying: TextureMapping) -> ViewSet {
+    view_set_for(laying, &Eot::NONE)
+}
+
+fn view_set_for(laying: TextureMapping, eot: &Eot) -> ViewSet {
     let grid = Grid {
         columns: CELLS,
         rows: CELLS,
         cell_mm: 40.0,
     };
-    ViewSet::open(&[stored()], grid, laying, || {}).unwrap()
+    ViewSet::open(&[stored()], grid, (laying, eot), || {}).unwrap()
 }
 
 fn detectors(gain: f64, view_set: &ViewSet) -> Vec<Box<dyn WhiteBox>> {
@@ -233,6 +238,17 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             },
         ),
         (
+            TextureMapping::World,
+            Eot {
+                tile_scale: 0.1,
+                turn_deg: 5.0,
+                pose: 2.0,
+                any_renderer: true,
+                tone: 0.7,
+                ..still
+            },
+        ),
+        (
             TextureMapping::Repeated,
             Eot {
                 shift_tiles: 0.5,
@@ -241,7 +257,7 @@ fn the_gradient_from_cells_to_the_loss_is_that_of_finite_differences() {
             },
         ),
     ] {
-        let view_set = view_set(laying);
+        let view_set = view_set_for(laying, &eot);
         // Two detectors: their losses add up, each with its weight.
         let detectors: Vec<Box<dyn WhiteBox>> = vec![
             Box::new(Weave::new(4.0, &view_set)),
@@ -277,6 +293,11 @@ fn penalties_have_the_gradients_of_finite_differences_and_mean_what_they_say() {
     let cells = random_cells(3);
     let columns = CELLS as usize;
     assert!(worst(&cells, &smooth(&cells, columns).1, |c| smooth(c, columns).0) < 1e-5);
+    let below = random_cells(4);
+    let both: Vec<Rgb> = cells.iter().chain(&below).copied().collect();
+    let mean = (smooth(&cells, columns).0 + smooth(&below, columns).0) / 2.0;
+    assert!((smooth(&both, columns).0 - mean).abs() < 1e-12, "one below the other");
+    assert!(worst(&both, &smooth(&both, columns).1, |c| smooth(c, columns).0) < 1e-5);
     let paints = [[0.1, 0.2, 0.3], [0.9, 0.5, 0.4]];
     assert!(worst(&cells, &off_colours(&cells, &paints).1, |c| off_colours(c, &paints).0) < 1e-5);
     assert!(smooth(&[[0.4; 3]; 36], columns).0 < 2e-3, "one colour is smooth");
@@ -330,6 +351,69 @@ fn each_side_has_cells_of_its_own() {
         }
         assert!(seen.len() > 1, "{}: {seen:?}", frame.name);
     }
+}
+
+/// A pattern that is turned, larger, or seen two pixels off, against the same on the frame's own points.
+#[test]
+fn a_misplaced_pattern_is_turned_and_larger_on_each_side_and_off_in_the_image() {
+    let set = stored();
+    let grid = Grid {
+        columns: CELLS,
+        rows: CELLS,
+        cell_mm: 40.0,
+    };
+    let cells = random_cells(7);
+    let frame = &set.list.frames[0];
+    let points = set.surface(frame).unwrap().unwrap();
+    let factor = set.list.positions.as_ref().unwrap().factor as usize;
+    let [width, height] = set.list.size_px.map(|px| px as usize);
+    let laid = Misplacement {
+        size: 1.2,
+        turn_deg: 90.0,
+        ..Misplacement::NONE
+    };
+    let seen = Misplacement {
+        seen_off_px: [2.0, 1.0],
+        ..Misplacement::NONE
+    };
+    let how = (Sampling::Nearest, false);
+    let all = [Misplacement::NONE, laid, seen];
+    let projections = world::project_misplaced(&set, frame, &grid, how, &all)
+        .unwrap()
+        .unwrap();
+    let [plain, turned, off] = [0, 1, 2].map(|i| projections[i].forward(&cells));
+    let (mut looked, mut moved) = (0, 0);
+    for (x, y) in (0..height - 1).flat_map(|y| (0..width - 2).map(move |x| (x, y))) {
+        let parts = (0..factor * factor).map(|p| (y * factor + p / factor) * width * factor + x * factor + p % factor);
+        let sides: Vec<_> = parts
+            .filter_map(|p| points[p].side.map(|side| (side, points[p].place_mm)))
+            .collect();
+        if sides.is_empty() {
+            continue;
+        }
+        // By a quarter turn (u, v) comes from (−v, u), and there it is 1.2 times as large.
+        let expected = sides.iter().fold([0.0; 3], |sum, (side, place_mm)| {
+            let [u, v] = side.project(&(*place_mm).into());
+            let cell = |mm: f64| (mm / 1.2 / 40.0).floor().rem_euclid(f64::from(CELLS)) as usize;
+            let colour = cells[cell(-u) * CELLS as usize + cell(-v)];
+            std::array::from_fn(|c| sum[c] + colour[c] / sides.len() as f64)
+        });
+        let found = turned[y * width + x];
+        assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-9), "{x} {y}");
+        looked += 1;
+        let there = (y + 1) * width + x + 2;
+        let is_whole = |pixel: (usize, usize)| {
+            let mut parts = (0..factor * factor)
+                .map(|p| (pixel.1 * factor + p / factor) * width * factor + pixel.0 * factor + p % factor);
+            parts.all(|p| points[p].side.is_some())
+        };
+        if is_whole((x, y)) && is_whole((x + 2, y + 1)) {
+            let (found, expected) = (off[y * width + x], plain[there]);
+            assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-9), "{x} {y}");
+            moved += 1;
+        }
+    }
+    assert!(looked > 500 && moved > 300, "{looked} {moved}");
 }
 
 /// A printer that makes everything paler: the pattern asks for more contrast than it would have.
@@ -442,6 +526,9 @@ fn cells_roll_round_and_back() {
     let (other, by) = (random_cells(6), [0.23, -0.61]);
     let product =
         |a: &[Rgb], b: &[Rgb]| -> f64 { a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum() };
+    let both: Vec<Rgb> = cells.iter().chain(&other).copied().collect();
+    let each = [rolled(&cells, 6, by), rolled(&other, 6, by)].concat();
+    assert_eq!(rolled(&both, 6, by), each, "one below the other");
     let there = product(&rolled(&cells, 6, by), &other);
     let back = product(&cells, &rolled(&other, 6, by.map(|v: f64| -v)));
     assert!((there - back).abs() < 1e-9);
@@ -538,7 +625,7 @@ fn frames_of_several_models_are_looked_at_together_each_at_its_size() {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, TextureMapping::World, || {}).unwrap();
+    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, (TextureMapping::World, &Eot::NONE), || {}).unwrap();
     let alone = [open(&[stored()]), open(std::slice::from_ref(&attack))];
     let sizes = [stored().list.size_px, attack.list.size_px];
     let both = open(&[stored(), attack]);
@@ -601,6 +688,15 @@ fn compression_is_that_of_a_jpeg_and_colours_move_by_channel() {
         );
         ratios[0]
     });
+    let toned = augmented(Eot { tone: 0.5, ..Eot::NONE });
+    let exponents: Vec<f64> = toned
+        .iter()
+        .zip(&plain)
+        .filter(|(_, b)| (0.1..0.9).contains(&b[1]))
+        .map(|(a, b)| a[1].ln() / b[1].ln())
+        .collect();
+    assert!(exponents.iter().all(|e| (e - exponents[0]).abs() < 1e-9), "one curve");
+    assert!((0.5..=2.0).contains(&exponents[0]) && exponents[0] != 1.0);
     assert!(factors.iter().all(|f| (0.6..=1.0 / 0.6).contains(f)) && factors[0] != factors[1]);
 }
 
@@ -908,7 +1004,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
     for laying in [TextureMapping::World, TextureMapping::Repeated] {
         let folder = tempfile::tempdir().unwrap();
         let set = roof_seen_from(7.0, folder.path());
-        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, laying, || {}).unwrap();
+        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, (laying, &Eot::NONE), || {}).unwrap();
         let detectors = detectors(30.0, &view_set);
         let cells = random_cells(5);
         let at = |cells: &[Rgb]| {
@@ -935,7 +1031,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         }
         // From below, it is not seen.
         let below = tempfile::tempdir().unwrap();
-        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, laying, || {});
+        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, (laying, &Eot::NONE), || {});
         assert!(matches!(none.err().unwrap(), RunError::NothingSeen));
     }
 }
@@ -1053,7 +1149,7 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
         ViewSet::open(
             &[FrameSet::open(copy.path()).unwrap()],
             grid,
-            TextureMapping::World,
+            (TextureMapping::World, &Eot::NONE),
             || {},
         )
     };
@@ -1147,6 +1243,8 @@ fn bad_arguments_are_one_sentence() {
     assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
     assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
     assert_refused(&run(&["run", "--hard", "1.5"]), &["--hard"]);
+    let sides = ["run", "--laying", "sides", "--cells", "86"];
+    assert_refused(&run(&sides), &["--cells is 86", "516 rows", "up to 85"]);
     assert_refused(&run(&["run", "--augment", "blurr"]), &["blurr", "blur"]);
     assert_refused(&run(&["run", "--augment", "none,blur"]), &["none"]);
     assert_refused(&run(&["run", "--against", "best"]), &["best", "worst"]);
@@ -1180,10 +1278,10 @@ fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
     use scaleproof::attack::result::{CONFIG, PATTERN, write};
     use scaleproof::attack::setup::Setup;
     let texture = (CELLS, 240.0, TextureMapping::World);
-    let setup = Setup::open(vec![stored()], texture, Default::default(), || {}).unwrap();
+    let setup = Setup::open(vec![stored()], texture, &Eot::NONE, Default::default(), || {}).unwrap();
     let history = setup.history("dta", 1, Vec::new());
     let (cells, config) = (random_cells(1), config(2));
-    let write = |folder: &Path, config| write(folder, (&cells, CELLS), &history, config);
+    let write = |folder: &Path, config| write(folder, (&cells, CELLS, TextureMapping::World), &history, config);
     let names = |folder: &Path| {
         let entries = std::fs::read_dir(folder).unwrap();
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();

@@ -729,6 +729,12 @@ fn a_pattern_for_each_side_is_a_texture_of_the_model() {
         &command("--pattern", "no.png").0,
         &["a pattern for each side", "--texture"],
     );
+    // No image on texture coordinates either, whatever happened to it since.
+    let other = RgbImage::from_pixel(2, 12, Rgb([1, 2, 3]));
+    std::fs::write(&path, png(other)).unwrap();
+    assert_refused(&command("--texture", "no.png").0, &["the card of another pattern"]);
+    std::fs::write(&path, png(RgbImage::new(600, 3600))).unwrap();
+    assert_refused(&command("--texture", "no.png").0, &["600×3600 pixels", "512"]);
 }
 
 proptest! {

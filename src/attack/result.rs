@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::run::history::History;
+use super::run::view_set::TextureMapping;
 use super::run::{AttackConfig, Rgb, RunError, to_image};
 use crate::files;
 use crate::frames::encode_rgb;
@@ -21,14 +22,13 @@ pub(crate) const CONFIG: &str = "config.json";
 /// A folder that takes no files: then it has none of them, or those it had.
 pub(crate) fn write(
     folder: &Path,
-    (cells, columns): (&[Rgb], u32),
+    (cells, columns, mapping): (&[Rgb], u32, TextureMapping),
     history: &History,
     config: Option<&AttackConfig>,
 ) -> Result<PathBuf, RunError> {
     let path = folder.join(PATTERN);
     let png = encode_rgb(&to_image(cells, columns))?;
-    let rows = cells.len() as u32 / columns;
-    let card = card(&png, [columns, rows], history).to_file(&path)?;
+    let card = card(&png, (columns, mapping), history).to_file(&path)?;
     let mut new = vec![(path.clone(), png), card, history.to_file(folder)?];
     let config_path = folder.join(CONFIG);
     if let Some(config) = config {
@@ -42,10 +42,10 @@ pub(crate) fn write(
     Ok(path)
 }
 
-fn card(png: &[u8], [columns, rows]: [u32; 2], history: &History) -> Card {
+fn card(png: &[u8], (columns, mapping): (u32, TextureMapping), history: &History) -> Card {
     let about = json!({
         "made_by": format!("scaleproof {} attack, method {}", history.scaleproof, history.method),
-        "cells": [columns, rows],
+        "cells": mapping.grid(columns),
         "seed": history.seed,
         "detectors": history.detectors,
         "frames_sha256": history.frames_sha256,
@@ -55,7 +55,7 @@ fn card(png: &[u8], [columns, rows]: [u32; 2], history: &History) -> Card {
     Card {
         pattern_sha256: files::sha256_hex(png),
         tile_mm: history.tile_mm,
-        sides: rows != columns,
+        sides: mapping == TextureMapping::Sides,
         about: about.as_object().cloned().unwrap_or_default(),
     }
 }

@@ -1,6 +1,7 @@
 //! What a pattern is made on and against: frames, their views, and detectors.
 
 use super::run::RunError;
+use super::run::augmentation::Eot;
 use super::run::history::{Entry, History};
 use super::run::view_set::{TextureMapping, ViewSet};
 use crate::files;
@@ -21,13 +22,14 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// Opens the views of some frames for a square pattern of so many columns. `on_view` is called after each, from any thread.
+    /// Opens the views of some frames for a square pattern of so many columns, and for what an augmentation draws. `on_view` is called after each, from any thread.
     ///
     /// # Errors
     /// Those of [`ViewSet::open`].
     pub(crate) fn open(
         frames: Vec<FrameSet>,
         (columns, tile_mm, mapping): (u32, f64, TextureMapping),
+        eot: &Eot,
         (detectors, detector_names): (Vec<Box<dyn WhiteBox>>, Vec<String>),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
@@ -39,7 +41,7 @@ impl Setup {
         };
         Ok(Self {
             tile_mm,
-            view_set: ViewSet::open(&frames, grid, mapping, on_view)?,
+            view_set: ViewSet::open(&frames, grid, (mapping, eot), on_view)?,
             frames_sha256: sha256(&frames)?,
             frames,
             detectors,

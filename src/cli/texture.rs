@@ -7,7 +7,7 @@ use super::model::Model;
 use crate::files;
 use crate::mesh::{FaceList, Mesh, MeshPlacement};
 use crate::pattern::Pattern;
-use crate::pattern::card::{Card, card};
+use crate::pattern::card::{Card, card, says_sides};
 use crate::print::patch::PanelPatch;
 use crate::texture::{
     FaceTexels, Mapped, MappedImages, PlacedPatch, SidePatterns, Texture, TextureError, Tile, check_same_shape,
@@ -106,15 +106,12 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
 
 /// A pattern for each side of the model, where the card beside it says so.
 fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn Error>> {
-    if extension(path) != "png" || !Card::path(path).is_file() {
+    if extension(path) != "png" || !says_sides(path) {
         return Ok(None);
     }
-    let Ok(pattern) = Pattern::load(path) else {
-        return Ok(None);
-    };
-    let Some(card) = card(path, &pattern).ok().filter(|card| card.sides) else {
-        return Ok(None);
-    };
+    // From here on it is no image on texture coordinates, whatever is wrong with it.
+    let pattern = Pattern::load(path)?;
+    let card = card(path, &pattern)?;
     let Some(patterns) = SidePatterns::new(&pattern, card.tile_mm, &model.mesh)? else {
         return Err(format!(
             "{} has {} rows, which are not those of six sides",

@@ -70,6 +70,13 @@ pub(crate) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Res
     }
 }
 
+/// True when the card beside a PNG says that it is of sides, be it this PNG's or another one's.
+pub(crate) fn says_sides(path: &Path) -> bool {
+    let text = files::read_text(&Card::path(path)).ok();
+    let card = text.and_then(|text| serde_json::from_str::<Card>(&text).ok());
+    card.is_some_and(|card| card.sides)
+}
+
 /// The card of a pattern.
 ///
 /// # Errors

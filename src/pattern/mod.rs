@@ -80,10 +80,18 @@ impl Pattern {
     /// # Errors
     /// No cells, or more than `MAX_CELLS` along a side.
     pub fn random(cells: u32, seed: u64) -> Result<Self, PatternError> {
-        if !(1..=MAX_CELLS).contains(&cells) {
+        Self::random_of([cells, cells], seed)
+    }
+
+    /// The same with so many columns and rows; a square one's first rows.
+    ///
+    /// # Errors
+    /// Those of [`Pattern::random`].
+    pub(crate) fn random_of([columns, rows]: [u32; 2], seed: u64) -> Result<Self, PatternError> {
+        if let Some(cells) = [columns, rows].into_iter().find(|n| !(1..=MAX_CELLS).contains(n)) {
             return Err(PatternError::BadCellCount { cells });
         }
-        let mut grid = RgbImage::new(cells, cells);
+        let mut grid = RgbImage::new(columns, rows);
         Pcg32::seed_from_u64(seed).fill_bytes(&mut grid);
         Self::of_cells(grid)
     }

@@ -10,6 +10,7 @@ use super::{Rgb, of_image, to_image};
 use crate::geometry::BoxPx;
 use crate::photo::as_jpeg;
 use crate::surrogate::projection::repeated::Jitter;
+use crate::surrogate::projection::world::Misplacement;
 use crate::whitebox::separable::{Separable, Tap};
 
 /// A kind of augmentation: its name, and what adds it.
@@ -20,8 +21,17 @@ type Kind = (&'static str, fn(&mut Eot));
 pub struct Eot {
     /// Shift of the texture on the model, to either side, in repeats.
     pub shift_tiles: f64,
-    /// Size of the pattern against its true size, to either side of 1; only Repeated Texture Projection can.
+    /// Size of the pattern against its true size, to either side of 1.
     pub tile_scale: f64,
+    /// Turn of the pattern on each side of the model, to either side, degrees; not for Repeated Texture Projection.
+    pub turn_deg: f64,
+    /// Error of the pose: the paint is seen so many pixels off at most, along each axis, and turned by so many degrees at most; not for Repeated
+    /// Texture Projection.
+    pub pose: f64,
+    /// Images are predicted by any of the closed forms that can be fitted, not only by the default.
+    pub any_renderer: bool,
+    /// Exponent of the image's values, as a camera's tone curve has it: from one less than 1 to its inverse.
+    pub tone: f64,
     /// Added to the image, to either side, in sRGB of 0 to 1.
     pub brightness: f64,
     /// Factor about middle grey: from one less than 1 to its inverse.
@@ -47,6 +57,10 @@ impl Eot {
     pub const NONE: Self = Self {
         shift_tiles: 0.0,
         tile_scale: 0.0,
+        turn_deg: 0.0,
+        pose: 0.0,
+        any_renderer: false,
+        tone: 1.0,
         brightness: 0.0,
         contrast: 1.0,
         scale: [1.0, 1.0],
@@ -60,8 +74,6 @@ impl Eot {
 
     /// The usual: no shift of the pattern (print fixes where it lies), and of the image what a camera does.
     pub const USUAL: Self = Self {
-        shift_tiles: 0.0,
-        tile_scale: 0.0,
         brightness: 0.08,
         contrast: 0.85,
         scale: [0.6, 1.15],
@@ -71,7 +83,7 @@ impl Eot {
     };
 
     /// What can be added to the usual, by name.
-    pub const KINDS: [Kind; 9] = [
+    pub const KINDS: [Kind; 14] = [
         ("brightness", |eot| eot.brightness = 0.25),
         ("contrast", |eot| eot.contrast = 0.7),
         ("far", |eot| eot.scale[0] = 0.25),
@@ -81,7 +93,28 @@ impl Eot {
         ("jpeg", |eot| eot.jpeg_quality = 30),
         ("background", |eot| eot.background = 0.5),
         ("shift", |eot| eot.shift_tiles = 0.5),
+        ("size", |eot| eot.tile_scale = eot.tile_scale.max(0.1)),
+        ("turn", |eot| eot.turn_deg = 5.0),
+        ("pose", |eot| eot.pose = 2.0),
+        ("renderer", |eot| eot.any_renderer = true),
+        ("tone", |eot| eot.tone = 0.75),
     ];
+
+    /// One draw of how wrong the pattern lies on the model.
+    pub(crate) fn misplaced(&self, rng: &mut impl Rng) -> Misplacement {
+        let mut either = |by: f64| by * rng.random_range(-1.0..1.0);
+        Misplacement {
+            size: 1.0 + either(self.tile_scale),
+            turn_deg: either(self.turn_deg),
+            seen_off_px: [either(self.pose), either(self.pose)],
+            seen_turned_deg: either(self.pose),
+        }
+    }
+
+    /// Whether the pattern ever lies wrong.
+    pub(crate) fn misplaces(&self) -> bool {
+        [self.tile_scale, self.turn_deg, self.pose].iter().any(|by| *by > 0.0)
+    }
 }
 
 /// One draw of everything.
@@ -101,6 +134,11 @@ pub struct Augmentation {
     jpeg_quality: u8,
     /// Which view the background is of, as a share of all views; `None` for its own.
     pub background: Option<f64>,
+    tone: f64,
+    /// Which of the ways in which a view's pattern lies, as a share of them; 0 is the true one.
+    pub laid: f64,
+    /// Which of a view's renderers, as a share of them; 0 is the default.
+    pub renderer: f64,
 }
 
 impl Augmentation {
@@ -117,6 +155,9 @@ impl Augmentation {
         blur_px: 0.0,
         jpeg_quality: 100,
         background: None,
+        tone: 1.0,
+        laid: 0.0,
+        renderer: 0.0,
     };
 
     pub fn random(eot: &Eot, rng: &mut impl Rng) -> Self {
@@ -137,6 +178,9 @@ impl Augmentation {
             blur_px: eot.blur_px * more.random::<f64>(),
             jpeg_quality: more.random_range(eot.jpeg_quality..=100),
             background: (more.random::<f64>() < eot.background).then(|| more.random()),
+            tone: eot.tone.powf(more.random_range(-1.0..1.0)),
+            laid: more.random(),
+            renderer: more.random(),
             jitter,
             brightness,
             contrast,
@@ -165,16 +209,19 @@ impl Augmentation {
             image = blur.forward(&image);
         }
         let mut rng = Pcg32::seed_from_u64(self.noise_seed);
-        let mut is_open = vec![[true; 3]; image.len()];
-        for (pixel, is_open) in image.iter_mut().zip(&mut is_open) {
-            for ((value, is_open), balance) in pixel.iter_mut().zip(is_open).zip(self.white_balance) {
+        let mut slopes = vec![[0.0; 3]; image.len()];
+        for (pixel, slopes) in image.iter_mut().zip(&mut slopes) {
+            for ((value, slope), balance) in pixel.iter_mut().zip(slopes).zip(self.white_balance) {
                 let noise = if self.noise > 0.0 {
                     self.noise * normal(&mut rng)
                 } else {
                     0.0
                 };
-                *value = self.contrast * (balance * *value - 0.5) + 0.5 + self.brightness + noise;
-                *is_open = (0.0..=1.0).contains(value);
+                let (toned, derivative) = toned(*value, self.tone);
+                *value = self.contrast * (balance * toned - 0.5) + 0.5 + self.brightness + noise;
+                if (0.0..=1.0).contains(value) {
+                    *slope = balance * self.contrast * derivative;
+                }
                 *value = value.clamp(0.0, 1.0);
             }
         }
@@ -183,8 +230,7 @@ impl Augmentation {
         }
         AugmentedImage {
             image,
-            is_open,
-            factors: self.white_balance.map(|balance| balance * self.contrast),
+            slopes,
             resample,
             blur,
         }
@@ -195,10 +241,8 @@ impl Augmentation {
 #[derive(Debug, Clone)]
 pub struct AugmentedImage {
     pub image: Vec<Rgb>,
-    /// Not clipped.
-    is_open: Vec<[bool; 3]>,
-    /// Of each channel.
-    factors: Rgb,
+    /// Derivative of each value by the one that it was made of; 0 where it is clipped.
+    slopes: Vec<Rgb>,
     resample: Option<Resample>,
     blur: Option<Separable>,
 }
@@ -207,10 +251,8 @@ impl AugmentedImage {
     /// From the derivative with respect to the augmented image to that with respect to the image before. Compression counts as no change: it
     /// rounds, and has no derivative of its own (Shin & Song 2017; "straight-through", Bengio et al. 2013).
     pub fn vjp(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
-        for (pixel, is_open) in gradient.iter_mut().zip(&self.is_open) {
-            for ((value, is_open), factor) in pixel.iter_mut().zip(is_open).zip(self.factors) {
-                *value *= if *is_open { factor } else { 0.0 };
-            }
+        for (pixel, slopes) in gradient.iter_mut().zip(&self.slopes) {
+            *pixel = std::array::from_fn(|c| pixel[c] * slopes[c]);
         }
         if let Some(blur) = &self.blur {
             gradient = blur.transposed(&gradient);
@@ -220,6 +262,19 @@ impl AugmentedImage {
             None => gradient,
         }
     }
+}
+
+/// Darker values are as steep as this one, since the derivative of a root grows without bound.
+const DARKEST: f64 = 0.01;
+
+/// A value after a tone curve, and the derivative.
+fn toned(value: f64, exponent: f64) -> (f64, f64) {
+    if exponent == 1.0 {
+        return (value, 1.0);
+    }
+    let value = value.max(0.0);
+    let slope = exponent * value.max(DARKEST).powf(exponent - 1.0);
+    (value.powf(exponent), slope)
 }
 
 /// Less blur is none.
@@ -262,12 +317,11 @@ fn normal(rng: &mut impl Rng) -> f64 {
 }
 
 /// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is
-/// the transposed map.
+/// the transposed map. Of several square patterns below each other each is moved by itself.
 pub(crate) fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
     if shift_tiles == [0.0, 0.0] {
         return cells.to_vec();
     }
-    let rows = cells.len() / columns;
     let tap = |at: usize, count: usize, shift: f64| {
         let from = at as f64 - shift * count as f64;
         let (whole, part) = (from.floor(), from - from.floor());
@@ -275,14 +329,15 @@ pub(crate) fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Ve
         [(index(whole), 1.0 - part), (index(whole + 1.0), part)]
     };
     let cell = |i: usize| {
+        let above = i / (columns * columns) * columns;
         let (across, down) = (
             tap(i % columns, columns, shift_tiles[0]),
-            tap(i / columns, rows, shift_tiles[1]),
+            tap(i / columns - above, columns, shift_tiles[1]),
         );
         let mut sum = [0.0; 3];
         for (row, wy) in down {
             for (column, wx) in across {
-                let value = cells[row * columns + column];
+                let value = cells[(above + row) * columns + column];
                 sum = std::array::from_fn(|c| sum[c] + wx * wy * value[c]);
             }
         }

@@ -218,14 +218,8 @@ impl<'a> Attack<'a> {
                 (found, whole.ok_or(RunError::Damaged { path })?)
             }
             None => {
-                let mut cells = Vec::new();
-                for block in 0..view_set.grid.rows / view_set.grid.columns {
-                    cells.extend(of_pattern(&Pattern::random(
-                        config.cells,
-                        config.seed + 1000 * u64::from(block),
-                    )?));
-                }
-                let cells = clipped(cells, config.range);
+                let first = Pattern::random_of(config.mapping.grid(config.cells), config.seed)?;
+                let cells = clipped(of_pattern(&first), config.range);
                 let state = AttackState {
                     adam: Adam::new(cells.len()),
                     weights: DetectorWeights::new(detectors.len()),

@@ -7,17 +7,16 @@ use super::Rgb;
 const SOFT: f64 = 1e-6;
 
 /// Total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the
-/// neighbours on the right and below, round and round, for the pattern is repeated.
+/// neighbours on the right and below, round and round, for the pattern is repeated. Several square patterns, as those of the
+/// sides, lie below each other, and none has a neighbour in another.
 pub(crate) fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
-    let (rows, count) = (cells.len() / columns, cells.len() as f64);
+    let count = cells.len() as f64;
     let mut gradient = vec![[0.0; 3]; cells.len()];
     let mut sum = 0.0;
     for i in 0..cells.len() {
-        let (column, row) = (i % columns, i / columns);
-        let neighbours = [
-            row * columns + (column + 1) % columns,
-            (row + 1) % rows * columns + column,
-        ];
+        let (column, row, pattern) = (i % columns, i / columns % columns, i / (columns * columns));
+        let of = |column: usize, row: usize| (pattern * columns + row % columns) * columns + column % columns;
+        let neighbours = [of(column + 1, row), of(column, row + 1)];
         let squares: f64 = neighbours.iter().map(|j| squared(cells[*j], cells[i])).sum();
         let length = (squares + SOFT).sqrt();
         sum += length;

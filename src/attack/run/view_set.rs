@@ -1,7 +1,10 @@
 //! The views an attack works on, each with its surrogate renderer and its texture projection.
 
 use std::borrow::Cow;
+use std::iter;
 
+use rand::SeedableRng;
+use rand_pcg::Pcg32;
 use serde::Serialize;
 
 use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
@@ -9,7 +12,8 @@ use super::{Rgb, RunError};
 use crate::frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
 use crate::geometry::BoxPx;
 use crate::pattern::world_aligned::Side;
-use crate::surrogate::projection::{Grid, Projection, Sampling, repeated, world};
+use crate::surrogate::projection::world::{self, Misplacement};
+use crate::surrogate::projection::{Grid, Projection, Sampling, repeated};
 use crate::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use crate::workers;
 
@@ -75,14 +79,24 @@ pub struct SurrogateView {
     pub outline: BoxPx,
     /// How much of each pixel the object covers, 0 to 1.
     object: Vec<f32>,
-    model: PerPixel,
+    /// The default first.
+    renderers: Vec<PerPixel>,
     place: Place,
 }
 
 #[derive(Debug)]
 enum Place {
-    World(Projection),
+    /// The true one, and others that are misplaced.
+    World(Vec<Projection>),
     Repeated(Coverage),
+}
+
+/// So many ways besides the true one in which a view's pattern is misplaced, where the augmentation asks for it.
+const MISPLACED: usize = 3;
+
+/// One of a choice, by a share of it.
+fn picked<T>(choice: &[T], share: f64) -> &T {
+    &choice[((share * choice.len() as f64) as usize).min(choice.len() - 1)]
 }
 
 /// All views, and which are held out.
@@ -101,6 +115,7 @@ pub struct ViewSet {
 /// A view with the pattern on it, augmented; its vector–Jacobian product leads back to the cells.
 pub struct TexturedView<'a> {
     view: &'a SurrogateView,
+    renderer: &'a PerPixel,
     projection: Cow<'a, Projection>,
     columns: usize,
     shift_tiles: [f64; 2],
@@ -113,8 +128,8 @@ pub struct TexturedView<'a> {
 }
 
 impl ViewSet {
-    /// Fits the default surrogate renderer to the flat colours of every view. `on_view` is called after each, from any
-    /// thread.
+    /// Fits the default surrogate renderer to the flat colours of every view, and prepares what `eot` will draw from: the
+    /// other closed forms, and misplaced patterns. `on_view` is called after each, from any thread.
     ///
     /// # Errors
     /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
@@ -122,7 +137,7 @@ impl ViewSet {
     pub fn open(
         sets: &[FrameSet],
         grid: Grid,
-        mapping: TextureMapping,
+        (mapping, eot): (TextureMapping, &Eot),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
         let of_set = |(i, set): (usize, &'_ FrameSet)| -> Vec<(usize, Vec<Frame>)> {
@@ -133,7 +148,10 @@ impl ViewSet {
                 .collect()
         };
         let all: Vec<(usize, Vec<Frame>)> = sets.iter().enumerate().flat_map(of_set).collect();
-        let load = |(): &mut (), (i, frames): &(usize, Vec<Frame>)| load((*i, &sets[*i]), frames, &grid, mapping);
+        let all: Vec<_> = all.into_iter().enumerate().collect();
+        let load = |(): &mut (), (view, (i, frames)): &(usize, (usize, Vec<Frame>))| {
+            load((*i, &sets[*i]), (*view, frames), &grid, (mapping, eot))
+        };
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
         let count = loaded.len();
         let views: Vec<SurrogateView> = loaded.into_iter().flatten().collect();
@@ -187,7 +205,7 @@ impl ViewSet {
         let columns = self.grid.columns as usize;
         let light: Vec<Rgb> = cells.iter().map(|cell| cell.map(light::decode)).collect();
         let (projection, shift_tiles) = match &view.place {
-            Place::World(projection) => (Cow::Borrowed(projection), draw.jitter.shift_tiles),
+            Place::World(choice) => (Cow::Borrowed(picked(choice, draw.laid)), draw.jitter.shift_tiles),
             // The shift is the projection's own there.
             Place::Repeated(mask) => {
                 let (list, frame, nearest) = (&self.lists[view.list], &view.frame, Sampling::Nearest);
@@ -196,7 +214,8 @@ impl ViewSet {
             }
         };
         let paint = projection.forward(&rolled(&light, columns, shift_tiles));
-        let mut image = view.model.predict(&paint);
+        let renderer = picked(&view.renderers, draw.renderer);
+        let mut image = renderer.predict(&paint);
         let has_other_background = draw
             .background
             .is_some_and(|background| self.exchange(&mut image, view, background));
@@ -204,6 +223,7 @@ impl ViewSet {
         TexturedView {
             outline: draw.moved(&view.outline, size_px),
             view,
+            renderer,
             projection,
             columns,
             shift_tiles,
@@ -222,7 +242,7 @@ impl ViewSet {
             return false;
         }
         let width = size[0] as usize;
-        let behind = other.model.predict(&vec![[0.2; 3]; other.object.len()]);
+        let behind = other.renderers[0].predict(&vec![[0.2; 3]; other.object.len()]);
         for (i, (pixel, object)) in image.iter_mut().zip(&view.object).enumerate() {
             let (row, column) = (i / width, i % width);
             let behind = behind[row * width + (column + width / 2) % width];
@@ -234,7 +254,7 @@ impl ViewSet {
 
     /// A view in any paint (linear reflectance of each pixel), as it is.
     pub fn painted(&self, view: usize, paint: &[Rgb]) -> Vec<Rgb> {
-        self.views[view].model.predict(paint)
+        self.views[view].renderers[0].predict(paint)
     }
 }
 
@@ -247,7 +267,7 @@ impl TexturedView<'_> {
                 *g = g.map(|v| v * f64::from(*object));
             }
         }
-        for (g, derivative) in gradient.iter_mut().zip(self.view.model.derivative(&self.paint)) {
+        for (g, derivative) in gradient.iter_mut().zip(self.renderer.derivative(&self.paint)) {
             *g = std::array::from_fn(|c| g[c] * derivative[c]);
         }
         let gradient = self.projection.transposed(&gradient);
@@ -262,9 +282,9 @@ impl TexturedView<'_> {
 /// `None` for a view in which the model or its paint is not seen.
 fn load(
     (list, set): (usize, &FrameSet),
-    frames: &[Frame],
+    (view, frames): (usize, &[Frame]),
     grid: &Grid,
-    mapping: TextureMapping,
+    (mapping, eot): (TextureMapping, &Eot),
 ) -> Result<Option<SurrogateView>, RunError> {
     let frame = &frames[0];
     let mask = set.paint_mask(frame)?;
@@ -283,13 +303,19 @@ fn load(
         }
     }
     let name = || frame.name.clone();
-    let fitted = PerPixel::fit(ClosedForm::default(), &flats);
-    let model = fitted.map_err(|reason| RunError::Fit { view: name(), reason })?;
+    let default = ClosedForm::default();
+    let fitted = PerPixel::fit(default, &flats);
+    let mut renderers = vec![fitted.map_err(|reason| RunError::Fit { view: name(), reason })?];
+    if eot.any_renderer {
+        let others = ClosedForm::ALL.into_iter().filter(|form| *form != default);
+        renderers.extend(others.filter_map(|form| PerPixel::fit(form, &flats).ok()));
+    }
     let place = match mapping {
         TextureMapping::Repeated => Place::Repeated(mask),
         TextureMapping::World | TextureMapping::Sides => {
-            let projection = world::project(set, frame, grid, (Sampling::Nearest, mapping == TextureMapping::Sides))?;
-            Place::World(projection.ok_or_else(|| RunError::NoPositions { view: name() })?)
+            let how = (Sampling::Nearest, mapping == TextureMapping::Sides);
+            let projections = world::project_misplaced(set, frame, grid, how, &misplacements(view, eot))?;
+            Place::World(projections.ok_or_else(|| RunError::NoPositions { view: name() })?)
         }
     };
     // The outline counts from the middle of the first pixel.
@@ -299,7 +325,15 @@ fn load(
         list,
         object: object.pixels().map(|p| f32::from(p.0[0]) / 255.0).collect(),
         outline,
-        model,
+        renderers,
         place,
     }))
+}
+
+/// The true place, and others for the view of this number, the same in every run.
+fn misplacements(view: usize, eot: &Eot) -> Vec<Misplacement> {
+    let mut rng = Pcg32::seed_from_u64(view as u64);
+    let count = if eot.misplaces() { MISPLACED } else { 0 };
+    let others = (0..count).map(|_| eot.misplaced(&mut rng));
+    iter::once(Misplacement::NONE).chain(others).collect()
 }

@@ -11,6 +11,7 @@ use super::render::hex;
 use super::{CommandResult, Outcome, progress};
 use crate::attack::baseline::patches::{PlacedPatch, is_seen, paint};
 use crate::attack::baseline::{self, BlackBox, genetic};
+use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
 use crate::attack::run::judge::{HeldOutFigures, judge, judge_images};
 use crate::attack::run::view_set::{TextureMapping, ViewSet};
@@ -132,7 +133,7 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
 /// A pattern that needs no search.
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
     refuse_other_results(on)?;
-    let setup = on.open(false)?;
+    let setup = on.open(false, &Eot::NONE)?;
     let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
     on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
     Ok(Outcome::Done)
@@ -164,7 +165,8 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     if method == "camou" && on.cells < 6 {
         return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
     }
-    let setup = on.open(false)?;
+    let eot = on.mapping.usual_eot();
+    let setup = on.open(false, &eot)?;
     let config = baseline::SearchConfig {
         method,
         cells: on.cells,
@@ -172,7 +174,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         queries: args.queries,
         seed: on.seed,
         mapping: on.mapping,
-        eot: on.mapping.usual_eot(),
+        eot,
         frames_sha256: setup.frames_sha256.clone(),
         detectors: setup.detector_names.clone(),
     };
@@ -205,7 +207,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let base = hex(&args.flat)?;
     let patches = placed(&args.places)?;
     refuse_other_results(&args.on)?;
-    let setup = args.on.open(false)?;
+    let setup = args.on.open(false, &Eot::NONE)?;
     check_seen(&setup, &patches)?;
     let on = (&setup.view_set, setup.frames.as_slice());
     let image = |view: usize| painted(on, view, &patches, base);

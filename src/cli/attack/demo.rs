@@ -53,7 +53,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         seed: 1,
         output: args.output.clone(),
     };
-    let setup = on.open(true)?;
+    let setup = on.open(true, &TextureMapping::World.usual_eot())?;
     let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::on_frames::Looking;
 use super::render::{hex, named};
 use super::{CommandResult, Outcome, progress};
-use crate::attack::run::augmentation::Augmentation;
+use crate::attack::run::augmentation::{Augmentation, Eot};
 use crate::attack::run::judge::{SeenByDetector, look};
 use crate::attack::run::{Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
@@ -42,7 +42,7 @@ struct Judged {
 
 pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
     let patterns = args.patterns()?;
-    let setup = args.on.open(false)?;
+    let setup = args.on.open(false, &Eot::NONE)?;
     let views: Vec<usize> = (0..setup.view_set.views.len()).collect();
     let bar = progress::frames("looking", views.len() * patterns.len());
     let look = |(name, cells): NamedCells| {

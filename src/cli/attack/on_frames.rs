@@ -10,6 +10,7 @@ use serde_json::json;
 use super::device::OnDevice;
 use super::progress;
 use crate::attack::result;
+use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::{Entry, History};
 use crate::attack::run::view_set::TextureMapping;
 use crate::attack::run::{AttackConfig, Rgb};
@@ -91,9 +92,10 @@ impl Deref for OnFrames {
 }
 
 impl Looking {
-    /// `differentiates`: the detectors must give gradients.
-    pub(super) fn open(&self, differentiates: bool) -> Result<Setup, Box<dyn Error>> {
+    /// `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
+    pub(super) fn open(&self, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
+        self.check_cells()?;
         let (networks, programs) = self.programs.among(&self.detector)?;
         let mut detectors = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
@@ -111,13 +113,27 @@ impl Looking {
             "reading views",
             frames.iter().map(|set| views(&set.list.frames).len()).sum(),
         );
-        let setup = Setup::open(frames, texture, detectors, || bar.inc(1));
+        let setup = Setup::open(frames, texture, eot, detectors, || bar.inc(1));
         bar.finish_and_clear();
         Ok(setup?)
     }
 }
 
 impl Looking {
+    /// The sides' patterns lie below each other in one file.
+    fn check_cells(&self) -> Result<(), String> {
+        let [_, rows] = self.mapping.grid(self.cells);
+        match rows > MAX_CELLS {
+            true => Err(format!(
+                "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
+                self.cells,
+                self.mapping.name(),
+                MAX_CELLS * self.cells / rows
+            )),
+            false => Ok(()),
+        }
+    }
+
     /// A pattern of as many cells as these look at.
     pub(super) fn pattern(&self, path: &Path) -> Result<Pattern, Box<dyn Error>> {
         let pattern = Pattern::load(path)?;
@@ -138,9 +154,9 @@ impl Looking {
 
 impl OnFrames {
     /// As [`Looking::open`], with a folder for what is made.
-    pub(super) fn open(&self, differentiates: bool) -> Result<Setup, Box<dyn Error>> {
+    pub(super) fn open(&self, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
         files::check_writable(&self.output)?;
-        self.looking.open(differentiates)
+        self.looking.open(differentiates, eot)
     }
 
     /// Writes the result of a method, and says what it is.
@@ -152,16 +168,15 @@ impl OnFrames {
         out: &mut dyn Write,
     ) -> Result<(), Box<dyn Error>> {
         let history = setup.history(method, self.seed, entries);
-        let path = result::write(&self.output, (cells, self.cells), &history, config)?;
+        let path = result::write(&self.output, (cells, self.cells, self.mapping), &history, config)?;
         if self.json {
             return self.write_json(&history, Some(&path), out);
         }
+        let [columns, rows] = self.mapping.grid(self.cells);
         writeln!(
             out,
-            "{}: {} × {} cells, tile {} mm",
+            "{}: {columns} × {rows} cells, tile {} mm",
             path.display(),
-            self.cells,
-            self.cells,
             self.tile_mm
         )?;
         say_figures(setup, &history, &self.class, out)

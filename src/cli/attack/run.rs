@@ -80,7 +80,7 @@ pub(super) struct RunArgs {
 
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let settings = args.settings()?;
-    let setup = args.on.open(true)?;
+    let setup = args.on.open(true, &settings.eot)?;
     let config = settings.config(&args.on, &setup);
     let (cells, entries) = optimise(&args.on, &setup, &config)?;
     args.on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
