@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The figures of patterns of 118 mm in docs/guide/reference/measured.md: frames, two seeds of the attack, random, all rendered anew and looked at by five detectors.
+# The figures of patterns of 118 mm in docs/guide/reference/measured.md: frames, two seeds of the attack, random, all re-rendered and looked at by five detectors.
 # An hour on two cores; each step goes on where it was stopped.
 #
 #   benches/attack_118mm.sh MESH FOLDER [OTHER]
@@ -16,10 +16,10 @@ folder=$2
 model=(--mesh "$1" --material Material.001 --length-mm 455)
 "$home/benches/attack_frames.sh" "$folder/frames" "${model[@]}"
 for seed in 1 2; do
-    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --tile-mm 118 --steps 1600 --rate 0.1 --hard 0.5 \
-        --floor 0.0003 --seed $seed -o "$folder/attack_$seed"
+    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --steps 1600 --seed $seed \
+        -o "$folder/attack_$seed"
 done
-"$home/run" attack baseline random "$folder/frames/0" --detector yolox_nano --tile-mm 118 -o "$folder/random"
+"$home/run" attack baseline random "$folder/frames/0" --detector yolox_nano -o "$folder/random"
 patterns=(random="$folder/random/pattern.png" attack_1="$folder/attack_1/pattern.png" attack_2="$folder/attack_2/pattern.png")
 judged=(--normal 808080 --target yolox_nano --light courtyard sunrise@60 --azimuth-deg every30 --field-of-view-deg 40 --pattern "${patterns[@]}")
 "$home/run" attack evaluate "${model[@]}" "${judged[@]}" --detector yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto \

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The table of patterns in docs/guide/reference/measured.md against yolox_nano: frames, two seeds of the attack, ER and CAMOU with as many pictures, all rendered anew.
+# The table of patterns in docs/guide/reference/measured.md against yolox_nano: frames, two seeds of the attack, ER and CAMOU with as many pictures, all re-rendered.
 # Two hours on two cores; each step goes on where it was stopped.
 #
 #   benches/attack_yolox_nano.sh MESH FOLDER
@@ -17,7 +17,7 @@ frames=$folder/frames
 "$run" attack render "${model[@]}" --light forest sunset@120 city@60 --azimuth-deg 15 45 75 105 135 165 195 225 255 285 315 345 --pitch-deg 3 18 \
     --distance-mm 650 1100 --flat 000000 808080 ffffff --size-px 256 --field-of-view-deg 50 --samples 16 -o "$frames"
 for seed in 1 2; do
-    "$run" attack run "$frames" --detector yolox_nano --tile-mm 240 --seed $seed -o "$folder/attack_$seed"
+    "$run" attack run "$frames" --detector yolox_nano --tile-mm 240 --rate 0.03 --floor 0.001 --hard 0 --seed $seed -o "$folder/attack_$seed"
 done
 for method in er camou; do
     "$run" attack baseline $method "$frames" --detector yolox_nano --tile-mm 240 --queries 2400 -o "$folder/$method"

@@ -400,6 +400,12 @@ fn a_pattern_is_checked_with_what_the_printer_makes() {
     assert_refused(&scaleproof(&check), &["not its colours", "colour read"]);
     done(&format!("colour read {} -o {}", photo.display(), name("printer.toml")));
     assert_eq!(std::fs::read(&photo).unwrap(), before, "the photo is as it was");
+    let shipped = common::home().join("print_templates/printer_plain_paper.toml");
+    assert_eq!(
+        std::fs::read_to_string(shipped).unwrap(),
+        std::fs::read_to_string(name("printer.toml")).unwrap(),
+        "print_templates/printer_plain_paper.toml is not what is read of this printer"
+    );
     let file = PrinterFile::load(Path::new(&name("printer.toml"))).unwrap();
     assert_eq!(file.printer, Correction::measured(99.3, 99.8).unwrap());
     let colours = file.colours.unwrap();

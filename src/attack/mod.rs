@@ -4,7 +4,7 @@
 //! - [`baseline`]: its rivals;
 //! - [`setup`]: what both are made on and against;
 //! - [`result`]: the files of their results;
-//! - [`evaluate`]: patterns rendered anew on the model, as photos with exact truth.
+//! - [`evaluate`]: patterns rendered on the model, as photos with exact truth.
 
 pub(crate) mod baseline;
 pub(crate) mod evaluate;

@@ -96,7 +96,7 @@ impl WhiteBox for OnnxDetector {
         Ok(ImageLoss::of(self.forward(image, size_px)?, outline, boxes))
     }
 
-    /// Without the way back.
+    /// Forward only.
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
         Ok(self.seen(image, size_px, false)?.predictions)
     }
@@ -107,7 +107,7 @@ impl WhiteBox for OnnxDetector {
 }
 
 impl OnnxDetector {
-    /// All anchors, and the way back from them.
+    /// All anchors, and the backward pass from them.
     pub(crate) fn forward(
         &self,
         image: &[[f64; 3]],

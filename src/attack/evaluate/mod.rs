@@ -1,4 +1,4 @@
-//! Patterns judged where they were not made: rendered anew on the model, never predicted, at viewpoints and under lights of their own.
+//! Patterns judged where they were not made: re-rendered on the model, never predicted, at viewpoints and under lights of their own.
 //!
 //! What comes out are photos with exact truth: the box of the projected mesh and the viewpoint are known, nothing is measured. The images are
 //! denoised, so that few light paths do: nothing has to add up here. Each paint's photos lie in a folder of their own, so that a paint may be

@@ -1,4 +1,4 @@
-//! `scaleproof attack evaluate`: patterns rendered anew on the model and scored.
+//! `scaleproof attack evaluate`: patterns re-rendered on the model and scored.
 
 use std::error::Error;
 use std::io::Write;
@@ -23,7 +23,7 @@ use crate::score::{
 use crate::session::Session;
 use crate::{files, report};
 
-/// Judge patterns on the model: render them anew at the paper's viewpoints under other lights, and score the detectors on the photos
+/// Judge patterns on the model: render them at the paper's viewpoints under other lights, and score the detectors on the photos
 ///
 /// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
 #[derive(clap::Args)]

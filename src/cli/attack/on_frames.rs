@@ -57,7 +57,7 @@ pub(super) struct Looking {
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
     pub cells: u32,
     /// Width of one repeat on the model, in mm
-    #[arg(long, value_name = "MM", default_value_t = 240.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 118.0, allow_negative_numbers = true)]
     pub tile_mm: f64,
     /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
     /// (DTA)

@@ -32,13 +32,13 @@ pub(super) struct RunArgs {
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     batch: u32,
     /// Step size of Adam, in sRGB of 0 to 1
-    #[arg(long, default_value_t = 0.03, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.1, allow_negative_numbers = true)]
     rate: f64,
     /// Confidence at which the loss lets go of a box: 0.5 is DTA's own loss, which stops at a miss; AP counts boxes down to 0.001
     #[arg(
         long,
         value_name = "CONFIDENCE",
-        default_value_t = 0.001,
+        default_value_t = 0.0003,
         allow_negative_numbers = true
     )]
     floor: f64,
@@ -49,7 +49,7 @@ pub(super) struct RunArgs {
     #[arg(long, default_value = "mean", value_parser = one_of(Against::ALL.map(|against| (against, against.name()))))]
     against: Against,
     /// Share of a step's views that are drawn for how well the model is still seen in them
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_negative_numbers = true)]
     hard: f64,
     /// What happens to images at random besides the usual (a little brightness, contrast, size, place and noise): several as in blur,shift; `none`
     /// for nothing at all

@@ -34,7 +34,7 @@ impl Layer for Activation {
     }
 }
 
-/// Keeps the derivative by each number for the way back.
+/// Keeps the derivative by each number for the backward pass.
 #[inline(always)]
 fn each<'a>(x: Array, keeps: bool, f: impl Fn(f32) -> (f32, f32)) -> (Array, Option<Back<'a>>) {
     let mut y = owned(x);

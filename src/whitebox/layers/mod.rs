@@ -1,6 +1,6 @@
 //! Layers of a network on plain arrays of 32 bits, for one image: forward, and back with respect to their inputs alone.
 //!
-//! Shapes and weights are known when a layer is made, so it keeps for the way back only what depends on the image. A layer works on the
+//! Shapes and weights are known when a layer is made, so it keeps for the backward pass only what depends on the image. A layer works on the
 //! thread that calls it: whoever has several images gives each a thread.
 
 mod activation;
@@ -30,7 +30,7 @@ pub(super) type Array = Arc<Vec<f32>>;
 pub(super) type Back<'a> = Box<dyn FnOnce(Vec<f32>, &mut Sums) + 'a>;
 
 pub(super) trait Layer: Send + Sync {
-    /// The output, and where `keeps` the way back.
+    /// The output, and where `keeps` the backward pass.
     fn forward(&self, inputs: Vec<Array>, keeps: bool) -> (Array, Option<Back<'_>>);
 }
 

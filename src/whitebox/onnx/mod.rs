@@ -61,7 +61,7 @@ impl Output {
     }
 }
 
-/// The outputs for one image, with the way back from them.
+/// The outputs for one image, with the backward pass from them.
 pub(crate) struct NetworkPass<'a> {
     pub outputs: Vec<Output>,
     network: &'a OnnxNetwork,

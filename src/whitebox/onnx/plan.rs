@@ -1,6 +1,6 @@
 //! A network as it is run: layers on plain arrays where there is one for a step, the framework's tensors for all else.
 //!
-//! On a processor the layers take a small part of the framework's time, whose autodiff graph keeps and computes more than the way back to
+//! On a processor the layers take a small part of the framework's time, whose autodiff graph keeps and computes more than the backward pass to
 //! the image needs. On other devices, and in 64 bits, everything is the framework's.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,13 +38,13 @@ pub(super) struct LayerPart {
     shape: Vec<usize>,
 }
 
-/// The way back of one part.
+/// The backward pass of one part.
 enum Entry<'a> {
     Layer(&'a LayerPart, Back<'a>),
     Framework(Way<'a>),
 }
 
-/// What the parts leave for the way back, in the order they were run.
+/// What the parts leave for the backward pass, in the order they were run.
 #[derive(Default)]
 pub(super) struct Tape<'a>(Vec<Entry<'a>>);
 
@@ -86,7 +86,7 @@ impl Plan {
         })
     }
 
-    /// The outputs for an image, and where `keeps` the way back.
+    /// The outputs for an image, and where `keeps` the backward pass.
     pub(super) fn run(&self, image: Vec<f32>, keeps: bool) -> Result<(Vec<Held>, Tape<'_>)> {
         let mut held: Vec<Option<Held>> = vec![None; self.slots];
         for (slot, constant) in &self.constants {

@@ -21,7 +21,7 @@ pub(super) struct Segment {
     outputs: Vec<Slot>,
 }
 
-/// What the outputs hold, and the way back from them.
+/// What the outputs hold, and the backward pass from them.
 type Answer<'a> = (Vec<(Slot, Held)>, Option<Way<'a>>);
 
 /// The autodiff graph of one segment.
