@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Patterns of 118 mm against detectors they never saw: for each of the five, two made against the other four, judged on it beside random, DTA's published
-# pattern, and ER and CAMOU, which asked all five; and two patterns against all five. Each step goes on where it was stopped.
+# pattern, and ER and CAMOU, which asked all five; and two textures (a pattern of 118 mm for each side) against all five. Each step goes on where it was
+# stopped.
 #
 #   benches/attack_transfer.sh MESH FRAMES PUBLISHED FOLDER [STEPS] [STEPS_OF_FIVE]
 #
@@ -16,22 +17,22 @@ run="$(dirname "$0")/../run"
 mesh=$1 frames=("$2"/{0,1,2,3,4,5,6,7,8,9,10,11}) published=$3 folder=$4 steps=${5:-300} steps_of_five=${6:-1000}
 all=(yolox_nano nanodet_m fastestdet deimv2_femto deimv2_atto)
 five=$(printf '%s\n' "${all[@]}" | paste -sd,)
-attack=(--against worst --tile-mm 118 --rate 0.1 --hard 0.5 --floor 0.0003)
+attack=(--against worst --cells 24)
 for seed in 1 2; do
     for held_out in "${all[@]}"; do
         others=$(printf '%s\n' "${all[@]}" | grep -vx "$held_out" | paste -sd,)
         "$run" attack run "${frames[@]}" --detector "$others" "${attack[@]}" --steps "$steps" --seed $seed -o "$folder/without_${held_out}_$seed"
     done
-    "$run" attack run "${frames[@]}" --detector "$five" "${attack[@]}" --steps "$steps_of_five" --seed $seed -o "$folder/five_$seed"
+    "$run" attack run "${frames[@]}" --detector "$five" "${attack[@]}" --laying sides --steps "$steps_of_five" --seed $seed -o "$folder/five_$seed"
 done
-"$run" attack baseline random "$frames" --detector yolox_nano --tile-mm 118 -o "$folder/random"
+"$run" attack baseline random "$frames" --detector yolox_nano --cells 24 -o "$folder/random"
 for method in er camou; do
-    "$run" attack baseline $method "${frames[@]}" --detector "$five" --tile-mm 118 --queries $((8 * steps)) -o "$folder/$method"
+    "$run" attack baseline $method "${frames[@]}" --detector "$five" --cells 24 --queries $((8 * steps)) -o "$folder/$method"
 done
 patterns=(random="$folder/random/pattern.png" camou="$folder/camou/pattern.png" er="$folder/er/pattern.png" dta="$published")
-for made in five "${all[@]/#/without_}"; do
+for made in "${all[@]/#/without_}"; do
     patterns+=("${made}_1=$folder/${made}_1/pattern.png" "${made}_2=$folder/${made}_2/pattern.png")
 done
 "$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --tile-mm 118 --light courtyard sunrise@60 \
     --azimuth-deg every30 --pitch-deg 0 15 30 --distance-mm 900 1200 1500 --field-of-view-deg 40 --detector "$five" -o "$folder/evaluation" \
-    --pattern "${patterns[@]}"
+    --pattern "${patterns[@]}" --texture five_1="$folder/five_1/pattern.png" five_2="$folder/five_2/pattern.png"

@@ -178,6 +178,7 @@ fn request(mesh: Mesh, mesh_file: PathBuf) -> RenderRequest {
         ],
         size_px: [32, 24],
         field_of_view_deg: 50.0,
+        roughness: 0.5,
         samples: 4,
         denoise: false,
         seed: 1,
@@ -340,6 +341,7 @@ fn a_render_that_cannot_be_is_refused() {
         &["not above the ground"],
     );
     assert_refused(&render(&[flat[0], flat[1], "--azimuth-deg", "every7"]), &["every7"]);
+    assert_refused(&render(&[flat[0], flat[1], "--roughness", "1.5"]), &["the roughness", "0 to 1"]);
     let mut command = program();
     command.args([
         "attack",

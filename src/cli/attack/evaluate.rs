@@ -14,7 +14,7 @@ use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::{at_hand, patterns};
 use crate::detect::Manifest;
-use crate::frames::render::{Panorama, RenderPaint, RenderRequest, blender};
+use crate::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
 use crate::pattern::Pattern;
 use crate::scene::Classes;
 use crate::score::{
@@ -70,6 +70,9 @@ pub(super) struct EvaluateArgs {
     /// Horizontal field of view
     #[arg(long, value_name = "DEG", default_value_t = 40.0, allow_negative_numbers = true)]
     field_of_view_deg: f64,
+    /// Roughness of the paint's coat: 0 reflects like glass, 1 is matt
+    #[arg(long, default_value_t = ROUGHNESS, allow_negative_numbers = true)]
+    roughness: f64,
     /// Panorama paths a pixel, before the noise is cleaned away
     #[arg(long, default_value_t = 8)]
     samples: u32,
@@ -192,6 +195,7 @@ impl EvaluateArgs {
             colours,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
+            roughness: self.roughness,
             samples: self.samples,
             denoise: true,
             seed: self.seed,

@@ -10,7 +10,7 @@ use crate::bake::TriangleImage;
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::texture::load_texture;
-use crate::frames::render::{Panorama, RenderPaint, RenderPlan, RenderRequest, blender, render};
+use crate::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, render};
 use crate::frames::{LIST, light};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
@@ -50,6 +50,9 @@ pub(super) struct RenderArgs {
     /// Horizontal field of view
     #[arg(long, value_name = "DEG", default_value_t = 50.0, allow_negative_numbers = true)]
     field_of_view_deg: f64,
+    /// Roughness of the paint's coat: 0 reflects like glass, 1 is matt
+    #[arg(long, default_value_t = ROUGHNESS, allow_negative_numbers = true)]
+    roughness: f64,
     /// Panorama paths a pixel
     #[arg(long, default_value_t = 64)]
     samples: u32,
@@ -113,6 +116,7 @@ impl RenderArgs {
             viewpoints,
             size_px: size(&self.size_px)?,
             field_of_view_deg: self.field_of_view_deg,
+            roughness: self.roughness,
             samples: self.samples,
             denoise: self.denoise,
             seed: self.seed,
@@ -171,6 +175,9 @@ impl RenderArgs {
         if !self.texture.is_empty() {
             let names = self.texture.iter().map(|text| name(named(text).1));
             text += &format!(" --texture {}", names.collect::<Vec<_>>().join(" "));
+        }
+        if self.roughness != ROUGHNESS {
+            text += &format!(" --roughness {}", self.roughness);
         }
         if self.denoise {
             text += " --denoise";

@@ -13,7 +13,7 @@ mod surface;
 pub(crate) use collect::{srgb, triples};
 pub(crate) use light::Panorama;
 pub(crate) use plan::{Missing, PlannedFrame, RenderPlan, work_folder};
-pub(crate) use request::{RenderPaint, RenderRequest};
+pub(crate) use request::{ROUGHNESS, RenderPaint, RenderRequest};
 
 use std::path::{Path, PathBuf};
 

@@ -191,6 +191,7 @@ impl RenderPlan {
             "viewpoints": r.viewpoints,
             "size_px": r.size_px,
             "field_of_view_deg": r.field_of_view_deg,
+            "roughness": r.roughness,
             "samples": r.samples,
             "denoise": r.denoise,
             "seed": r.seed,
@@ -256,6 +257,7 @@ impl RenderPlan {
             "width_px": r.size_px[0],
             "height_px": r.size_px[1],
             "focal_length_px": self.focal_length_px(),
+            "roughness": r.roughness,
             "samples": r.samples,
             "denoise": r.denoise,
             "seed": r.seed,
@@ -394,6 +396,12 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
         fov,
         "5 to 120 degrees",
         (5.0..=120.0).contains(&fov),
+    )?;
+    number(
+        "the roughness",
+        request.roughness,
+        "0 to 1",
+        (0.0..=1.0).contains(&request.roughness),
     )?;
     let samples = f64::from(request.samples);
     number("samples", samples, "1 to 65536", (1.0..=65536.0).contains(&samples))?;

@@ -146,7 +146,7 @@ def paint_object(plan):
     for i, (polygon, corners) in enumerate(zip(mesh.polygons, part["triangles"])):
         for loop in polygon.loop_indices:
             order[loop] = 3 * i + corners.index(mesh.loops[loop].vertex_index)
-    mesh.materials.append(paint_material())
+    mesh.materials.append(paint_material(plan["roughness"]))
     return Paint(link("paint", mesh), order, part["uv_mm"], plan["levels"])
 
 
@@ -184,13 +184,13 @@ def link(name, mesh):
     return thing
 
 
-def paint_material():
+def paint_material(roughness):
     """A dielectric coat over a diffuse base: linear in the base's colour, up to light between the paint's own parts."""
     material = bpy.data.materials.new("paint")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
     surface = nodes["Principled BSDF"]
-    surface.inputs["Roughness"].default_value = 0.5
+    surface.inputs["Roughness"].default_value = roughness
     picture = nodes.new("ShaderNodeTexImage")
     picture.name = "pattern"
     picture.interpolation = "Closest"

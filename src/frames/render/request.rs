@@ -14,6 +14,9 @@ use crate::mesh::{Mesh, Wrap};
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
 
+/// Roughness of the paint's coat where nothing else is said.
+pub(crate) const ROUGHNESS: f64 = 0.5;
+
 /// What to render.
 #[derive(Debug, Clone)]
 pub(crate) struct RenderRequest {
@@ -29,6 +32,8 @@ pub(crate) struct RenderRequest {
     pub size_px: [u32; 2],
     /// Horizontal.
     pub field_of_view_deg: f64,
+    /// Of the paint's coat, as in Blender's Principled BSDF: 0 reflects like glass, 1 is matt.
+    pub roughness: f64,
     /// Light paths a pixel.
     pub samples: u32,
     /// Clean the noise of few light paths away (Intel Open Image Denoise). Such images no longer add up as light does.
