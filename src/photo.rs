@@ -30,7 +30,7 @@ pub(crate) use lossy::as_jpeg;
 use luma::JpegLuma;
 pub use luma::Luma;
 use shot::Shot;
-pub(crate) use shrink::{preview_jpeg, shrunk};
+pub(crate) use shrink::{boxed, preview_jpeg, shrunk};
 
 /// Why a photo could not be used.
 #[derive(Debug, thiserror::Error)]

@@ -15,11 +15,11 @@ use scaleproof::attack::baseline::{self, BlackBox, genetic};
 use scaleproof::attack::run::augmentation::{Augmentation, Eot, rolled};
 use scaleproof::attack::run::judge::{judge, look};
 use scaleproof::attack::run::loss::from_floor;
-use scaleproof::attack::run::penalty::{distance, off_colours, smooth};
+use scaleproof::attack::run::penalty::{distance, nearest, smooth};
 use scaleproof::attack::run::printer::PrinterMap;
 use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof::attack::run::weights::Against;
-use scaleproof::attack::run::{Attack, AttackConfig, ColourPenalty, Near, Rgb, RunError, batch, loss_and_gradient};
+use scaleproof::attack::run::{Attack, AttackConfig, Near, Rgb, RunError, batch, loss_and_gradient};
 use scaleproof::frames::light;
 use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
 use scaleproof::geometry::BoxPx;
@@ -179,7 +179,7 @@ fn config(steps: u32) -> AttackConfig {
         smooth: 0.0,
         near: None,
         printer: None,
-        palette: ColourPenalty::default(),
+        palette: Vec::new(),
         range: [0, 255],
         frames_sha256: String::new(),
         detectors: vec!["weave".to_owned()],
@@ -298,15 +298,7 @@ fn penalties_have_the_gradients_of_finite_differences_and_mean_what_they_say() {
     let mean = (smooth(&cells, columns).0 + smooth(&below, columns).0) / 2.0;
     assert!((smooth(&both, columns).0 - mean).abs() < 1e-12, "one below the other");
     assert!(worst(&both, &smooth(&both, columns).1, |c| smooth(c, columns).0) < 1e-5);
-    let paints = [[0.1, 0.2, 0.3], [0.9, 0.5, 0.4]];
-    assert!(worst(&cells, &off_colours(&cells, &paints).1, |c| off_colours(c, &paints).0) < 1e-5);
     assert!(smooth(&[[0.4; 3]; 36], columns).0 < 2e-3, "one colour is smooth");
-    assert_eq!(
-        off_colours(&[paints[1]; 36], &paints).0,
-        0.0,
-        "a paint of the palette costs nothing"
-    );
-    assert_eq!(off_colours(&cells, &[]).0, 0.0);
     let other = random_cells(4);
     assert!(worst(&cells, &distance(&cells, &other).1, |c| distance(c, &other).0) < 1e-5);
     assert_eq!(distance(&[[0.5; 3]; 2], &[[0.5; 3], [0.5, 0.5, 1.0]]).0, 0.125);
@@ -445,6 +437,37 @@ fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
         (judged.mean_confidence - printed).abs() < 0.01,
         "what is judged is what is printed"
     );
+}
+
+/// Four dull paints: what the detector sees on the way is what is kept.
+#[test]
+fn a_pattern_of_paints_is_moved_for_what_the_paints_do() {
+    let paints = [[70, 80, 70], [150, 140, 120], [110, 90, 80], [180, 180, 170]];
+    let view_set = view_set(TextureMapping::World);
+    let made = |palette: &[[u8; 3]]| {
+        let folder = tempfile::tempdir().unwrap();
+        let palette = palette.to_vec();
+        let config = AttackConfig { palette, ..config(60) };
+        let detectors = detectors(40.0, &view_set);
+        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
+        attack.run(folder.path(), |_, _| {}).unwrap()
+    };
+    let confidence = |cells: &[Rgb]| {
+        judge(&view_set, &detectors(40.0, &view_set), cells)
+            .unwrap()
+            .mean_confidence
+    };
+    let as_rgb = |cell: &Rgb| cell.map(|v| (255.0 * v).round() as u8);
+    let (in_paints, entries) = made(&paints);
+    assert!(in_paints.iter().all(|cell| paints.contains(&as_rgb(cell))));
+    let colours = paints.map(|paint| paint.map(|v| f64::from(v) / 255.0));
+    let (free, _) = made(&[]);
+    let repainted: Vec<Rgb> = free.iter().map(|cell| nearest(*cell, &colours).unwrap()).collect();
+    let [own, repainted] = [&in_paints, &repainted].map(|cells| confidence(cells));
+    println!("made of paints {own:.3}, repainted {repainted:.3}");
+    assert!(own < repainted);
+    let judged = entries.last().unwrap().held_out.unwrap();
+    assert!((judged.mean_confidence - own).abs() < 1e-9, "what is judged is what is kept");
 }
 
 #[test]

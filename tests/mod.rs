@@ -27,6 +27,7 @@ mod capture_page;
 mod chart;
 mod colour;
 mod compare;
+mod corruptions;
 mod demo;
 mod detector_heads;
 mod detector_proposals;

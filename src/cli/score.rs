@@ -4,12 +4,13 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::choice::one_of;
 use super::criteria::{Reading, Tables};
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
 use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
-use crate::score::{self, Cache, EvaluatedDetector, Options, RecordError, ScoreError, Scores};
+use crate::score::{self, Cache, Corruption, EvaluatedDetector, Options, RecordError, Robustness, ScoreError, Scores};
 use crate::session::Session;
 use crate::{files, report, workers};
 
@@ -44,9 +45,12 @@ pub(super) struct Args {
     /// With --record: store detections in place of those that are stored already.
     #[arg(long, requires = "record")]
     replace: bool,
+    /// Look at the photos again, made worse step by step, and tell up to which severity each drop is still shown.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = one_of(Corruption::ALL.map(|kind| (kind, kind.name()))))]
+    corrupt: Vec<Corruption>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
@@ -146,6 +150,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         );
     }
     args.judging.tables.check(&opened.sessions)?;
+    if !args.corrupt.is_empty() {
+        score::check_corruptible(&opened.sessions, &detectors)?;
+    }
     let patterns = args.judging.patterns.of(&opened.sessions)?;
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
@@ -164,6 +171,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scores = score_with_progress(opened.sessions, detectors, &options)?;
     let mut scores = args.judging.tables.made(scores, criteria)?;
     scores.patterns = patterns;
+    if !args.corrupt.is_empty() {
+        scores.robustness = Some(made_worse(&scores, &args.corrupt, &options)?);
+    }
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
         score::record(&scores)?;
@@ -208,6 +218,15 @@ pub(super) fn score_with_progress(
     bar.finish_and_clear();
     complain(options);
     failing_alike::explained(scores, &sets)
+}
+
+/// Looks at the photos again and shows how far it has come.
+fn made_worse(scores: &Scores, corruptions: &[Corruption], options: &Options) -> Result<Robustness, ScoreError> {
+    let bar = progress::photos("made worse", scores.photos.len());
+    let robustness = score::under_corruption(scores, corruptions, options, || bar.inc(1));
+    bar.finish_and_clear();
+    complain(options);
+    robustness
 }
 
 fn complain(options: &Options) {

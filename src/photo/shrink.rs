@@ -4,12 +4,21 @@ use fast_image_resize as fir;
 use image::RgbImage;
 
 /// The picture at another size: bilinear, each pixel the mean of all that it stands for. An empty picture stays.
-pub(crate) fn shrunk(picture: &RgbImage, [width, height]: [u32; 2]) -> RgbImage {
+pub(crate) fn shrunk(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
+    resized(picture, size, fir::FilterType::Bilinear)
+}
+
+/// The same, each pixel the plain mean of those whose centres are in it.
+pub(crate) fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
+    resized(picture, size, fir::FilterType::Box)
+}
+
+fn resized(picture: &RgbImage, [width, height]: [u32; 2], filter: fir::FilterType) -> RgbImage {
     let resized = || {
         let pixels = picture.as_raw();
         let from = fir::images::ImageRef::new(picture.width(), picture.height(), pixels, fir::PixelType::U8x3).ok()?;
         let mut to = fir::images::Image::new(width, height, fir::PixelType::U8x3);
-        let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(fir::FilterType::Bilinear));
+        let options = fir::ResizeOptions::new().resize_alg(fir::ResizeAlg::Convolution(filter));
         fir::Resizer::new().resize(&from, &mut to, &options).ok()?;
         RgbImage::from_raw(width, height, to.into_vec())
     };

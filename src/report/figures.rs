@@ -10,6 +10,9 @@ use crate::spelling;
 /// The chart that a report has only when times are given.
 const AGAINST_TIME: &str = "ap_against_time";
 
+/// The chart that a report has only when photos were made worse.
+const ROBUSTNESS: &str = "robustness";
+
 /// A file's name and content.
 pub(super) type File = (String, Vec<u8>);
 
@@ -60,14 +63,24 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
             vec![("", html::speed::plot(scores, speeds))],
         ));
     }
+    let robustness = scores.robustness.as_ref().map(|r| html::robustness::charts(scores, r));
+    if let Some(charts) = &robustness {
+        let charts = charts.iter().map(|(title, drawing)| (title.as_str(), drawing.clone()));
+        all.push((ROBUSTNESS, "AP on photos made worse", html::legend(scores), charts.collect()));
+    }
     let files = all.into_iter().filter(|(.., drawings)| !drawings.is_empty());
     let files = files.map(|(name, title, legend, drawings)| {
         let notes = match name {
             "polar" => vec![html::polar::MARKS.to_owned()],
             "heat_maps" => vec![html::heat::CELLS.to_owned()],
+            ROBUSTNESS => vec![html::robustness::MARKS.to_owned()],
             _ => Vec::new(),
         };
-        let across = if name == "heat_maps" { 2 } else { 3 };
+        let across = match name {
+            "heat_maps" => 2,
+            ROBUSTNESS => scores.robustness.as_ref().map_or(3, |r| r.corruptions().len().min(4)),
+            _ => 3,
+        };
         files_of(name, title, &Explained { legend, notes }, across, &drawings)
     });
     Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
@@ -93,11 +106,12 @@ pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
 }
 
 /// What an earlier report may have left that this one does not write.
-pub(super) fn stale(speeds: Option<&Speeds>) -> Vec<String> {
-    match speeds {
-        Some(_) => Vec::new(),
-        None => ["svg", "pdf"].map(|ending| file_name(AGAINST_TIME, ending)).to_vec(),
-    }
+pub(super) fn stale(speeds: Option<&Speeds>, no_longer_robustness: bool) -> Vec<String> {
+    let charts = [(AGAINST_TIME, speeds.is_none()), (ROBUSTNESS, no_longer_robustness)];
+    let stale = charts.into_iter().filter(|(_, is_stale)| *is_stale);
+    stale
+        .flat_map(|(name, _)| ["svg", "pdf"].map(|ending| file_name(name, ending)))
+        .collect()
 }
 
 /// In the page's own folder: only files of one folder appear together or not at all.

@@ -15,6 +15,7 @@ mod latex;
 mod paired;
 mod protocol;
 mod provenance;
+mod robustness;
 mod summary_json;
 mod table;
 mod truth;
@@ -79,6 +80,9 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         ("report.html".to_owned(), html::render(scores, speeds)),
     ];
     contents.extend(protocol::files(scores)?);
+    if let Some(robustness) = &scores.robustness {
+        contents.push((robustness::NAME.to_owned(), robustness::csv(robustness)?));
+    }
     let categories = coco::Categories::of(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {
         let photos = scores.photos.iter().map(|p| (p.id, p.detections[index].as_slice()));
@@ -111,6 +115,8 @@ struct Before {
     results: Vec<Reported>,
     #[serde(default)]
     protocol: Option<serde::de::IgnoredAny>,
+    #[serde(default)]
+    robustness: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -125,10 +131,14 @@ impl Before {
     }
 }
 
-/// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the table of
-/// a protocol; and the chart of times that were given then.
+/// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the tables
+/// and charts that were asked for then: of a protocol, of times, of photos made worse.
 fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
-    figures::stale(speeds)
+    let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
+    if no_longer_robustness {
+        files::remove(&folder.join(robustness::NAME))?;
+    }
+    figures::stale(speeds, no_longer_robustness)
         .iter()
         .try_for_each(|name| files::remove(&folder.join(name)))?;
     if before.protocol.is_some() && scores.criteria.protocol.is_none() {

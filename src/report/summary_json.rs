@@ -8,7 +8,7 @@ use super::counted;
 use super::provenance::{self, Provenance};
 use crate::detect::Speeds;
 use crate::score::{
-    Compared, Curves, NotScored, ProtocolTable, Reliability, Scores, Summary, TransferRow, curves, disagreements,
+    Compared, Curves, NotScored, ProtocolTable, Reliability, Robustness, Scores, Summary, TransferRow, curves, disagreements,
     paired, protocol_table, reliability, transfer,
 };
 
@@ -29,6 +29,8 @@ struct Page<'a> {
     paired: Vec<&'a Compared>,
     /// Where AP and hit rate disagree, and why.
     explanations: Vec<String>,
+    /// What is left of the differences when photos get worse, where it was asked for.
+    robustness: Option<&'a Robustness>,
     transfer: Vec<TransferRow>,
     curves: Vec<Curves>,
     reliability: Vec<Reliability>,
@@ -51,6 +53,7 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Re
         results: &scores.summaries,
         paired: paired(scores).iter().flat_map(|c| &c.results).collect(),
         explanations: disagreements(scores),
+        robustness: scores.robustness.as_ref(),
         transfer: transfer(&scores.summaries),
         curves: curves(scores),
         reliability: reliability(&scores.photos, &scores.detectors),

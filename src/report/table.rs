@@ -1,6 +1,6 @@
 //! The headline figures as plain text for the terminal.
 
-use super::{certainty, counted, paired, protocol};
+use super::{certainty, counted, paired, protocol, robustness};
 use crate::score::{Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, protocol_table};
 use crate::spelling::digits;
 
@@ -34,6 +34,7 @@ pub fn summary_table(scores: &Scores) -> String {
         lines.push(String::new());
         lines.extend(protocol::lines(scores, &table));
     }
+    lines.extend(robustness::lines(scores));
     lines.push(String::new());
     lines.push(format!("counts as the model: {}", counted(scores)));
     lines.join("\n")

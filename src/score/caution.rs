@@ -155,14 +155,17 @@ fn no_control(photos: &[ScoredPhoto], base: &str) -> Option<String> {
         .map(|p| p.variant.as_str())
         .filter(|v| *v != base)
         .collect();
-    let is_control = |variant: &&str| {
-        let name = variant.to_lowercase();
-        CONTROLS.iter().any(|control| name.contains(control))
-    };
+    let is_control = |variant: &&str| is_control(variant);
     let lacks = !others.is_empty() && !is_control(&base) && !others.iter().any(is_control);
     lacks.then(|| {
         "no variant is a random control (by its name): a drop may come from any print of such colours, and not from this pattern".to_owned()
     })
+}
+
+/// Whether a variant is a pattern that was not optimised, by its name.
+pub(super) fn is_control(variant: &str) -> bool {
+    let name = variant.to_lowercase();
+    CONTROLS.iter().any(|control| name.contains(control))
 }
 
 /// What people call a pattern that was not optimised.

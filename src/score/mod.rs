@@ -3,6 +3,7 @@
 mod cache;
 mod caution;
 mod compare;
+mod corrupt;
 mod criteria;
 mod curves;
 mod decoded;
@@ -19,6 +20,7 @@ mod protocol;
 mod protocol_table;
 mod record;
 mod reliability;
+mod robustness;
 mod run;
 mod scores;
 pub(crate) mod shard;
@@ -38,6 +40,7 @@ pub(crate) use compare::{
 pub use compare::{CompareError, Comparison, compare};
 #[cfg(test)]
 pub(crate) use compare::{power, power_by_place};
+pub(crate) use corrupt::Corruption;
 pub use criteria::Criteria;
 pub(crate) use curves::{Curves, HitRateFrom, curves};
 pub(crate) use disagreement::disagreements;
@@ -57,9 +60,11 @@ pub(crate) use protocol_table::{ProtocolTable, protocol_table};
 pub(crate) use protocol_table::{apricot_ap, rates_as_armory};
 pub(crate) use record::{RecordError, check_recordings, record};
 pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
+pub(crate) use robustness::{CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};
 pub use run::score;
 pub(crate) use run::{TimedPhoto, merge, observe, timed_photos};
 pub use scores::Scores;
+use scores::ScoredSet;
 pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 pub(crate) use worn::WornPattern;

@@ -1,5 +1,9 @@
 //! What the pixels of a photo say: tags, detections, a preview. All that is slow is in here, and all of it can be kept.
 
+use std::path::Path;
+use std::sync::Arc;
+
+use image::RgbImage;
 use serde::{Deserialize, Serialize};
 
 use super::cache::{Cache, Key};
@@ -171,6 +175,37 @@ pub(super) struct Observer<'a> {
     loaded: Vec<Option<Detector>>,
 }
 
+/// A part of a photo, of which there is an image.
+pub(super) struct PhotoPart<'a> {
+    pub path: &'a Path,
+    /// As the session names it.
+    pub file: &'a str,
+    pub sha256: &'a str,
+    /// x1, y1, x2, y2 in pixels of the photo.
+    pub window: [u32; 4],
+    /// What the image depends on besides the photo's content.
+    pub name: &'a str,
+}
+
+impl PhotoPart<'_> {
+    /// Detections in an image of the part, where they are in the photo.
+    fn in_photo(&self, found: Vec<Detection>, (width, height): (u32, u32)) -> Vec<Detection> {
+        let [x1, y1, x2, y2] = self.window.map(f64::from);
+        let (across, down) = ((x2 - x1) / f64::from(width), (y2 - y1) / f64::from(height));
+        let moved = found.into_iter().filter_map(|d| {
+            let b = d.box_px;
+            let in_photo = BoxPx {
+                x1: x1 + across * b.x1,
+                y1: y1 + down * b.y1,
+                x2: x1 + across * b.x2,
+                y2: y1 + down * b.y2,
+            };
+            Detection::new(d.label, d.score, in_photo)
+        });
+        moved.collect()
+    }
+}
+
 /// Why a photo could not be observed.
 enum Stop {
     /// It is left out.
@@ -326,6 +361,54 @@ impl<'a> Observer<'a> {
                 ProgramError::Declined { .. } => Stop::Photo(NotScoredReason::of(e)),
                 e => Stop::Run(e.into()),
             })
+        })
+    }
+
+    /// What a detector finds in an image of a part of a photo, in the photo's pixels. `image` is called where nothing is kept.
+    pub(super) fn in_part(
+        &mut self,
+        index: usize,
+        part: &PhotoPart,
+        image: &mut dyn FnMut() -> Result<Arc<RgbImage>, ScoreError>,
+    ) -> Result<Vec<Detection>, ScoreError> {
+        let detector = &self.detectors[index];
+        let found = match &detector.source {
+            DetectionSource::Live(weights) => {
+                let manifest = &detector.manifest;
+                let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
+                let key = self.key(&["part", part.name, part.sha256, &manifest.weights.sha256, &read]);
+                self.kept(key, |own| {
+                    let image = image().map_err(Stop::Run)?;
+                    let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
+                    let found = loaded.detect(&image).map_err(|e| Stop::Run(e.into()))?;
+                    Ok(part.in_photo(found, image.dimensions()))
+                })
+            }
+            DetectionSource::Program(program) => {
+                let key = self.key(&["part", part.name, part.sha256, &program.card().sha256()]);
+                self.kept(key.filter(|_| program.is_deterministic()), |_| {
+                    let image = image().map_err(Stop::Run)?;
+                    let found = program.detect(&ProgramPhoto {
+                        path: part.path,
+                        file: part.file,
+                        size: image.dimensions().into(),
+                        pixels: Some(&image),
+                    });
+                    let found = found.map_err(|e| Stop::Run(e.into()))?;
+                    Ok(part.in_photo(found, image.dimensions()))
+                })
+            }
+            _ => {
+                let detector = detector.manifest.name.clone();
+                return Err(ScoreError::NotCorruptible { detector });
+            }
+        };
+        found.map_err(|stop| match stop {
+            Stop::Run(e) => e,
+            Stop::Photo(reason) => ScoreError::NotLookedAt {
+                file: part.file.to_owned(),
+                reason: reason.0,
+            },
         })
     }
 

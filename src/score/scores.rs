@@ -5,10 +5,18 @@ use std::sync::OnceLock;
 use super::error::ScoreError;
 use super::grouping::{GroupBy, GroupByError};
 use super::{
-    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, ScoredPhoto, Summary, WornPattern,
+    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Robustness, ScoredPhoto, Summary, WornPattern,
     caution, summary,
 };
 use crate::session::Session;
+
+/// Photos, the sessions they are from, and the detectors that looked at them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ScoredSet<'a> {
+    pub photos: &'a [ScoredPhoto],
+    pub sessions: &'a [Session],
+    pub detectors: &'a [EvaluatedDetector],
+}
 
 /// The result of a run.
 #[derive(Debug)]
@@ -33,6 +41,8 @@ pub struct Scores {
     pub(crate) causes: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every detector was played back.
     pub runtime: Option<String>,
+    /// What is left of the differences when photos get worse, where it was asked for.
+    pub(crate) robustness: Option<Robustness>,
     /// Of the textures whose patterns are known.
     pub(crate) patterns: Vec<WornPattern>,
     /// What the summaries group photos by, besides directions and places.
@@ -75,12 +85,21 @@ impl Scores {
             detectors,
             photos,
             not_scored,
+            robustness: None,
             patterns: Vec::new(),
             groups: Vec::new(),
             paired: OnceLock::new(),
         };
         scores.sum_up();
         Ok(scores)
+    }
+
+    pub(super) fn set(&self) -> ScoredSet<'_> {
+        ScoredSet {
+            photos: &self.photos,
+            sessions: &self.sessions,
+            detectors: &self.detectors,
+        }
     }
 
     fn sum_up(&mut self) {

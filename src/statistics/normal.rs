@@ -1,9 +1,16 @@
 //! The standard normal distribution.
 
+use rand::{Rng, RngExt};
 use statrs::function::erf::erfc;
 
 /// 95 % of the distribution lies within this distance of 0.
 pub(crate) const TWO_SIDED_95: f64 = 1.959963984540054;
+
+/// A standard normal value (Box & Muller 1958).
+pub(crate) fn draw(rng: &mut impl Rng) -> f64 {
+    let (a, b): (f64, f64) = (rng.random(), rng.random());
+    (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
 
 /// The probability that a standard normal variable is above `z`.
 pub(crate) fn upper_tail(z: f64) -> f64 {

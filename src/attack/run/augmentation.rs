@@ -9,6 +9,7 @@ use super::resample::Resample;
 use super::{Rgb, of_image, to_image};
 use crate::geometry::BoxPx;
 use crate::photo::as_jpeg;
+use crate::statistics::normal;
 use crate::surrogate::projection::repeated::Jitter;
 use crate::surrogate::projection::world::Misplacement;
 use crate::whitebox::separable::{Separable, Tap};
@@ -213,7 +214,7 @@ impl Augmentation {
         for (pixel, slopes) in image.iter_mut().zip(&mut slopes) {
             for ((value, slope), balance) in pixel.iter_mut().zip(slopes).zip(self.white_balance) {
                 let noise = if self.noise > 0.0 {
-                    self.noise * normal(&mut rng)
+                    self.noise * normal::draw(&mut rng)
                 } else {
                     0.0
                 };
@@ -308,12 +309,6 @@ fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
 fn compressed(image: Vec<Rgb>, columns: u32, quality: u8) -> Vec<Rgb> {
     let lossy = as_jpeg(&to_image(&image, columns), quality);
     lossy.map_or(image, |lossy| of_image(&lossy))
-}
-
-/// A standard normal value (Box & Muller 1958).
-fn normal(rng: &mut impl Rng) -> f64 {
-    let (a, b): (f64, f64) = (rng.random(), rng.random());
-    (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
 /// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is

@@ -104,15 +104,6 @@ impl From<serde_json::Error> for RunError {
     }
 }
 
-/// Colours that cells are attracted to, by the distance to the nearest.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct ColourPenalty {
-    /// Weight of the penalty in the loss.
-    pub weight: f64,
-    /// The colours, 8-bit sRGB.
-    pub rgb: Vec<[u8; 3]>,
-}
-
 /// Cells that a pattern is kept near to, by the mean squared distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Near {
@@ -157,8 +148,8 @@ pub struct AttackConfig {
     pub near: Option<Near>,
     /// The printer that the pattern is optimised for: cells are what is requested of it.
     pub printer: Option<PrinterMap>,
-    /// Cells end on these colours.
-    pub palette: ColourPenalty,
+    /// Cells are seen in the nearest of these colours, 8-bit sRGB; any colour where there are none.
+    pub palette: Vec<[u8; 3]>,
     /// Darkest and lightest value of a cell, 8-bit sRGB.
     pub range: [u8; 2],
     /// SHA-256 of the list of frames.
@@ -350,6 +341,7 @@ impl<'a> Attack<'a> {
                 .observe(*view, looked.losses.iter().copied().fold(0.0, f64::max));
         }
         state.weights.observe(&losses);
+        // Choosing the nearest paint has no derivative: the cells are moved as if they were seen themselves (straight-through, Bengio et al. 2013).
         if let Some(printer) = &config.printer {
             gradient = printer.vjp(&state.cells, &gradient);
         }
@@ -440,34 +432,33 @@ pub(crate) fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>)
     if config.smooth > 0.0 {
         include(config.smooth, penalty::smooth(cells, config.cells as usize));
     }
-    if config.palette.weight > 0.0 {
-        include(
-            config.palette.weight,
-            penalty::off_colours(cells, &srgb(&config.palette.rgb)),
-        );
-    }
     if let Some(near) = &config.near {
         include(near.weight, penalty::distance(cells, &near.cells));
     }
     (value, gradient)
 }
 
-/// The cells as they are on the model.
+/// The cells as they are on the model: as the printer makes them, or in the nearest paint.
 fn shown<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
     match &config.printer {
         Some(printer) => Cow::Owned(printer.printed(cells)),
-        None => Cow::Borrowed(cells),
+        None => on_palette(cells, config),
     }
+}
+
+fn on_palette<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
+    if config.palette.is_empty() {
+        return Cow::Borrowed(cells);
+    }
+    let palette = srgb(&config.palette);
+    let painted = cells.iter().map(|cell| penalty::nearest(*cell, &palette).unwrap_or(*cell));
+    Cow::Owned(painted.collect())
 }
 
 /// The cells as they are kept: on the palette where there is one, in 8 bits.
 fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
-    let palette = srgb(&config.palette.rgb);
-    let on_palette = |cell: &Rgb| penalty::nearest(*cell, &palette).unwrap_or(*cell);
-    cells
-        .iter()
-        .map(|cell| on_palette(cell).map(|v| (255.0 * v).round() / 255.0))
-        .collect()
+    let cells = on_palette(cells, config);
+    cells.iter().map(|cell| cell.map(|v| (255.0 * v).round() / 255.0)).collect()
 }
 
 /// Views of a step: every view comes once before any comes again, in an order drawn anew each time.

@@ -1,4 +1,4 @@
-//! What a pattern is to be besides adversarial: smooth, and of colours that can be made. Values and derivatives, of
+//! What a pattern is to be besides adversarial: smooth, and near another. Values and derivatives, of
 //! cells as sRGB of 0 to 1.
 
 use super::Rgb;
@@ -38,29 +38,6 @@ pub(crate) fn distance(cells: &[Rgb], others: &[Rgb]) -> (f64, Vec<Rgb>) {
     let gradient = both().map(|(cell, other)| std::array::from_fn(|c| 2.0 * (cell[c] - other[c]) / count));
     let sum: f64 = both().map(|(cell, other)| squared(*cell, *other)).sum();
     (sum / count, gradient.collect())
-}
-
-/// The mean over cells of the distance to the nearest of some colours: with a palette the camouflage loss of ACTIVE (ICCV 2023). 0
-/// without colours.
-pub(crate) fn off_colours(cells: &[Rgb], colours: &[Rgb]) -> (f64, Vec<Rgb>) {
-    let count = cells.len() as f64;
-    let mut sum = 0.0;
-    let gradient = cells.iter().map(|cell| match nearest(*cell, colours) {
-        Some(colour) => {
-            let distance = squared(*cell, colour).sqrt();
-            sum += distance;
-            std::array::from_fn(|c| {
-                if distance > 0.0 {
-                    (cell[c] - colour[c]) / distance / count
-                } else {
-                    0.0
-                }
-            })
-        }
-        None => [0.0; 3],
-    });
-    let gradient = gradient.collect();
-    (sum / count, gradient)
 }
 
 /// The nearest of some colours, the first of equals.

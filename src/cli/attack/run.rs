@@ -12,7 +12,7 @@ use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
 use crate::attack::run::printer::PrinterMap;
 use crate::attack::run::weights::Against;
-use crate::attack::run::{Attack, AttackConfig, ColourPenalty, Near, Rgb, of_pattern};
+use crate::attack::run::{Attack, AttackConfig, Near, Rgb, of_pattern};
 use crate::attack::setup::Setup;
 use crate::cli::choice::one_of;
 use crate::files;
@@ -67,12 +67,9 @@ pub(super) struct RunArgs {
     /// How strongly: the weight of the mean squared distance
     #[arg(long, value_name = "WEIGHT", requires = "near", allow_negative_numbers = true)]
     near_weight: Option<f64>,
-    /// The pattern ends on the colours of this palette: a TOML file of [[paint]] tables
+    /// The pattern has the colours of this palette alone: a TOML file of [[paint]] tables
     #[arg(long, value_name = "TOML")]
     palette: Option<PathBuf>,
-    /// How strongly cells are drawn to the palette on the way
-    #[arg(long, value_name = "WEIGHT", default_value_t = 0.25, allow_negative_numbers = true)]
-    palette_weight: f64,
     /// Darkest and lightest value of a cell, 8-bit sRGB
     #[arg(long, num_args = 2, value_names = ["DARKEST", "LIGHTEST"], default_values = ["0", "255"])]
     range: Vec<u8>,
@@ -118,7 +115,7 @@ pub(super) struct Settings {
     pub smooth: f64,
     pub near: Option<Near>,
     pub printer: Option<PrinterMap>,
-    pub palette: ColourPenalty,
+    pub palette: Vec<[u8; 3]>,
     pub range: [u8; 2],
 }
 
@@ -162,7 +159,6 @@ impl RunArgs {
         for (name, weight) in [
             ("smooth", self.smooth),
             ("near-weight", self.near_weight.unwrap_or(0.0)),
-            ("palette-weight", self.palette_weight),
         ] {
             if !(0.0..=1e6).contains(&weight) {
                 return Err(format!("--{name} is {weight:e}: give a weight from 0 to 1000000").into());
@@ -231,13 +227,10 @@ impl RunArgs {
         Ok(Some(PrinterMap::new(colours.gamut(), sha256)))
     }
 
-    fn palette(&self) -> Result<ColourPenalty, Box<dyn Error>> {
+    fn palette(&self) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
         let Some(path) = &self.palette else {
-            return Ok(ColourPenalty::default());
+            return Ok(Vec::new());
         };
-        Ok(ColourPenalty {
-            weight: self.palette_weight,
-            rgb: Palette::load(path)?.paints().iter().map(|paint| paint.rgb).collect(),
-        })
+        Ok(Palette::load(path)?.paints().iter().map(|paint| paint.rgb).collect())
     }
 }

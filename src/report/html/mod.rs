@@ -13,6 +13,7 @@ mod notes;
 mod patterns;
 pub(super) mod polar;
 pub(super) mod reliability;
+pub(super) mod robustness;
 mod shade;
 pub(super) mod speed;
 
@@ -73,6 +74,7 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
         ("patterns", "Patterns", patterns::cards(scores)),
         ("protocol", "Protocol", comparable::protocol(scores)),
         ("conditions", "By condition", comparable::groups(scores)),
+        ("robustness", "On photos made worse", robustness::section(scores)),
     ];
     let asked_for = asked_for
         .into_iter()

@@ -17,7 +17,7 @@ pub use result::Comparison;
 pub(crate) use result::{BinHits, ClusteredBy, Compared, Difference, Finding, Hits};
 
 use super::summary::{boxes, variants};
-use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, Scores};
+use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, ScoredSet, Scores};
 use crate::ap::{ApDefinition, Ranked};
 use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
 use pairs::{Cell, Cluster, clustered_by, clusters, pair};
@@ -56,7 +56,7 @@ pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<
     if others.is_empty() {
         return Err(CompareError::NothingElse { base: base.into() });
     }
-    compared_by(scores, base, &others, definition, clustered_by)
+    compared_by(scores.set(), base, &others, definition, clustered_by)
 }
 
 /// What a run says of its variants against its base, for as many as can be paired; computed once.
@@ -66,7 +66,7 @@ pub(crate) fn paired(scores: &Scores) -> &[Comparison] {
         let others = others.iter().filter(|v| **v != scores.base);
         let ap = scores.criteria.ap;
         others
-            .filter_map(|other| compared_by(scores, &scores.base, &[other], ap, clustered_by).ok())
+            .filter_map(|other| compared_by(scores.set(), &scores.base, &[other], ap, clustered_by).ok())
             .collect()
     })
 }
@@ -78,11 +78,21 @@ pub(crate) fn compare_with(
     others: &[&str],
     definition: ApDefinition,
 ) -> Result<Comparison, CompareError> {
-    compared_by(scores, base, others, definition, |_| ClusteredBy::PlaceAndBin)
+    compared_by(scores.set(), base, others, definition, |_| ClusteredBy::PlaceAndBin)
+}
+
+/// The same by the clusters that `compare` takes.
+pub(super) fn compare_set(
+    set: ScoredSet,
+    base: &str,
+    others: &[&str],
+    definition: ApDefinition,
+) -> Result<Comparison, CompareError> {
+    compared_by(set, base, others, definition, clustered_by)
 }
 
 fn compared_by(
-    scores: &Scores,
+    set: ScoredSet,
     base: &str,
     others: &[&str],
     definition: ApDefinition,
@@ -90,7 +100,7 @@ fn compared_by(
 ) -> Result<Comparison, CompareError> {
     let (mut results, mut unpaired) = (Vec::new(), Vec::new());
     for variant in others {
-        let (cells, left_over) = pair(scores, base, variant);
+        let (cells, left_over) = pair(set, base, variant);
         if cells.is_empty() {
             return Err(CompareError::NoPair {
                 base: base.into(),
@@ -99,7 +109,7 @@ fn compared_by(
         }
         unpaired.extend(left_over);
         let by = clustered_by(&cells);
-        for (index, detector) in scores.detectors.iter().enumerate() {
+        for (index, detector) in set.detectors.iter().enumerate() {
             let side = Side {
                 detector: index,
                 counted: &detector.counted,
@@ -268,7 +278,8 @@ fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Differ
             clusters,
             drop,
             interval,
-            interval.is_some_and(|i| i.low > 0.0 || i.high < 0.0),
+            // Without an interval all resamples agree, or there are too few clusters for any finding.
+            interval.map_or(drop != 0.0, |i| i.low > 0.0 || i.high < 0.0),
         ),
         asr: (base > 0.0).then(|| 1.0 - other / base),
         asr_interval_95,

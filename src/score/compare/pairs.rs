@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::result::{ClusteredBy, Unpaired};
 use crate::scene::Bin;
-use crate::score::{ScoredPhoto, Scores};
+use crate::score::{ScoredPhoto, ScoredSet};
 use crate::statistics::FEWEST_CLUSTERS;
 
 /// (base, other).
@@ -25,10 +25,10 @@ pub(super) struct Cluster<'a> {
 /// Pairs the photos of two variants by place and bin, in the order of the sessions; photos left over are returned too.
 ///
 /// A photo without a place is in the one unnamed place, so that two sessions pair when neither names any.
-pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<Unpaired>) {
+pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<Unpaired>) {
     let mut sides: BTreeMap<_, [Vec<&ScoredPhoto>; 2]> = BTreeMap::new();
     let mut unpaired = Vec::new();
-    for photo in &scores.photos {
+    for photo in set.photos {
         let side = match &photo.variant {
             v if v == base => 0,
             v if v == variant => 1,
@@ -39,7 +39,7 @@ pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Ce
                 .entry((bin, photo.place.as_deref().unwrap_or_default()))
                 .or_default()[side]
                 .push(photo),
-            None => unpaired.push(left_over(scores, photo, "its viewpoint is not known".into())),
+            None => unpaired.push(left_over(set, photo, "its viewpoint is not known".into())),
         }
     }
     let mut cells = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn pair<'a>(scores: &'a Scores, base: &str, variant: &str) -> (Vec<Ce
                 "no photo of “{missing}” is left for it from {}, {place}",
                 direction(photo)
             );
-            unpaired.push(left_over(scores, photo, reason));
+            unpaired.push(left_over(set, photo, reason));
         }
         if !pairs.is_empty() {
             cells.push(Cell { bin, place, pairs });
@@ -101,9 +101,9 @@ fn direction(photo: &ScoredPhoto) -> String {
     photo.bin.map_or_else(String::new, named)
 }
 
-fn left_over(scores: &Scores, photo: &ScoredPhoto, reason: String) -> Unpaired {
+fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> Unpaired {
     Unpaired {
-        session: scores.sessions[photo.session].name.clone(),
+        session: set.sessions[photo.session].name.clone(),
         file: photo.file.clone(),
         variant: photo.variant.clone(),
         reason,

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# What each augmentation and each loss buys: patterns of 118 mm against yolox_nano, three seeds each, re-rendered on the model and on another car, and shown to
+# the four detectors that they were not made against. Each step goes on where it was stopped. Four hours on two cores.
+#
+#   benches/attack_choices.sh MESH FRAMES OTHER FOLDER [STEPS]
+#
+# MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0); FRAMES: those of benches/attack_frames.sh; OTHER: a folder with
+# model_save.obj and exterior_face.txt (SeRAlab/Robust-and-Accurate-UV-map-based-Camouflage-Attack). FOLDER/model and FOLDER/other have the tables;
+# differences.csv each pair of patterns with its interval. Names are CHOICE_SEED; `usual` is the default.
+set -euo pipefail
+if [ $# -lt 4 ]; then
+    echo "usage: $0 MESH FRAMES OTHER FOLDER [STEPS]" >&2
+    exit 2
+fi
+run="$(dirname "$0")/../run"
+mesh=$1 frames=("$2"/{0,1,2,3,4,5,6,7,8,9,10,11}) other=$3 folder=$4 steps=${5:-300}
+declare -A options=(
+    [usual]="" [all_boxes]="--loss all" [overlap]="--loss overlap" [dta]="--floor 0.5" [floor_001]="--floor 0.001" [floor_00003]="--floor 0.00003"
+    [no_hard]="--hard 0" [hard_80]="--hard 0.8" [smooth]="--smooth 0.1" [none]="--augment none"
+)
+for kind in brightness contrast far noise white-balance blur jpeg background tone renderer shift size turn pose; do
+    options[$kind]="--augment $kind"
+done
+patterns=()
+for seed in 1 2 3; do
+    for choice in "${!options[@]}"; do
+        out=$folder/${choice}_$seed
+        # shellcheck disable=SC2086  # two words
+        "$run" attack run "${frames[@]}" --detector yolox_nano --steps "$steps" --seed $seed ${options[$choice]} -o "$out"
+        patterns+=("${choice}_$seed=$out/pattern.png")
+    done
+done
+judged=(--normal 808080 --target yolox_nano --light courtyard sunrise@60 --azimuth-deg every30 --field-of-view-deg 40 --pattern "${patterns[@]}")
+"$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 "${judged[@]}" --pitch-deg 0 15 30 --distance-mm 1200 \
+    --detector yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto -o "$folder/model"
+"$run" attack evaluate --mesh "$other/model_save.obj" --faces "$other/exterior_face.txt" --length-mm 490 "${judged[@]}" --pitch-deg 5 20 \
+    --distance-mm 1200 --size-px 256x192 --detector yolox_nano -o "$folder/other"

@@ -1,0 +1,137 @@
+//! Photos made worse by published amounts, to find out whether an effect survives.
+//!
+//! Amounts and formulas are those of ImageNet-C (Hendrycks and Dietterich, ICLR 2019), which Michaelis et al. ("Benchmarking Robustness in Object
+//! Detection", 2019) applied to photos of COCO's size: [`LONGEST_PX`] along the longer side, to which larger photos are reduced first. `crop` has no
+//! published amounts; its own are stated at [`cut_off`].
+
+mod fog;
+mod pixels;
+
+use image::RgbImage;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+use crate::geometry::BoxPx;
+use crate::photo::{as_jpeg, boxed};
+
+/// Longer side of a photo before it is corrupted, px: larger ones are reduced to it.
+pub(super) const LONGEST_PX: u32 = 640;
+
+/// Severities of a corruption are 1 to this; 0 is the photo itself, reduced.
+pub(crate) const SEVERITIES: u8 = 5;
+
+/// A way in which photos get worse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Corruption {
+    /// Out of focus: `defocus_blur`.
+    Blur,
+    /// `gaussian_noise`.
+    Noise,
+    /// `jpeg_compression`.
+    Jpeg,
+    /// Too much light: `brightness`.
+    Exposure,
+    /// `fog`.
+    Haze,
+    /// Too few pixels: `pixelate`.
+    Scale,
+    /// A part of the model is outside the photo.
+    Crop,
+}
+
+impl Corruption {
+    pub(crate) const ALL: [Self; 7] = [
+        Self::Blur,
+        Self::Noise,
+        Self::Jpeg,
+        Self::Exposure,
+        Self::Haze,
+        Self::Scale,
+        Self::Crop,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Blur => "blur",
+            Self::Noise => "noise",
+            Self::Jpeg => "jpeg",
+            Self::Exposure => "exposure",
+            Self::Haze => "haze",
+            Self::Scale => "scale",
+            Self::Crop => "crop",
+        }
+    }
+
+    /// What a severity means, as its axis says.
+    pub(crate) fn amount(self, severity: u8) -> String {
+        let Some(at) = usize::from(severity).checked_sub(1) else {
+            return "0".to_owned();
+        };
+        match self {
+            Self::Blur => format!("{} px", DEFOCUS[at].0),
+            Self::Noise => format!("{}", NOISE[at]),
+            Self::Jpeg => format!("q {}", JPEG[at]),
+            Self::Exposure => format!("+{}", EXPOSURE[at]),
+            Self::Haze => format!("{}", HAZE[at].0),
+            Self::Scale => format!("×{}", SCALE[at]),
+            Self::Crop => format!("{} %", CROP[at] * 100.0),
+        }
+    }
+
+    /// The image at a severity from 1 on, of the same size; a crop is made by [`cut_off`], and leaves the image as it is here. `None` where no JPEG can
+    /// be made of it.
+    pub(crate) fn apply(self, image: &RgbImage, severity: u8, seed: u64) -> Option<RgbImage> {
+        let at = usize::from(severity.clamp(1, SEVERITIES)) - 1;
+        let mut rng = Pcg32::seed_from_u64(seed);
+        Some(match self {
+            Self::Blur => pixels::defocused(image, DEFOCUS[at]),
+            Self::Noise => pixels::noisy(image, NOISE[at], &mut rng),
+            Self::Jpeg => as_jpeg(image, JPEG[at])?,
+            Self::Exposure => pixels::brighter(image, EXPOSURE[at]),
+            Self::Haze => fog::foggy(image, HAZE[at], &mut rng),
+            Self::Scale => pixelated(image, SCALE[at]),
+            Self::Crop => image.clone(),
+        })
+    }
+}
+
+/// Radius of the disk, px, and σ of the Gaussian that softens its edge, px.
+const DEFOCUS: [(i32, f32); 5] = [(3, 0.1), (4, 0.5), (6, 0.5), (8, 0.5), (10, 0.5)];
+/// σ, of 1.
+const NOISE: [f64; 5] = [0.08, 0.12, 0.18, 0.26, 0.38];
+/// Quality.
+const JPEG: [u8; 5] = [25, 18, 15, 10, 7];
+/// Added to the value of HSV, of 1.
+const EXPOSURE: [f32; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
+/// Amount of fog, and how much less its finer parts weigh.
+const HAZE: [(f32, f64); 5] = [(1.5, 2.0), (2.0, 2.0), (2.5, 1.7), (2.5, 1.5), (3.0, 1.4)];
+/// Of the photo's sides.
+const SCALE: [f64; 5] = [0.6, 0.5, 0.4, 0.3, 0.25];
+/// Of the model's box.
+const CROP: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
+
+/// What is left of a photo of `size` (width, height) when a share of the model's box is cut off at its left, right, top or bottom: whole pixels,
+/// at least one.
+pub(super) fn cut_off(truth: &BoxPx, [width, height]: [u32; 2], severity: u8, seed: u64) -> [u32; 4] {
+    let share = CROP[usize::from(severity.clamp(1, SEVERITIES)) - 1];
+    let side = Pcg32::seed_from_u64(seed).random_range(0..4);
+    let (across, down) = (share * (truth.x2 - truth.x1), share * (truth.y2 - truth.y1));
+    let cut = |px: f64, most: u32| px.round().clamp(0.0, f64::from(most)) as u32;
+    match side {
+        0 => [cut(truth.x1 + across, width - 1), 0, width, height],
+        1 => [0, 0, cut(truth.x2 - across, width).max(1), height],
+        2 => [0, cut(truth.y1 + down, height - 1), width, height],
+        _ => [0, 0, width, cut(truth.y2 - down, height).max(1)],
+    }
+}
+
+/// Fewer pixels, each shown as a block.
+fn pixelated(image: &RgbImage, share: f64) -> RgbImage {
+    let (width, height) = image.dimensions();
+    let [across, down] = [width, height].map(|side| ((f64::from(side) * share) as u32).max(1));
+    let small = boxed(image, [across, down]);
+    let from = |at: u32, side: u32, small: u32| (u64::from(2 * at + 1) * u64::from(small) / u64::from(2 * side)) as u32;
+    RgbImage::from_fn(width, height, |x, y| {
+        *small.get_pixel(from(x, width, across), from(y, height, down))
+    })
+}
