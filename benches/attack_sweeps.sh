@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Where patterns fail: the stored patterns of 118 mm and random on the model, re-rendered at one elevation, distance and light after the other, under a glossier
-# coat, printed too large, too small, in a printer's colours and beside their place, and on a part of the model. FOLDER/*/score/figures.csv has AP for each pitch,
-# distance and place, FOLDER/*/differences.csv each pair of patterns with its interval. Steps go on where they were stopped. Half an hour on two cores.
+# coat, printed too large, too small, in a printer's colours and beside their place, on a part of the model, and on photos made worse. FOLDER/*/score/figures.csv
+# has AP for each pitch, distance and place, FOLDER/*/differences.csv each pair of patterns with its interval. Steps go on where they were stopped. Half an hour
+# on two cores.
 #
 #   PYTHON=venv/bin/python benches/attack_sweeps.sh MESH FOLDER
 #
@@ -58,3 +59,5 @@ for pattern in "${patterns[@]}"; do
     printed+=("$name=$folder/printed/$name.png")
 done
 evaluate printed/evaluation --pattern "${printed[@]}" --tile-mm 118 "${usual[@]}"
+# Blur, JPEG and the like, on the photos of all lights: FOLDER/corrupted/robustness.csv.
+"$home/run" score "$folder/light/session" --detector yolox_nano --corrupt blur,noise,jpeg,exposure,haze,scale,crop -o "$folder/corrupted"

@@ -102,7 +102,7 @@ pub use attack::run::augmentation::Eot;
 #[cfg(feature = "attack")]
 pub use attack::run::view_set::{TextureMapping, ViewSet};
 #[cfg(feature = "attack")]
-pub use attack::run::{Attack, AttackConfig, RunError};
+pub use attack::run::{Attack, AttackConfig, CellColours, RunError};
 #[cfg(feature = "attack")]
 pub use burn::tensor::Device as TensorDevice;
 #[cfg(feature = "full")]

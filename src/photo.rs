@@ -5,7 +5,6 @@ mod decode;
 mod heif;
 mod jpeg;
 mod lens;
-#[cfg(feature = "full")]
 mod lossy;
 mod luma;
 mod problem;
@@ -25,7 +24,6 @@ pub(crate) use decode::open_png;
 pub(crate) use heif::reads_heif;
 use jpeg::Coefficients;
 pub(crate) use lens::Lens;
-#[cfg(feature = "full")]
 pub(crate) use lossy::as_jpeg;
 use luma::JpegLuma;
 pub use luma::Luma;

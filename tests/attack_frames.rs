@@ -341,7 +341,10 @@ fn a_render_that_cannot_be_is_refused() {
         &["not above the ground"],
     );
     assert_refused(&render(&[flat[0], flat[1], "--azimuth-deg", "every7"]), &["every7"]);
-    assert_refused(&render(&[flat[0], flat[1], "--roughness", "1.5"]), &["the roughness", "0 to 1"]);
+    assert_refused(
+        &render(&[flat[0], flat[1], "--roughness", "1.5"]),
+        &["the roughness", "0 to 1"],
+    );
     let mut command = program();
     command.args([
         "attack",

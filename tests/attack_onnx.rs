@@ -14,7 +14,7 @@ use rand_pcg::Pcg32;
 use scaleproof::attack::run::augmentation::Eot;
 use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof::attack::run::weights::Against;
-use scaleproof::attack::run::{Attack, AttackConfig};
+use scaleproof::attack::run::{Attack, AttackConfig, CellColours};
 use scaleproof::detect::{Detector, Manifest, Runtime};
 use scaleproof::frames::FrameSet;
 use scaleproof::surrogate::projection::Grid;
@@ -256,7 +256,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         smooth: 0.0,
         near: None,
         printer: None,
-        palette: Vec::new(),
+        colours: CellColours::Free,
         range: [0, 255],
         frames_sha256: String::new(),
         detectors: Vec::new(),

@@ -3,6 +3,7 @@
 use crate::tests::common;
 
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
@@ -19,10 +20,13 @@ use scaleproof::attack::run::penalty::{distance, nearest, smooth};
 use scaleproof::attack::run::printer::PrinterMap;
 use scaleproof::attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof::attack::run::weights::Against;
-use scaleproof::attack::run::{Attack, AttackConfig, Near, Rgb, RunError, batch, loss_and_gradient};
+use scaleproof::attack::run::{
+    Attack, AttackConfig, CellColours, Near, Rgb, RunError, batch, loss_and_gradient, of_pattern,
+};
 use scaleproof::frames::light;
 use scaleproof::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
 use scaleproof::geometry::BoxPx;
+use scaleproof::pattern::Pattern;
 use scaleproof::pattern::colour::Lab;
 use scaleproof::pattern::gamut::Gamut;
 use scaleproof::pattern::world_aligned::Side;
@@ -179,7 +183,7 @@ fn config(steps: u32) -> AttackConfig {
         smooth: 0.0,
         near: None,
         printer: None,
-        palette: Vec::new(),
+        colours: CellColours::Free,
         range: [0, 255],
         frames_sha256: String::new(),
         detectors: vec!["weave".to_owned()],
@@ -324,7 +328,7 @@ fn each_side_has_cells_of_its_own() {
         let points = set.surface(frame).unwrap().unwrap();
         let factor = set.list.positions.as_ref().unwrap().factor as usize;
         let width = set.list.size_px[0] as usize;
-        let mut seen = std::collections::BTreeSet::<usize>::new();
+        let mut seen = BTreeSet::<usize>::new();
         for (i, colour) in projection.forward(&cells).iter().enumerate() {
             let (x, y) = (i % width, i / width);
             let parts = (0..factor * factor).map(|p| (x * factor + p % factor, y * factor + p / factor));
@@ -444,10 +448,9 @@ fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
 fn a_pattern_of_paints_is_moved_for_what_the_paints_do() {
     let paints = [[70, 80, 70], [150, 140, 120], [110, 90, 80], [180, 180, 170]];
     let view_set = view_set(TextureMapping::World);
-    let made = |palette: &[[u8; 3]]| {
+    let made = |colours: CellColours| {
         let folder = tempfile::tempdir().unwrap();
-        let palette = palette.to_vec();
-        let config = AttackConfig { palette, ..config(60) };
+        let config = AttackConfig { colours, ..config(60) };
         let detectors = detectors(40.0, &view_set);
         let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
         attack.run(folder.path(), |_, _| {}).unwrap()
@@ -458,16 +461,26 @@ fn a_pattern_of_paints_is_moved_for_what_the_paints_do() {
             .mean_confidence
     };
     let as_rgb = |cell: &Rgb| cell.map(|v| (255.0 * v).round() as u8);
-    let (in_paints, entries) = made(&paints);
+    let (in_paints, entries) = made(CellColours::Palette(paints.to_vec()));
     assert!(in_paints.iter().all(|cell| paints.contains(&as_rgb(cell))));
     let colours = paints.map(|paint| paint.map(|v| f64::from(v) / 255.0));
-    let (free, _) = made(&[]);
-    let repainted: Vec<Rgb> = free.iter().map(|cell| nearest(*cell, &colours).unwrap()).collect();
-    let [own, repainted] = [&in_paints, &repainted].map(|cells| confidence(cells));
-    println!("made of paints {own:.3}, repainted {repainted:.3}");
-    assert!(own < repainted);
+    let first = of_pattern(&Pattern::random(CELLS, config(0).seed).unwrap());
+    let first: Vec<Rgb> = first.iter().map(|cell| nearest(*cell, &colours).unwrap()).collect();
+    let [own, before] = [&in_paints, &first].map(|cells| confidence(cells));
+    println!("in paints {own:.3}, at first {before:.3}");
+    assert!(own < 0.8 * before);
     let judged = entries.last().unwrap().held_out.unwrap();
-    assert!((judged.mean_confidence - own).abs() < 1e-9, "what is judged is what is kept");
+    assert!(
+        (judged.mean_confidence - own).abs() < 1e-9,
+        "what is judged is what is kept"
+    );
+    let (own_colours, _) = made(CellColours::Own(3));
+    let distinct: BTreeSet<[u8; 3]> = own_colours.iter().map(as_rgb).collect();
+    assert!((2..=3).contains(&distinct.len()));
+    assert!(
+        confidence(&own_colours) < 0.8 * before,
+        "up to three colours of its own"
+    );
 }
 
 #[test]

@@ -29,7 +29,11 @@ fn images_are_made_worse_as_published() {
         (Corruption::Jpeg, 5, "jpeg_compression_5.png"),
     ] {
         let own = kind.apply(&piece, severity, 1).unwrap();
-        let off: Vec<u8> = own.iter().zip(open(published).iter()).map(|(a, b)| a.abs_diff(*b)).collect();
+        let off: Vec<u8> = own
+            .iter()
+            .zip(open(published).iter())
+            .map(|(a, b)| a.abs_diff(*b))
+            .collect();
         let mean = off.iter().map(|v| f64::from(*v)).sum::<f64>() / off.len() as f64;
         let most = *off.iter().max().unwrap();
         println!("{published}: off by {mean:.3} on average, {most} at most");
@@ -44,7 +48,9 @@ fn images_are_made_worse_as_published() {
 /// Mean and standard deviation over 50 draws, against those of 600 that `tests/data/make_corruptions.py` prints with how far they vary.
 #[test]
 fn noise_and_fog_are_as_strong_as_published() {
-    let piece = image::open(home().join("tests/data/corruptions/piece.png")).unwrap().into_rgb8();
+    let piece = image::open(home().join("tests/data/corruptions/piece.png"))
+        .unwrap()
+        .into_rgb8();
     for (kind, severity, mean, sigma) in [
         (Corruption::Noise, 1, (141.91, 0.25), (44.72, 0.22)),
         (Corruption::Noise, 5, (139.25, 0.95), (83.72, 0.45)),
@@ -64,7 +70,11 @@ fn noise_and_fog_are_as_strong_as_published() {
             println!("{} {severity}: {what} {own:.2}, published {published}", kind.name());
             // Four standard errors of both.
             let least: f64 = 4.0 * varies * (1.0f64 / 50.0 + 1.0 / 600.0).sqrt();
-            assert!((own - published).abs() < least, "{} {severity}: {what} {own}", kind.name());
+            assert!(
+                (own - published).abs() < least,
+                "{} {severity}: {what} {own}",
+                kind.name()
+            );
         }
         assert_eq!(kind.apply(&piece, severity, 7), kind.apply(&piece, severity, 7));
         assert_ne!(kind.apply(&piece, severity, 7), kind.apply(&piece, severity, 8));
@@ -108,13 +118,15 @@ while read -r line; do
   id=${{line#*\"id\":}}; id=${{id%%[,\}}]*}}; bytes=${{line#*\"bytes\":}}; bytes=${{bytes%%[,\}}]*}}
   width=${{line#*\"width\":}}; width=${{width%%[,\}}]*}}; height=${{line#*\"height\":}}; height=${{height%%[,\}}]*}}
   echo "$id" >> '{asked}'
-  first=$(head -c "$bytes" | od -An -tu1 -N1 -v; )
+  head -c "$bytes" > '{pixels}'.$$
+  first=$(od -An -tu1 -N1 '{pixels}'.$$)
   found=''
   [ $first -ge 128 ] && found="{{\"label\": \"car\", \"score\": 0.9, \"box\": [0, 0, $width, $height]}}"
   echo "{{\"id\": $id, \"detections\": [$found]}}"
 done
 "#,
-            asked = table.at("asked").display()
+            asked = table.at("asked").display(),
+            pixels = table.at("pixels").display(),
         );
         std::fs::write(table.at("light.sh"), script).unwrap();
         table
@@ -127,7 +139,10 @@ done
     fn score(&self, out: &str, more: &[&str]) -> Output {
         let detector = format!("exec:bash {}", self.at("light.sh").display());
         let mut command = program();
-        command.arg("score").arg(self.at("session")).args(["--detector", &detector, "-o"]);
+        command
+            .arg("score")
+            .arg(self.at("session"))
+            .args(["--detector", &detector, "-o"]);
         command.arg(self.at(out)).arg("--cache").arg(self.at("cache"));
         command.args(more).output().unwrap()
     }
@@ -156,7 +171,11 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
     let table = Table::new([("normal", 200), ("camo", 90)]);
     let output = table.scored("out", &["--corrupt", "exposure,crop,jpeg"]);
     println!("{}", stdout(&output));
-    assert!(stdout(&output).contains("light     camo     normal  1         5     5"), "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("light     camo     normal  1         5     5"),
+        "{}",
+        stdout(&output)
+    );
     let summary = read_json(&table.at("out/summary.json"));
     for (corruption, not_shown_from) in [("exposure", json!(2)), ("crop", Value::Null), ("jpeg", Value::Null)] {
         let own = rows(&summary, corruption);
@@ -164,7 +183,10 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
         for row in &own {
             let severity = row["severity"].as_u64().unwrap();
             let is_found = corruption == "exposure" && severity >= 2;
-            assert_eq!(row["ap50"]["base"], 1.0, "{row}: the whole of what is left of the model is found");
+            assert_eq!(
+                row["ap50"]["base"], 1.0,
+                "{row}: the whole of what is left of the model is found"
+            );
             assert_eq!(row["ap50"]["other"], if is_found { 1.0 } else { 0.0 }, "{row}");
             assert_eq!(row["pairs"], 8);
         }
@@ -174,9 +196,15 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
     }
     // These photos are no larger than what is made worse: severity 0 is what the report itself says.
     let (clean, paired) = (rows(&summary, "jpeg")[0].clone(), &summary["paired"][0]);
-    assert_eq!([&clean["ap50"], &clean["mean_confidence"]], [&paired["ap50"], &paired["mean_confidence"]]);
+    assert_eq!(
+        [&clean["ap50"], &clean["mean_confidence"]],
+        [&paired["ap50"], &paired["mean_confidence"]]
+    );
 
-    let lines = csv::Reader::from_path(table.at("out/robustness.csv")).unwrap().into_records().count();
+    let lines = csv::Reader::from_path(table.at("out/robustness.csv"))
+        .unwrap()
+        .into_records()
+        .count();
     assert_eq!(lines, 18);
     let page = std::fs::read_to_string(table.at("out/report.html")).unwrap();
     assert!(page.contains("On photos made worse") && page.contains("Filled: on these photos a drop"));
@@ -184,10 +212,16 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
 
     // What was found is kept, the same bytes come out, and a report without it leaves nothing of it behind.
     let asked = table.asked();
-    assert_eq!(asked, 16 * (1 + 1 + 3 * 5), "each photo as it is twice, and each made worse");
+    assert_eq!(
+        asked,
+        16 * (1 + 1 + 3 * 5),
+        "each photo as it is twice, and each made worse"
+    );
     table.scored("again", &["--corrupt", "exposure,crop,jpeg"]);
     assert_eq!(table.asked(), asked);
-    let same = |name: &str| std::fs::read(table.at("out").join(name)).unwrap() == std::fs::read(table.at("again").join(name)).unwrap();
+    let same = |name: &str| {
+        std::fs::read(table.at("out").join(name)).unwrap() == std::fs::read(table.at("again").join(name)).unwrap()
+    };
     assert!(same("summary.json") && same("robustness.csv") && same("report.html"));
     table.scored("out", &[]);
     assert_eq!(read_json(&table.at("out/summary.json"))["robustness"], Value::Null);
@@ -202,7 +236,10 @@ fn patterns_are_also_held_against_the_random_one() {
     let summary = read_json(&table.at("out/summary.json"));
     let survival = summary["robustness"]["survival"].as_array().unwrap();
     assert_eq!(survival.len(), 1);
-    assert_eq!((&survival[0]["base"], &survival[0]["not_shown_from"]), (&json!("random"), &json!(2)));
+    assert_eq!(
+        (&survival[0]["base"], &survival[0]["not_shown_from"]),
+        (&json!("random"), &json!(2))
+    );
 }
 
 #[test]
@@ -215,10 +252,17 @@ fn what_cannot_be_followed_is_refused_before_the_work() {
     );
     let run = |session: &Path, more: &[&str]| {
         let mut command = program();
-        command.arg("score").arg(session).args(more).args(["--corrupt", "blur", "-o"]);
+        command
+            .arg("score")
+            .arg(session)
+            .args(more)
+            .args(["--corrupt", "blur", "-o"]);
         command.arg(table.at("out")).output().unwrap()
     };
-    assert_refused(&run(&skyline(), &["--recorded"]), &["stored or were made elsewhere", "networks"]);
+    assert_refused(
+        &run(&skyline(), &["--recorded"]),
+        &["stored or were made elsewhere", "networks"],
+    );
     let alone = Table::new([("normal", 200), ("normal", 90)]);
     let output = alone.score("out", &["--corrupt", "blur"]);
     assert_refused(&output, &["all photos have the variant `normal`", "no drop to follow"]);

@@ -35,7 +35,7 @@ pub(crate) enum CardError {
     OtherPattern { path: PathBuf, pattern: PathBuf },
     #[error("{pattern} has no card that says how wide a repeat is", pattern = pattern.display())]
     None { pattern: PathBuf },
-    #[error("{pattern} is a pattern for each side of the model (so says its card): give it with --texture", pattern = pattern.display())]
+    #[error("{pattern} is a pattern for each side of the model (so says its card), and none that is repeated", pattern = pattern.display())]
     OfSides { pattern: PathBuf },
 }
 

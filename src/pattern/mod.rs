@@ -98,7 +98,7 @@ impl Pattern {
 
     /// # Errors
     /// Only if the encoder fails.
-    fn of_cells(cells: RgbImage) -> Result<Self, PatternError> {
+    pub(crate) fn of_cells(cells: RgbImage) -> Result<Self, PatternError> {
         let sha256 = files::sha256_hex(&png_of(&cells)?);
         Ok(Self { cells, sha256 })
     }

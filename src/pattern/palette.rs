@@ -254,6 +254,11 @@ impl Painted {
         }
     }
 
+    /// The paint of each cell, 8-bit sRGB, row by row from the top left.
+    pub(crate) fn rgb(&self) -> Vec<[u8; 3]> {
+        self.cells.iter().map(|cell| self.paints[*cell].paint.rgb).collect()
+    }
+
     /// Which of [`Self::paints`] a cell of the repeated pattern takes; columns and rows go on for ever.
     pub(crate) fn paint_at(&self, column: usize, row: usize) -> usize {
         let columns = self.columns as usize;

@@ -66,7 +66,12 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
     let robustness = scores.robustness.as_ref().map(|r| html::robustness::charts(scores, r));
     if let Some(charts) = &robustness {
         let charts = charts.iter().map(|(title, drawing)| (title.as_str(), drawing.clone()));
-        all.push((ROBUSTNESS, "AP on photos made worse", html::legend(scores), charts.collect()));
+        all.push((
+            ROBUSTNESS,
+            "AP on photos made worse",
+            html::legend(scores),
+            charts.collect(),
+        ));
     }
     let files = all.into_iter().filter(|(.., drawings)| !drawings.is_empty());
     let files = files.map(|(name, title, legend, drawings)| {
@@ -78,7 +83,7 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
         };
         let across = match name {
             "heat_maps" => 2,
-            ROBUSTNESS => scores.robustness.as_ref().map_or(3, |r| r.corruptions().len().min(4)),
+            ROBUSTNESS => scores.robustness.as_ref().map_or(3, |r| r.corruptions().len()),
             _ => 3,
         };
         files_of(name, title, &Explained { legend, notes }, across, &drawings)

@@ -10,7 +10,8 @@ use crate::score::{CorruptedRow, Difference, Finding, Robustness, Scores, Surviv
 pub(super) const NAME: &str = "robustness.csv";
 
 /// What the table is of.
-pub(super) const HEADING: &str = "drop of AP@0.5 shown up to severity (0: only on photos as they are, 5: to the last, –: not even there)";
+pub(super) const HEADING: &str =
+    "drop of AP@0.5 shown up to severity (0: only on photos as they are, 5: to the last, –: not even there)";
 
 #[derive(Serialize)]
 struct CsvRow<'a> {
@@ -71,7 +72,9 @@ pub(super) fn csv(robustness: &Robustness) -> Result<String, ReportError> {
 /// A head, then a line for each detector and comparison with a column for each corruption.
 pub(super) fn survival_table(robustness: &Robustness) -> Vec<Vec<String>> {
     let corruptions = robustness.corruptions();
-    let head = ["detector", "texture", "from"].into_iter().chain(corruptions.iter().copied());
+    let head = ["detector", "texture", "from"]
+        .into_iter()
+        .chain(corruptions.iter().copied());
     let mut rows = vec![head.map(str::to_owned).collect::<Vec<_>>()];
     let key = |s: &Survival| (s.detector.clone(), s.variant.clone(), s.base.clone());
     for (detector, variant, base) in distinct(robustness.survival.iter().map(key)) {
@@ -79,7 +82,9 @@ pub(super) fn survival_table(robustness: &Robustness) -> Vec<Vec<String>> {
             let mut all = robustness.survival.iter();
             all.find(|s| s.corruption == *corruption && key(s) == (detector.clone(), variant.clone(), base.clone()))
         };
-        let cells = corruptions.iter().map(|corruption| own(corruption).map_or("", up_to).to_owned());
+        let cells = corruptions
+            .iter()
+            .map(|corruption| own(corruption).map_or("", up_to).to_owned());
         let cells: Vec<String> = cells.collect();
         rows.push([vec![detector.clone(), variant.clone(), base.clone()], cells].concat());
     }
@@ -101,5 +106,8 @@ pub(super) fn lines(scores: &Scores) -> Vec<String> {
     };
     let rows = survival_table(robustness);
     let aligned = protocol::aligned(&rows.iter().collect::<Vec<_>>());
-    [String::new(), format!("on photos made worse: {HEADING}")].into_iter().chain(aligned).collect()
+    [String::new(), format!("on photos made worse: {HEADING}")]
+        .into_iter()
+        .chain(aligned)
+        .collect()
 }

@@ -8,8 +8,8 @@ use super::counted;
 use super::provenance::{self, Provenance};
 use crate::detect::Speeds;
 use crate::score::{
-    Compared, Curves, NotScored, ProtocolTable, Reliability, Robustness, Scores, Summary, TransferRow, curves, disagreements,
-    paired, protocol_table, reliability, transfer,
+    Compared, Curves, NotScored, ProtocolTable, Reliability, Robustness, Scores, Summary, TransferRow, curves,
+    disagreements, paired, protocol_table, reliability, transfer,
 };
 
 #[derive(Serialize)]

@@ -63,8 +63,8 @@ pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reli
 pub(crate) use robustness::{CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};
 pub use run::score;
 pub(crate) use run::{TimedPhoto, merge, observe, timed_photos};
-pub use scores::Scores;
 use scores::ScoredSet;
+pub use scores::Scores;
 pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 pub(crate) use worn::WornPattern;

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use super::error::ScoreError;
 use super::grouping::{GroupBy, GroupByError};
 use super::{
-    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Robustness, ScoredPhoto, Summary, WornPattern,
-    caution, summary,
+    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Robustness, ScoredPhoto, Summary,
+    WornPattern, caution, summary,
 };
 use crate::session::Session;
 

@@ -77,7 +77,7 @@ pub enum WhiteBoxError {
         "{name} takes photos as files, and here are images that lie in none: let the input of its hello be \"rgb\""
     )]
     NoPixels { name: String },
-    #[error("{name} gives the loss of its strongest box alone: leave --loss out, or attack a detector of the program")]
+    #[error("{name} gives the loss of its strongest box alone, and all boxes were asked for")]
     StrongestAlone { name: String },
     /// What is wrong with the gradient of a program.
     #[error("{0}")]

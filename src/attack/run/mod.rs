@@ -47,6 +47,7 @@ use weights::{Against, DetectorWeights};
 
 use crate::files::FileError;
 use crate::frames::FramesError;
+use crate::pattern::palette::Painted;
 use crate::pattern::{Pattern, PatternError};
 use crate::surrogate::renderer::FitError;
 use crate::whitebox::{Boxes, WhiteBox, WhiteBoxError};
@@ -113,6 +114,18 @@ pub struct Near {
     pub cells: Vec<Rgb>,
 }
 
+/// The colours that cells have on the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CellColours {
+    /// Any.
+    Free,
+    /// The nearest of these, 8-bit sRGB.
+    Palette(Vec<[u8; 3]>),
+    /// So many, which follow the cells: their clusters.
+    Own(usize),
+}
+
 /// Everything a run depends on besides the frames' and detectors' content, whose hashes are in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AttackConfig {
@@ -148,8 +161,8 @@ pub struct AttackConfig {
     pub near: Option<Near>,
     /// The printer that the pattern is optimised for: cells are what is requested of it.
     pub printer: Option<PrinterMap>,
-    /// Cells are seen in the nearest of these colours, 8-bit sRGB; any colour where there are none.
-    pub palette: Vec<[u8; 3]>,
+    /// What colours cells have.
+    pub colours: CellColours,
     /// Darkest and lightest value of a cell, 8-bit sRGB.
     pub range: [u8; 2],
     /// SHA-256 of the list of frames.
@@ -341,7 +354,7 @@ impl<'a> Attack<'a> {
                 .observe(*view, looked.losses.iter().copied().fold(0.0, f64::max));
         }
         state.weights.observe(&losses);
-        // Choosing the nearest paint has no derivative: the cells are moved as if they were seen themselves (straight-through, Bengio et al. 2013).
+        // Choosing a paint has no derivative: the cells are moved as if they were seen themselves (straight-through, Bengio et al. 2013).
         if let Some(printer) = &config.printer {
             gradient = printer.vjp(&state.cells, &gradient);
         }
@@ -438,27 +451,42 @@ pub(crate) fn penalties(cells: &[Rgb], config: &AttackConfig) -> (f64, Vec<Rgb>)
     (value, gradient)
 }
 
-/// The cells as they are on the model: as the printer makes them, or in the nearest paint.
+/// The cells as they are on the model: as the printer makes them, or in their colours.
 fn shown<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
     match &config.printer {
         Some(printer) => Cow::Owned(printer.printed(cells)),
-        None => on_palette(cells, config),
+        None => in_colours(cells, config),
     }
 }
 
-fn on_palette<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
-    if config.palette.is_empty() {
-        return Cow::Borrowed(cells);
+fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
+    match &config.colours {
+        CellColours::Free => Cow::Borrowed(cells),
+        CellColours::Palette(paints) => {
+            let paints = srgb(paints);
+            let painted = cells
+                .iter()
+                .map(|cell| penalty::nearest(*cell, &paints).unwrap_or(*cell));
+            Cow::Owned(painted.collect())
+        }
+        CellColours::Own(count) => {
+            let columns = config.mapping.grid(config.cells)[0];
+            let pattern = Pattern::of_cells(to_image(cells, columns)).ok();
+            // Fewer where the cells have fewer, or clusters would be one colour.
+            let counts = (2..=*count).rev();
+            let painted = pattern.and_then(|p| counts.filter_map(|count| Painted::by_count(&p, count).ok()).next());
+            painted.map_or(Cow::Borrowed(cells), |painted| Cow::Owned(srgb(&painted.rgb())))
+        }
     }
-    let palette = srgb(&config.palette);
-    let painted = cells.iter().map(|cell| penalty::nearest(*cell, &palette).unwrap_or(*cell));
-    Cow::Owned(painted.collect())
 }
 
-/// The cells as they are kept: on the palette where there is one, in 8 bits.
+/// The cells as they are kept: in their colours, in 8 bits.
 fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
-    let cells = on_palette(cells, config);
-    cells.iter().map(|cell| cell.map(|v| (255.0 * v).round() / 255.0)).collect()
+    let cells = in_colours(cells, config);
+    cells
+        .iter()
+        .map(|cell| cell.map(|v| (255.0 * v).round() / 255.0))
+        .collect()
 }
 
 /// Views of a step: every view comes once before any comes again, in an order drawn anew each time.

@@ -76,6 +76,7 @@ fn of_program(error: &RunError) -> Option<String> {
     match error {
         RunError::ForwardPass { reason, .. } => match reason.as_ref() {
             WhiteBoxError::Program(error) => results::advice(error),
+            WhiteBoxError::StrongestAlone { .. } => Some("leave --loss out".to_owned()),
             _ => None,
         },
         _ => None,

@@ -12,7 +12,7 @@ use crate::attack::result::PATTERN;
 use crate::attack::run::judge::judge;
 use crate::attack::run::view_set::TextureMapping;
 use crate::attack::run::weights::Against;
-use crate::attack::run::{Rgb, of_pattern, srgb};
+use crate::attack::run::{CellColours, Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
 use crate::cli::demo::{home, print_template};
 use crate::cli::detectors::Folder;
@@ -72,7 +72,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         smooth: 0.0,
         near: None,
         printer: None,
-        palette: Vec::new(),
+        colours: CellColours::Free,
         range: [0, 255],
     };
     let config = settings.config(&on, &setup);

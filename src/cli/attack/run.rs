@@ -12,11 +12,11 @@ use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
 use crate::attack::run::printer::PrinterMap;
 use crate::attack::run::weights::Against;
-use crate::attack::run::{Attack, AttackConfig, Near, Rgb, of_pattern};
+use crate::attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_pattern};
 use crate::attack::setup::Setup;
 use crate::cli::choice::one_of;
 use crate::files;
-use crate::pattern::palette::Palette;
+use crate::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 use crate::print::printer::PrinterFile;
 use crate::whitebox::Boxes;
 
@@ -70,6 +70,9 @@ pub(super) struct RunArgs {
     /// The pattern has the colours of this palette alone: a TOML file of [[paint]] tables
     #[arg(long, value_name = "TOML")]
     palette: Option<PathBuf>,
+    /// The pattern has so many colours of its own choice
+    #[arg(long, value_name = "N", conflicts_with_all = ["palette", "printer"], allow_negative_numbers = true)]
+    paints: Option<i64>,
     /// Darkest and lightest value of a cell, 8-bit sRGB
     #[arg(long, num_args = 2, value_names = ["DARKEST", "LIGHTEST"], default_values = ["0", "255"])]
     range: Vec<u8>,
@@ -115,7 +118,7 @@ pub(super) struct Settings {
     pub smooth: f64,
     pub near: Option<Near>,
     pub printer: Option<PrinterMap>,
-    pub palette: Vec<[u8; 3]>,
+    pub colours: CellColours,
     pub range: [u8; 2],
 }
 
@@ -137,7 +140,7 @@ impl Settings {
             smooth: self.smooth,
             near: self.near,
             printer: self.printer,
-            palette: self.palette,
+            colours: self.colours,
             range: self.range,
             frames_sha256: setup.frames_sha256.clone(),
             detectors: setup.detector_names.clone(),
@@ -180,7 +183,7 @@ impl RunArgs {
             smooth: self.smooth,
             near: self.near()?,
             printer: self.printer()?,
-            palette: self.palette()?,
+            colours: self.colours()?,
             range,
         })
     }
@@ -227,10 +230,18 @@ impl RunArgs {
         Ok(Some(PrinterMap::new(colours.gamut(), sha256)))
     }
 
-    fn palette(&self) -> Result<Vec<[u8; 3]>, Box<dyn Error>> {
-        let Some(path) = &self.palette else {
-            return Ok(Vec::new());
-        };
-        Ok(Palette::load(path)?.paints().iter().map(|paint| paint.rgb).collect())
+    fn colours(&self) -> Result<CellColours, Box<dyn Error>> {
+        match (&self.palette, self.paints) {
+            (Some(path), _) => {
+                let palette = Palette::load(path)?;
+                let paints = palette.paints().iter().map(|paint| paint.rgb);
+                Ok(CellColours::Palette(paints.collect()))
+            }
+            (None, Some(asked)) => match usize::try_from(asked) {
+                Ok(count) if (2..=MAX_PAINTS).contains(&count) => Ok(CellColours::Own(count)),
+                _ => Err(PaletteError::BadCount { asked }.into()),
+            },
+            (None, None) => Ok(CellColours::Free),
+        }
     }
 }

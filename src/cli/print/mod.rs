@@ -199,7 +199,8 @@ pub(in crate::cli) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern
         CardError::Content { .. } | CardError::OtherPattern { .. } => {
             format!("{error}: give --tile-mm, or remove the file")
         }
-        _ => error.to_string(),
+        CardError::OfSides { .. } => format!("{error}: give it with --texture"),
+        CardError::File(_) => error.to_string(),
     })
 }
 

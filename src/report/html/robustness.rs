@@ -12,8 +12,7 @@ const SIDE: [f64; 2] = [180.0, 120.0];
 const LAST: f64 = 5.0;
 
 /// What explains a chart.
-pub(in crate::report) const MARKS: &str =
-    "Severity 0 is the photo as it is. Filled: on these photos a drop of AP@0.5 from the base is shown at 5 %; hollow: none is.";
+pub(in crate::report) const MARKS: &str = "Severity 0 is the photo as it is. Filled: on these photos a drop of AP@0.5 from the base is shown at 5 %; hollow: none is.";
 
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
@@ -35,7 +34,7 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
             }
         }
         p.note {
-            (HEADING) ". Photos are reduced to 640 px, then made worse by the amounts of ImageNet-C (Hendrycks and Dietterich 2019); " code { "crop" }
+            "In the table: " (HEADING) ". Photos are reduced to 640 px, then made worse by the amounts of ImageNet-C (Hendrycks and Dietterich 2019); " code { "crop" }
             " cuts 10 to 50 % of the model's box off. No correction for the number of findings."
         }
     })
@@ -65,8 +64,14 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
             true => of_base(&from_base),
             false => {
                 let own = from_base.iter().filter(|row| row.variant == variant);
-                own.map(|row| (f64::from(row.severity), row.ap50.other, row.ap50.finding == Finding::Drop))
-                    .collect()
+                own.map(|row| {
+                    (
+                        f64::from(row.severity),
+                        row.ap50.other,
+                        row.ap50.finding == Finding::Drop,
+                    )
+                })
+                .collect()
             }
         };
         line(colour(i), &points)
@@ -80,10 +85,10 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
             text x=(x(f64::from(*severity))) y=(SIDE[1] + 13.0) font-size="8" text-anchor="middle" fill="#5b6573" { (amount) }
         }
         @for line in lines { (line) }
-        text transform=(format!("translate(-21 {}) rotate(-90)", SIDE[1] / 2.0)) font-size="10" text-anchor="middle" { "AP@0.5" }
+        text transform=(format!("translate(-27 {}) rotate(-90)", SIDE[1] / 2.0)) font-size="10" text-anchor="middle" { "AP@0.5" }
     };
     Drawing {
-        area: [-30.0, -8.0, 224.0, 146.0],
+        area: [-38.0, -8.0, 232.0, 146.0],
         label: format!("AP@0.5 against severity, {title}"),
         marks,
     }
@@ -98,7 +103,10 @@ fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
 
 /// (severity, AP, whether it is filled).
 fn line(colour: &str, points: &[(f64, f64, bool)]) -> Markup {
-    let path: Vec<String> = points.iter().map(|(severity, ap, _)| format!("{},{}", x(*severity), y(*ap))).collect();
+    let path: Vec<String> = points
+        .iter()
+        .map(|(severity, ap, _)| format!("{},{}", x(*severity), y(*ap)))
+        .collect();
     html! {
         polyline points=(path.join(" ")) fill="none" stroke=(colour) stroke-width="2" {}
         @for (severity, ap, is_filled) in points {

@@ -46,7 +46,9 @@ fn plasma(side: usize, decay: f64, rng: &mut impl Rng) -> Vec<f32> {
     }
     let (low, high) = heights
         .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(*h), high.max(*h)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+            (low.min(*h), high.max(*h))
+        });
     heights.iter().map(|h| ((h - low) / (high - low)) as f32).collect()
 }
 

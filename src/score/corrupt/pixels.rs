@@ -22,7 +22,11 @@ pub(super) fn brighter(image: &RgbImage, more: f32) -> RgbImage {
         let value = rgb.into_iter().fold(0.0, f32::max);
         let new = (value + more).min(1.0);
         // Colours of one hue and saturation are multiples of each other. Black has neither, and becomes grey.
-        let rgb = if value > 0.0 { rgb.map(|v| v * new / value) } else { [new; 3] };
+        let rgb = if value > 0.0 {
+            rgb.map(|v| v * new / value)
+        } else {
+            [new; 3]
+        };
         *pixel = Rgb(rgb.map(|v| (255.0 * v).clamp(0.0, 255.0) as u8));
     }
     out

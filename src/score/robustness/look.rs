@@ -113,10 +113,12 @@ impl View {
         let Some((kind, severity)) = self.condition else {
             return Ok(reduced.clone());
         };
-        let image = kind.apply(reduced, severity, self.seed).ok_or_else(|| ScoreError::NotCorrupted {
-            file: file.to_owned(),
-            corruption: kind.name(),
-        })?;
+        let image = kind
+            .apply(reduced, severity, self.seed)
+            .ok_or_else(|| ScoreError::NotCorrupted {
+                file: file.to_owned(),
+                corruption: kind.name(),
+            })?;
         Ok(self.cut(image))
     }
 
@@ -125,9 +127,7 @@ impl View {
         if self.window == [0, 0, width, height] {
             return image;
         }
-        let reduced = |px: u32, side: u32, own: u32| {
-            (f64::from(px) * f64::from(own) / f64::from(side)).round() as u32
-        };
+        let reduced = |px: u32, side: u32, own: u32| (f64::from(px) * f64::from(own) / f64::from(side)).round() as u32;
         let [x1, y1, x2, y2] = self.window;
         let [x1, x2] = [x1, x2].map(|x| reduced(x, width, image.width()));
         let [y1, y2] = [y1, y2].map(|y| reduced(y, height, image.height()));

@@ -1,11 +1,12 @@
 //! Whether an effect survives when photos get worse: the comparisons of a run, again at every severity of some corruptions.
 
 mod look;
+mod result;
 
-use serde::Serialize;
+pub(crate) use result::{CorruptedRow, Robustness, Survival};
 
 use super::caution::is_control;
-use super::compare::{Difference, Finding, compare_set};
+use super::compare::{Finding, compare_set};
 use super::corrupt::{Corruption, SEVERITIES};
 use super::error::ScoreError;
 use super::evaluated::{DetectionSource, EvaluatedDetector, runtime};
@@ -13,51 +14,6 @@ use super::observe::{Observer, Options};
 use super::{ScoredPhoto, ScoredSet, Scores};
 use crate::session::Session;
 use crate::workers;
-
-/// Every comparison at every severity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Robustness {
-    /// By corruption, severity (from 0), then base, variant and detector.
-    pub rows: Vec<CorruptedRow>,
-    pub survival: Vec<Survival>,
-}
-
-impl Robustness {
-    /// Their names, in the order in which they were asked for.
-    pub(crate) fn corruptions(&self) -> Vec<&'static str> {
-        let mut names: Vec<&str> = self.rows.iter().map(|row| row.corruption).collect();
-        names.dedup();
-        names
-    }
-}
-
-/// A variant against its base on photos of one severity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct CorruptedRow {
-    pub corruption: &'static str,
-    /// 0 is the photo as it is, at the size of the others.
-    pub severity: u8,
-    /// What the severity means.
-    pub amount: String,
-    pub base: String,
-    pub variant: String,
-    pub detector: String,
-    pub pairs: usize,
-    pub ap50: Difference,
-    pub hit_rate: Difference,
-    pub mean_confidence: Difference,
-}
-
-/// How far a drop of AP goes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Survival {
-    pub corruption: &'static str,
-    pub base: String,
-    pub variant: String,
-    pub detector: String,
-    /// The first severity at which no drop is shown; absent where one is shown at all.
-    pub not_shown_from: Option<u8>,
-}
 
 /// A corruption at a severity; without one the photo as it is.
 type Condition = Option<(Corruption, u8)>;
@@ -79,17 +35,32 @@ pub(crate) fn under_corruption(
             asked.push(*kind);
         }
     }
-    let worse = asked.iter().flat_map(|kind| (1..=SEVERITIES).map(|severity| Some((*kind, severity))));
+    let worse = asked
+        .iter()
+        .flat_map(|kind| (1..=SEVERITIES).map(|severity| Some((*kind, severity))));
     let conditions: Vec<Condition> = std::iter::once(None).chain(worse).collect();
     let runtime = runtime(&scores.detectors)?;
     let photos = workers::map_over(
         options.threads,
         &scores.photos,
-        || Observer::new(&[], &scores.detectors, runtime, options.cache.as_ref(), scores.photos.len()),
+        || {
+            Observer::new(
+                &[],
+                &scores.detectors,
+                runtime,
+                options.cache.as_ref(),
+                scores.photos.len(),
+            )
+        },
         |observer, photo| look::at(observer, scores, photo, &conditions),
         on_photo,
     )?;
-    let of_condition = |at: usize| photos.iter().map(|photo: &Vec<ScoredPhoto>| photo[at].clone()).collect();
+    let of_condition = |at: usize| {
+        photos
+            .iter()
+            .map(|photo: &Vec<ScoredPhoto>| photo[at].clone())
+            .collect()
+    };
     let compared: Vec<Vec<CorruptedRow>> = conditions
         .iter()
         .enumerate()
@@ -103,7 +74,9 @@ pub(crate) fn under_corruption(
 /// # Errors
 /// One texture alone; a detector that does not look at pixels here: stored detections say nothing of other images.
 pub(crate) fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Result<(), ScoreError> {
-    let mut variants = sessions.iter().flat_map(|s| s.photos.iter().map(|photo| &photo.variant));
+    let mut variants = sessions
+        .iter()
+        .flat_map(|s| s.photos.iter().map(|photo| &photo.variant));
     if let Some(first) = variants.next()
         && variants.all(|variant| variant == first)
     {
@@ -167,7 +140,9 @@ fn comparisons(scores: &Scores) -> Vec<(String, String)> {
     }
     let (controls, others): (Vec<&str>, Vec<&str>) = variants.iter().partition(|variant| is_control(variant));
     let against_base = variants.iter().map(|variant| (scores.base.as_str(), *variant));
-    let against_controls = controls.iter().flat_map(|control| others.iter().map(|other| (*control, *other)));
+    let against_controls = controls
+        .iter()
+        .flat_map(|control| others.iter().map(|other| (*control, *other)));
     let all = against_base.chain(against_controls);
     all.map(|(base, other)| (base.to_owned(), other.to_owned())).collect()
 }
