@@ -170,14 +170,19 @@ fn rows<'a>(summary: &'a Value, corruption: &str) -> Vec<&'a Value> {
 fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
     let table = Table::new([("normal", 200), ("camo", 90)]);
     let output = table.scored("out", &["--corrupt", "exposure,crop,jpeg"]);
-    println!("{}", stdout(&output));
-    assert!(
-        stdout(&output).contains("light     camo     normal  1         5     5"),
-        "{}",
-        stdout(&output)
-    );
+    let said = stdout(&output);
+    let last = said
+        .lines()
+        .find(|line| line.starts_with("light") && line.contains("camo"))
+        .unwrap();
+    let cells: Vec<&str> = last.split_whitespace().collect();
+    assert_eq!(cells, ["light", "camo", "normal", "0–1", "0–5", "0–5"]);
     let summary = read_json(&table.at("out/summary.json"));
-    for (corruption, not_shown_from) in [("exposure", json!(2)), ("crop", Value::Null), ("jpeg", Value::Null)] {
+    for (corruption, shown_at) in [
+        ("exposure", json!([0, 1])),
+        ("crop", json!([0, 1, 2, 3, 4, 5])),
+        ("jpeg", json!([0, 1, 2, 3, 4, 5])),
+    ] {
         let own = rows(&summary, corruption);
         assert_eq!(own.len(), 6, "the photos as they are, and five severities");
         for row in &own {
@@ -192,7 +197,11 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
         }
         let survival = summary["robustness"]["survival"].as_array().unwrap();
         let own = survival.iter().find(|s| s["corruption"] == corruption).unwrap();
-        assert_eq!(own["not_shown_from"], not_shown_from, "{own}");
+        assert_eq!(
+            (&own["shown_at"], &own["base_lost_at"]),
+            (&shown_at, &json!([])),
+            "{own}"
+        );
     }
     // These photos are no larger than what is made worse: severity 0 is what the report itself says.
     let (clean, paired) = (rows(&summary, "jpeg")[0].clone(), &summary["paired"][0]);
@@ -237,8 +246,45 @@ fn patterns_are_also_held_against_the_random_one() {
     let survival = summary["robustness"]["survival"].as_array().unwrap();
     assert_eq!(survival.len(), 1);
     assert_eq!(
-        (&survival[0]["base"], &survival[0]["not_shown_from"]),
-        (&json!("random"), &json!(2))
+        (&survival[0]["base"], &survival[0]["shown_at"]),
+        (&json!("random"), &json!([0, 1]))
+    );
+}
+
+/// A base that is lost leaves no drop to show, and the table says so; so does it of images that a program says nothing of.
+#[test]
+fn what_keeps_a_drop_from_being_shown_is_said() {
+    let table = Table::new([("normal", 160), ("camo", 90)]);
+    let script = std::fs::read_to_string(table.at("light.sh")).unwrap();
+    // From the third severity of a crop on something is too small for it; and it is dazzled by whatever is almost white.
+    let script = script.replace("-ge 128 ]", "-ge 128 ] && [ $first -lt 220 ]");
+    let declines = r#"  [ $((width * height)) -lt 22000 ] && echo "{\"id\": $id, \"error\": \"too small\"}" && continue
+  echo "{\"id\": $id, \"detections\": [$found]}""#;
+    let script = script.replace(r#"  echo "{\"id\": $id, \"detections\": [$found]}""#, declines);
+    std::fs::write(table.at("light.sh"), script).unwrap();
+    let output = table.scored("out", &["--corrupt", "exposure,crop"]);
+    let said = stdout(&output);
+    // 160 to 167 passes 220 with 0.3 of 255 more, 90 to 97 with 0.5 more.
+    let row = said
+        .lines()
+        .find(|line| line.starts_with("light") && line.contains("camo"))
+        .unwrap();
+    assert!(row.contains("0–1, lost 3–5"), "{row}");
+    assert!(
+        stderr(&output).contains("images made worse are in no comparison; the first, "),
+        "{}",
+        stderr(&output)
+    );
+    assert!(stderr(&output).contains("too small"));
+    let summary = read_json(&table.at("out/summary.json"));
+    let pairs: Vec<u64> = rows(&summary, "crop")
+        .iter()
+        .map(|row| row["pairs"].as_u64().unwrap())
+        .collect();
+    assert_eq!(pairs[..3], [8, 8, 8]);
+    assert!(
+        pairs[3..].iter().all(|pairs| *pairs == 0) || pairs.len() == 3,
+        "{pairs:?}"
     );
 }
 
@@ -261,11 +307,22 @@ fn what_cannot_be_followed_is_refused_before_the_work() {
     };
     assert_refused(
         &run(&skyline(), &["--recorded"]),
-        &["stored or were made elsewhere", "networks"],
+        &["cannot look at photos that are made worse", "stored detections"],
     );
     let alone = Table::new([("normal", 200), ("normal", 90)]);
     let output = alone.score("out", &["--corrupt", "blur"]);
     assert_refused(&output, &["all photos have the variant `normal`", "no drop to follow"]);
     assert!(!table.at("out").exists() && !alone.at("out").exists());
     assert_eq!(table.asked() + alone.asked(), 0);
+
+    // Photos that do not pair: the report is there, and what is left out is said.
+    let path = table.at("session/session.json");
+    let elsewhere = std::fs::read_to_string(&path)
+        .unwrap()
+        .replacen("\"table\"", "\"yard\"", 8);
+    std::fs::write(&path, elsewhere).unwrap();
+    let output = table.scored("out", &["--corrupt", "blur"]);
+    assert!(stderr(&output).contains("no photos pair"), "{}", stderr(&output));
+    assert_eq!(read_json(&table.at("out/summary.json"))["robustness"], Value::Null);
+    assert!(!table.at("out/robustness.csv").exists());
 }

@@ -45,7 +45,7 @@ pub(super) struct Args {
     /// With --record: store detections in place of those that are stored already.
     #[arg(long, requires = "record")]
     replace: bool,
-    /// Look at the photos again, made worse step by step, and tell up to which severity each drop is still shown.
+    /// Look at the photos again, made worse step by step, and tell at which severities each drop is still shown.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = one_of(Corruption::ALL.map(|kind| (kind, kind.name()))))]
     corrupt: Vec<Corruption>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
@@ -172,7 +172,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let mut scores = args.judging.tables.made(scores, criteria)?;
     scores.patterns = patterns;
     if !args.corrupt.is_empty() {
-        scores.robustness = Some(made_worse(&scores, &args.corrupt, &options)?);
+        scores.robustness = made_worse(&scores, &args.corrupt, &options)?;
     }
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
@@ -221,11 +221,20 @@ pub(super) fn score_with_progress(
 }
 
 /// Looks at the photos again and shows how far it has come.
-fn made_worse(scores: &Scores, corruptions: &[Corruption], options: &Options) -> Result<Robustness, ScoreError> {
+fn made_worse(
+    scores: &Scores,
+    corruptions: &[Corruption],
+    options: &Options,
+) -> Result<Option<Robustness>, ScoreError> {
     let bar = progress::photos("made worse", scores.photos.len());
     let robustness = score::under_corruption(scores, corruptions, options, || bar.inc(1));
     bar.finish_and_clear();
     complain(options);
+    match &robustness {
+        Ok(None) => say!("note: no photos pair, so that there is no drop to follow on photos made worse"),
+        Ok(Some(robustness)) => robustness.cautions.iter().for_each(|caution| say!("note: {caution}")),
+        Err(_) => {}
+    }
     robustness
 }
 

@@ -4,14 +4,18 @@ use serde::Serialize;
 
 use super::{ReportError, csv_of, protocol};
 use crate::plot::distinct;
-use crate::score::{CorruptedRow, Difference, Finding, Robustness, Scores, Survival};
+use crate::score::{BASE_LOST, CorruptedRow, Difference, Finding, Robustness, SEVERITIES, Scores, Survival};
 
 /// The file of every comparison at every severity.
 pub(super) const NAME: &str = "robustness.csv";
 
-/// What the table is of.
-pub(super) const HEADING: &str =
-    "drop of AP@0.5 shown up to severity (0: only on photos as they are, 5: to the last, –: not even there)";
+/// What the cells of the table are.
+pub(super) fn heading() -> String {
+    format!(
+        "severities at which a drop of AP@0.5 is shown, each at 5 %, without correction (0: reduced to 640 px, no worse; ?: too few photos to tell anywhere; \
+         lost: the base itself has an AP below {BASE_LOST} there)"
+    )
+}
 
 #[derive(Serialize)]
 struct CsvRow<'a> {
@@ -84,19 +88,34 @@ pub(super) fn survival_table(robustness: &Robustness) -> Vec<Vec<String>> {
         };
         let cells = corruptions
             .iter()
-            .map(|corruption| own(corruption).map_or("", up_to).to_owned());
+            .map(|corruption| own(corruption).map_or_else(String::new, cell));
         let cells: Vec<String> = cells.collect();
         rows.push([vec![detector.clone(), variant.clone(), base.clone()], cells].concat());
     }
     rows
 }
 
-/// The last severity at which a drop is shown.
-fn up_to(survival: &Survival) -> &'static str {
-    match survival.not_shown_from {
-        None => "5",
-        Some(from) => ["–", "0", "1", "2", "3", "4"][usize::from(from).min(5)],
+/// As in `0–2, lost 4–5`.
+fn cell(survival: &Survival) -> String {
+    let shown = match (&survival.shown_at[..], survival.too_few_at.len()) {
+        ([], too_few) if too_few > usize::from(SEVERITIES) => "?".to_owned(),
+        ([], _) => "none".to_owned(),
+        (shown, _) => ranges(shown),
+    };
+    match &survival.base_lost_at[..] {
+        [] => shown,
+        lost => format!("{shown}, lost {}", ranges(lost)),
     }
+}
+
+/// Ascending numbers, as in `0–2, 4`.
+fn ranges(numbers: &[u8]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let text = runs.map(|run| match run {
+        [only] => only.to_string(),
+        run => format!("{}–{}", run[0], run[run.len() - 1]),
+    });
+    text.collect::<Vec<_>>().join(", ")
 }
 
 /// For the terminal; nothing where it was not asked for.
@@ -106,7 +125,7 @@ pub(super) fn lines(scores: &Scores) -> Vec<String> {
     };
     let rows = survival_table(robustness);
     let aligned = protocol::aligned(&rows.iter().collect::<Vec<_>>());
-    [String::new(), format!("on photos made worse: {HEADING}")]
+    [String::new(), format!("on photos made worse: {}", heading())]
         .into_iter()
         .chain(aligned)
         .collect()

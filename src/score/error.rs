@@ -26,15 +26,13 @@ pub enum ScoreError {
     #[error("the shards do not hold {file} of {session}: score them again")]
     NotObserved { session: String, file: String },
     #[error(
-        "the detections of {detector} are stored or were made elsewhere: only networks, and programs that take pixels, can look at photos that are made worse"
+        "{detector} cannot look at photos that are made worse: stored detections and those of other programs are of the photos as they are, and programs must take pixels (\"input\": \"rgb\")"
     )]
     NotCorruptible { detector: String },
     #[error("all photos have the variant `{variant}`: there is no drop to follow on photos that are made worse")]
     OneVariant { variant: String },
     #[error("{file} is another photo than it was at the beginning of this run: run it again")]
     PhotoChanged { file: String },
-    #[error("{file} could not be looked at when it was made worse: {reason}")]
-    NotLookedAt { file: String, reason: String },
     #[error("{file} cannot be made worse by {corruption}: it cannot be encoded")]
     NotCorrupted { file: String, corruption: &'static str },
     #[error(transparent)]

@@ -40,7 +40,7 @@ pub(crate) use compare::{
 pub use compare::{CompareError, Comparison, compare};
 #[cfg(test)]
 pub(crate) use compare::{power, power_by_place};
-pub(crate) use corrupt::Corruption;
+pub(crate) use corrupt::{Corruption, SEVERITIES};
 pub use criteria::Criteria;
 pub(crate) use curves::{Curves, HitRateFrom, curves};
 pub(crate) use disagreement::disagreements;
@@ -60,7 +60,7 @@ pub(crate) use protocol_table::{ProtocolTable, protocol_table};
 pub(crate) use protocol_table::{apricot_ap, rates_as_armory};
 pub(crate) use record::{RecordError, check_recordings, record};
 pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
-pub(crate) use robustness::{CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};
+pub(crate) use robustness::{BASE_LOST, CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};
 pub use run::score;
 pub(crate) use run::{TimedPhoto, merge, observe, timed_photos};
 use scores::ScoredSet;

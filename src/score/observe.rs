@@ -181,8 +181,8 @@ pub(super) struct PhotoPart<'a> {
     /// As the session names it.
     pub file: &'a str,
     pub sha256: &'a str,
-    /// x1, y1, x2, y2 in pixels of the photo.
-    pub window: [u32; 4],
+    /// Where it is in the photo, px.
+    pub window: BoxPx,
     /// What the image depends on besides the photo's content.
     pub name: &'a str,
 }
@@ -190,7 +190,7 @@ pub(super) struct PhotoPart<'a> {
 impl PhotoPart<'_> {
     /// Detections in an image of the part, where they are in the photo.
     fn in_photo(&self, found: Vec<Detection>, (width, height): (u32, u32)) -> Vec<Detection> {
-        let [x1, y1, x2, y2] = self.window.map(f64::from);
+        let BoxPx { x1, y1, x2, y2 } = self.window;
         let (across, down) = ((x2 - x1) / f64::from(width), (y2 - y1) / f64::from(height));
         let moved = found.into_iter().filter_map(|d| {
             let b = d.box_px;
@@ -212,6 +212,22 @@ enum Stop {
     Photo(NotScoredReason),
     /// The run ends.
     Run(ScoreError),
+}
+
+impl Stop {
+    fn of_network(error: DetectError) -> Stop {
+        match error {
+            DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(error)),
+            error => Stop::Run(error.into()),
+        }
+    }
+
+    fn of_program(error: ProgramError) -> Stop {
+        match error {
+            ProgramError::Declined { .. } => Stop::Photo(NotScoredReason::of(error)),
+            error => Stop::Run(error.into()),
+        }
+    }
 }
 
 impl From<PhotoError> for Stop {
@@ -333,10 +349,7 @@ impl<'a> Observer<'a> {
             let image = decoded.at_least(manifest.least_px(width, height))?;
             let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
             let found = timed(Stage::Network, || loaded.detect_reduced(image, width, height));
-            found.map_err(|e| match e {
-                DetectError::NotANumber { .. } => Stop::Photo(NotScoredReason::of(e)),
-                e => Stop::Run(e.into()),
-            })
+            found.map_err(Stop::of_network)
         })
     }
 
@@ -357,20 +370,18 @@ impl<'a> Observer<'a> {
                 size,
                 pixels,
             });
-            found.map_err(|e| match e {
-                ProgramError::Declined { .. } => Stop::Photo(NotScoredReason::of(e)),
-                e => Stop::Run(e.into()),
-            })
+            found.map_err(Stop::of_program)
         })
     }
 
-    /// What a detector finds in an image of a part of a photo, in the photo's pixels. `image` is called where nothing is kept.
+    /// What a detector finds in an image of a part of a photo, in the photo's pixels, or why it says nothing of it. `image` is called where nothing is
+    /// kept.
     pub(super) fn in_part(
         &mut self,
         index: usize,
         part: &PhotoPart,
         image: &mut dyn FnMut() -> Result<Arc<RgbImage>, ScoreError>,
-    ) -> Result<Vec<Detection>, ScoreError> {
+    ) -> Result<Result<Vec<Detection>, NotScoredReason>, ScoreError> {
         let detector = &self.detectors[index];
         let found = match &detector.source {
             DetectionSource::Live(weights) => {
@@ -380,7 +391,7 @@ impl<'a> Observer<'a> {
                 self.kept(key, |own| {
                     let image = image().map_err(Stop::Run)?;
                     let loaded = own.loaded(index, weights).map_err(|e| Stop::Run(e.into()))?;
-                    let found = loaded.detect(&image).map_err(|e| Stop::Run(e.into()))?;
+                    let found = loaded.detect(&image).map_err(Stop::of_network)?;
                     Ok(part.in_photo(found, image.dimensions()))
                 })
             }
@@ -394,8 +405,7 @@ impl<'a> Observer<'a> {
                         size: image.dimensions().into(),
                         pixels: Some(&image),
                     });
-                    let found = found.map_err(|e| Stop::Run(e.into()))?;
-                    Ok(part.in_photo(found, image.dimensions()))
+                    Ok(part.in_photo(found.map_err(Stop::of_program)?, image.dimensions()))
                 })
             }
             _ => {
@@ -403,13 +413,11 @@ impl<'a> Observer<'a> {
                 return Err(ScoreError::NotCorruptible { detector });
             }
         };
-        found.map_err(|stop| match stop {
-            Stop::Run(e) => e,
-            Stop::Photo(reason) => ScoreError::NotLookedAt {
-                file: part.file.to_owned(),
-                reason: reason.0,
-            },
-        })
+        match found {
+            Ok(found) => Ok(Ok(found)),
+            Err(Stop::Photo(reason)) => Ok(Err(reason)),
+            Err(Stop::Run(e)) => Err(e),
+        }
     }
 
     fn loaded(&mut self, index: usize, weights: &std::path::Path) -> Result<&mut Detector, DetectError> {

@@ -16,6 +16,9 @@ pub(crate) const SEED: u64 = 1;
 /// With fewer clusters no exact paired test can reach p < 0.05 (2 / 2⁵ = 0.06), and no resampling knows better.
 pub(crate) const FEWEST_CLUSTERS: usize = 6;
 
+/// Figures that differ by less are the same.
+pub(crate) const ALIKE: f64 = 1e-12;
+
 /// A 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
@@ -70,7 +73,7 @@ fn interval_of(mut figures: Vec<f64>, clusters: usize) -> Option<Interval> {
     let from_end = (tail.floor() as usize).saturating_sub(1).checked_sub(undefined)?;
     let last = figures.len().checked_sub(1)?;
     let (low, high) = (figures[from_end], *figures.get(last.checked_sub(from_end)?)?);
-    let alike = figures[last] - figures[0] < 1e-12;
+    let alike = figures[last] - figures[0] < ALIKE;
     (!alike && low.is_finite() && high.is_finite()).then_some(Interval { low, high })
 }
 

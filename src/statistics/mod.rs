@@ -7,7 +7,7 @@ mod wilson;
 
 #[cfg(test)]
 pub(crate) use bootstrap::interval_95;
-pub(crate) use bootstrap::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, intervals_95};
+pub(crate) use bootstrap::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, intervals_95};
 pub(crate) use paired::{holm, mcnemar_p};
 pub(crate) use wilson::wilson_95;
 

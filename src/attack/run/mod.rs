@@ -122,7 +122,7 @@ pub enum CellColours {
     Free,
     /// The nearest of these, 8-bit sRGB.
     Palette(Vec<[u8; 3]>),
-    /// So many, which follow the cells: their clusters.
+    /// At most so many, which follow the cells: their clusters.
     Own(usize),
 }
 
@@ -475,7 +475,9 @@ fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
             // Fewer where the cells have fewer, or clusters would be one colour.
             let counts = (2..=*count).rev();
             let painted = pattern.and_then(|p| counts.filter_map(|count| Painted::by_count(&p, count).ok()).next());
-            painted.map_or(Cow::Borrowed(cells), |painted| Cow::Owned(srgb(&painted.rgb())))
+            // Cells that no two colours part become one.
+            let one = || cells.first().map_or_else(Vec::new, |first| vec![*first; cells.len()]);
+            Cow::Owned(painted.map_or_else(one, |painted| srgb(&painted.rgb())))
         }
     }
 }

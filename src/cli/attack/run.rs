@@ -70,7 +70,7 @@ pub(super) struct RunArgs {
     /// The pattern has the colours of this palette alone: a TOML file of [[paint]] tables
     #[arg(long, value_name = "TOML")]
     palette: Option<PathBuf>,
-    /// The pattern has so many colours of its own choice
+    /// The pattern has at most so many colours of its own choice, 2 to 24
     #[arg(long, value_name = "N", conflicts_with_all = ["palette", "printer"], allow_negative_numbers = true)]
     paints: Option<i64>,
     /// Darkest and lightest value of a cell, 8-bit sRGB

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{colour, round, variants};
 use crate::plot::{Drawing, distinct};
-use crate::report::robustness::{HEADING, survival_table};
+use crate::report::robustness::{heading, survival_table};
 use crate::score::{CorruptedRow, Finding, Robustness, Scores};
 
 const SIDE: [f64; 2] = [180.0, 120.0];
@@ -34,9 +34,10 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
             }
         }
         p.note {
-            "In the table: " (HEADING) ". Photos are reduced to 640 px, then made worse by the amounts of ImageNet-C (Hendrycks and Dietterich 2019); " code { "crop" }
-            " cuts 10 to 50 % of the model's box off. No correction for the number of findings."
+            "In the table: " (heading()) ". Photos are reduced to 640 px, then made worse by the amounts of ImageNet-C (Hendrycks and Dietterich 2019); " code { "crop" }
+            " cuts 10 to 50 % of the model's box off."
         }
+        @for caution in &robustness.cautions { p.note { (caution) } }
     })
 }
 
@@ -74,7 +75,7 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
                 .collect()
             }
         };
-        line(colour(i), &points)
+        line(colour(i), &points, variant == scores.base)
     });
     let marks = html! {
         @for tick in [0.0, 0.5, 1.0] {
@@ -82,7 +83,7 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
             text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
         }
         @for (severity, amount) in &amounts {
-            text x=(x(f64::from(*severity))) y=(SIDE[1] + 13.0) font-size="8" text-anchor="middle" fill="#5b6573" { (amount) }
+            text x=(x(f64::from(*severity))) y=(SIDE[1] + 13.0) font-size="8" text-anchor="middle" fill="#5b6573" { @if amount.is_empty() { "0" } @else { (amount) } }
         }
         @for line in lines { (line) }
         text transform=(format!("translate(-27 {}) rotate(-90)", SIDE[1] / 2.0)) font-size="10" text-anchor="middle" { "AP@0.5" }
@@ -101,15 +102,15 @@ fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
     own.map(|row| (f64::from(row.severity), row.ap50.base, true)).collect()
 }
 
-/// (severity, AP, whether it is filled).
-fn line(colour: &str, points: &[(f64, f64, bool)]) -> Markup {
+/// (severity, AP, whether it is filled); the base has no marks.
+fn line(colour: &str, points: &[(f64, f64, bool)], is_base: bool) -> Markup {
     let path: Vec<String> = points
         .iter()
         .map(|(severity, ap, _)| format!("{},{}", x(*severity), y(*ap)))
         .collect();
     html! {
         polyline points=(path.join(" ")) fill="none" stroke=(colour) stroke-width="2" {}
-        @for (severity, ap, is_filled) in points {
+        @for (severity, ap, is_filled) in points.iter().filter(|_| !is_base) {
             circle cx=(x(*severity)) cy=(y(*ap)) r="3" stroke=(colour) stroke-width="1.5" fill=(if *is_filled { colour } else { "#fff" }) {}
         }
     }

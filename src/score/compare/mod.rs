@@ -19,7 +19,7 @@ pub(crate) use result::{BinHits, ClusteredBy, Compared, Difference, Finding, Hit
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, ScoredSet, Scores};
 use crate::ap::{ApDefinition, Ranked};
-use crate::statistics::{DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
+use crate::statistics::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, holm, intervals_95, mcnemar_p};
 use pairs::{Cell, Cluster, clustered_by, clusters, pair};
 
 /// A difference of this size must be excluded before "no difference shown" may be said.
@@ -79,6 +79,11 @@ pub(crate) fn compare_with(
     definition: ApDefinition,
 ) -> Result<Comparison, CompareError> {
     compared_by(scores.set(), base, others, definition, |_| ClusteredBy::PlaceAndBin)
+}
+
+/// Whether photos of two variants can be compared.
+pub(super) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
+    !pair(set, base, other).0.is_empty()
 }
 
 /// The same by the clusters that `compare` takes.
@@ -279,7 +284,7 @@ fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Differ
             drop,
             interval,
             // Without an interval all resamples agree, or there are too few clusters for any finding.
-            interval.map_or(drop != 0.0, |i| i.low > 0.0 || i.high < 0.0),
+            interval.map_or(drop.abs() > ALIKE, |i| i.low > 0.0 || i.high < 0.0),
         ),
         asr: (base > 0.0).then(|| 1.0 - other / base),
         asr_interval_95,
@@ -298,7 +303,7 @@ fn tested(d: Difference, clusters: usize, p: f64) -> Difference {
 fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) -> Finding {
     let excluded = match interval {
         Some(i) => i.low > -TELLING_DIFFERENCE && i.high < TELLING_DIFFERENCE,
-        None => drop == 0.0 && clusters >= CLUSTERS_ALL_ALIKE,
+        None => drop.abs() < ALIKE && clusters >= CLUSTERS_ALL_ALIKE,
     };
     match (
         clusters >= FEWEST_CLUSTERS && shown,
@@ -308,5 +313,21 @@ fn finding(clusters: usize, drop: f64, interval: Option<Interval>, shown: bool) 
         (true, _) => Finding::Rise,
         (false, true) => Finding::NoDifferenceShown,
         (false, false) => Finding::TooFewPhotosToTell,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums that differ by their order of addition alone are the same; one that is the same in all resamples is shown.
+    #[test]
+    fn a_difference_without_an_interval_is_none_or_shown() {
+        let rounded = difference(14, |_| (0.1 + 0.2, 0.3));
+        assert!(rounded.drop != 0.0);
+        assert_eq!(rounded.finding, Finding::NoDifferenceShown);
+        assert_eq!(difference(14, |_| (1.0, 0.0)).finding, Finding::Drop);
+        assert_eq!(difference(6, |_| (0.0, 1.0)).finding, Finding::Rise);
+        assert_eq!(difference(5, |_| (1.0, 0.0)).finding, Finding::TooFewPhotosToTell);
     }
 }

@@ -17,7 +17,7 @@ use crate::photo::{as_jpeg, boxed};
 /// Longer side of a photo before it is corrupted, px: larger ones are reduced to it.
 pub(super) const LONGEST_PX: u32 = 640;
 
-/// Severities of a corruption are 1 to this; 0 is the photo itself, reduced.
+/// Severities of a corruption are 1 to this; 0 is the reduced photo, no worse.
 pub(crate) const SEVERITIES: u8 = 5;
 
 /// A way in which photos get worse.
@@ -62,17 +62,17 @@ impl Corruption {
         }
     }
 
-    /// What a severity means, as its axis says.
+    /// What a severity means; empty for 0.
     pub(crate) fn amount(self, severity: u8) -> String {
         let Some(at) = usize::from(severity).checked_sub(1) else {
-            return "0".to_owned();
+            return String::new();
         };
         match self {
             Self::Blur => format!("{} px", DEFOCUS[at].0),
             Self::Noise => format!("{}", NOISE[at]),
             Self::Jpeg => format!("q {}", JPEG[at]),
             Self::Exposure => format!("+{}", EXPOSURE[at]),
-            Self::Haze => format!("{}", HAZE[at].0),
+            Self::Haze => format!("{} ({})", HAZE[at].0, HAZE[at].1),
             Self::Scale => format!("×{}", SCALE[at]),
             Self::Crop => format!("{} %", CROP[at] * 100.0),
         }
@@ -110,18 +110,24 @@ const SCALE: [f64; 5] = [0.6, 0.5, 0.4, 0.3, 0.25];
 /// Of the model's box.
 const CROP: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 
-/// What is left of a photo of `size` (width, height) when a share of the model's box is cut off at its left, right, top or bottom: whole pixels,
-/// at least one.
+/// What is left (x1, y1, x2, y2, px) of an image of `size` (width, height) when a share of the model's box is cut off at its left, right, top or bottom,
+/// which `seed` chooses: whole pixels, and at least one of the model's.
 pub(super) fn cut_off(truth: &BoxPx, [width, height]: [u32; 2], severity: u8, seed: u64) -> [u32; 4] {
     let share = CROP[usize::from(severity.clamp(1, SEVERITIES)) - 1];
-    let side = Pcg32::seed_from_u64(seed).random_range(0..4);
-    let (across, down) = (share * (truth.x2 - truth.x1), share * (truth.y2 - truth.y1));
-    let cut = |px: f64, most: u32| px.round().clamp(0.0, f64::from(most)) as u32;
-    match side {
-        0 => [cut(truth.x1 + across, width - 1), 0, width, height],
-        1 => [0, 0, cut(truth.x2 - across, width).max(1), height],
-        2 => [0, cut(truth.y1 + down, height - 1), width, height],
-        _ => [0, 0, width, cut(truth.y2 - down, height).max(1)],
+    // From its low end on, and up to its high end.
+    let from = |low: f64, high: f64, side: u32| {
+        let last = (high.ceil() as u32).clamp(1, side) - 1;
+        ((low + share * (high - low)).round().max(0.0) as u32).min(last)
+    };
+    let up_to = |low: f64, high: f64, side: u32| {
+        let first = (low.floor().max(0.0) as u32).min(side - 1);
+        ((high - share * (high - low)).round().max(0.0) as u32).clamp(first + 1, side)
+    };
+    match Pcg32::seed_from_u64(seed).random_range(0..4) {
+        0 => [from(truth.x1, truth.x2, width), 0, width, height],
+        1 => [0, 0, up_to(truth.x1, truth.x2, width), height],
+        2 => [0, from(truth.y1, truth.y2, height), width, height],
+        _ => [0, 0, width, up_to(truth.y1, truth.y2, height)],
     }
 }
 
@@ -134,4 +140,35 @@ fn pixelated(image: &RgbImage, share: f64) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| {
         *small.get_pixel(from(x, width, across), from(y, height, down))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Whatever the box, and however small the image: something of the image and of the model is left, and no more than was there.
+        #[test]
+        fn a_crop_leaves_a_part_of_the_model(
+            (width, height) in (1u32..300, 1u32..300),
+            corners in prop::array::uniform4(0.0..1.0f64),
+            severity in 1u8..=5,
+            seed in any::<u64>(),
+        ) {
+            let [a, b, c, d] = corners;
+            let (w, h) = (f64::from(width), f64::from(height));
+            let truth = BoxPx::new(w * a.min(b), h * c.min(d), w * a.max(b), h * c.max(d));
+            prop_assume!(truth.is_solid());
+            let [x1, y1, x2, y2] = cut_off(&truth, [width, height], severity, seed);
+            prop_assert!(x1 < x2 && x2 <= width && y1 < y2 && y2 <= height);
+            let left = BoxPx {
+                x1: truth.x1.max(x1.into()),
+                y1: truth.y1.max(y1.into()),
+                x2: truth.x2.min(x2.into()),
+                y2: truth.y2.min(y2.into()),
+            };
+            prop_assert!(left.is_solid(), "{truth:?} {:?}", [x1, y1, x2, y2]);
+        }
+    }
 }

@@ -13,15 +13,15 @@ use crate::score::corrupt::{Corruption, LONGEST_PX, cut_off};
 use crate::score::decoded::DecodedPhoto;
 use crate::score::error::ScoreError;
 use crate::score::observe::{Observer, PhotoPart};
-use crate::score::{PhotoOutcome, ScoredPhoto, Scores};
+use crate::score::{NotScoredReason, PhotoOutcome, ScoredPhoto, Scores};
 
-/// The photo with what is found in it under each condition.
+/// The photo with what is found in it under each condition, or why a detector says nothing of it.
 pub(super) fn at(
     observer: &mut Observer,
     scores: &Scores,
     photo: &ScoredPhoto,
     conditions: &[Condition],
-) -> Result<Vec<ScoredPhoto>, ScoreError> {
+) -> Result<Vec<Result<ScoredPhoto, NotScoredReason>>, ScoreError> {
     let path = scores.sessions[photo.session].folder.join(&photo.file);
     let file = Photo::open(&path)?;
     if file.sha256 != photo.sha256 {
@@ -42,7 +42,7 @@ pub(super) fn at(
                 path: &path,
                 file: &photo.file,
                 sha256: &photo.sha256,
-                window: view.window,
+                window: view.in_photo,
                 name: &view.name,
             };
             let found = observer.in_part(index, &part, &mut || {
@@ -53,11 +53,20 @@ pub(super) fn at(
                 image = Some(Arc::clone(&made));
                 Ok(made)
             })?;
-            detections.push(found);
+            match found {
+                Ok(found) => detections.push(found),
+                Err(reason) => return Ok(Err(reason)),
+            }
         }
-        Ok(judged(scores, photo, &view, detections))
+        Ok(Ok(judged(scores, photo, &view, detections)))
     });
     seen.collect()
+}
+
+/// Of a photo of a size, so that its longer side is at most [`LONGEST_PX`].
+fn reduced_size(size: [u32; 2]) -> [u32; 2] {
+    let share = (f64::from(LONGEST_PX) / f64::from(size[0].max(size[1]))).min(1.0);
+    size.map(|side| (f64::from(side) * share).round().max(1.0) as u32)
 }
 
 /// A photo at the size at which it is corrupted, once it is asked for.
@@ -69,9 +78,7 @@ struct Reduced<'a> {
 impl Reduced<'_> {
     fn image(&mut self) -> Result<&RgbImage, ScoreError> {
         if self.image.is_none() {
-            let (width, height) = (self.decoded.file.width, self.decoded.file.height);
-            let share = (f64::from(LONGEST_PX) / f64::from(width.max(height))).min(1.0);
-            let size = [width, height].map(|side| (f64::from(side) * share).round().max(1.0) as u32);
+            let size = reduced_size([self.decoded.file.width, self.decoded.file.height]);
             self.image = Some(shrunk(self.decoded.at_least(size)?, size));
         }
         Ok(self.image.get_or_insert_default())
@@ -81,30 +88,45 @@ impl Reduced<'_> {
 /// What a condition makes of a photo.
 struct View {
     condition: Condition,
-    /// What is left of the photo (x1, y1, x2, y2), px of the photo.
+    /// What is left of the reduced photo: x1, y1, x2, y2, px.
     window: [u32; 4],
+    /// The same in the photo.
+    in_photo: BoxPx,
     /// What the image depends on besides the photo's content.
     name: String,
     seed: u64,
-    size: [u32; 2],
 }
 
 impl View {
+    /// What is random is the same at every severity, and for photos of one place and bin, which are paired.
     fn of(photo: &ScoredPhoto, condition: Condition) -> Self {
-        let size = [photo.width, photo.height];
-        let name = condition.map_or_else(String::new, |(kind, severity)| format!("{} {severity}", kind.name()));
-        let hash = sha256_hex(format!("{} {name}", photo.sha256).as_bytes());
-        let seed = u64::from_str_radix(&hash[..16], 16).unwrap_or_default();
-        let window = match condition {
-            Some((Corruption::Crop, severity)) => cut_off(&photo.truth, size, severity, seed),
-            _ => [0, 0, size[0], size[1]],
+        let kind = condition.map_or("", |(kind, _)| kind.name());
+        let alike = match photo.bin {
+            Some(bin) => format!("{bin:?} {:?} {kind}", photo.place),
+            None => format!("{} {kind}", photo.sha256),
         };
+        let seed = u64::from_str_radix(&sha256_hex(alike.as_bytes())[..16], 16).unwrap_or_default();
+        let size = [photo.width, photo.height];
+        let reduced = reduced_size(size);
+        let [across, down] = [0, 1].map(|i| f64::from(reduced[i]) / f64::from(size[i]));
+        let truth = BoxPx::new(
+            across * photo.truth.x1,
+            down * photo.truth.y1,
+            across * photo.truth.x2,
+            down * photo.truth.y2,
+        );
+        let window = match condition {
+            Some((Corruption::Crop, severity)) => cut_off(&truth, reduced, severity, seed),
+            _ => [0, 0, reduced[0], reduced[1]],
+        };
+        let [x1, y1, x2, y2] = window.map(f64::from);
+        let severity = condition.map_or(0, |(_, severity)| severity);
         Self {
             condition,
             window,
-            name: format!("{name} {window:?}"),
+            in_photo: BoxPx::new(x1 / across, y1 / down, x2 / across, y2 / down),
+            name: format!("{kind} {severity} {window:?} {seed}"),
             seed,
-            size,
         }
     }
 
@@ -113,42 +135,35 @@ impl View {
         let Some((kind, severity)) = self.condition else {
             return Ok(reduced.clone());
         };
-        let image = kind
-            .apply(reduced, severity, self.seed)
-            .ok_or_else(|| ScoreError::NotCorrupted {
-                file: file.to_owned(),
-                corruption: kind.name(),
-            })?;
-        Ok(self.cut(image))
-    }
-
-    fn cut(&self, image: RgbImage) -> RgbImage {
-        let [width, height] = self.size;
-        if self.window == [0, 0, width, height] {
-            return image;
-        }
-        let reduced = |px: u32, side: u32, own: u32| (f64::from(px) * f64::from(own) / f64::from(side)).round() as u32;
         let [x1, y1, x2, y2] = self.window;
-        let [x1, x2] = [x1, x2].map(|x| reduced(x, width, image.width()));
-        let [y1, y2] = [y1, y2].map(|y| reduced(y, height, image.height()));
-        imageops::crop_imm(&image, x1, y1, (x2 - x1).max(1), (y2 - y1).max(1)).to_image()
+        let part = imageops::crop_imm(reduced, x1, y1, x2 - x1, y2 - y1).to_image();
+        let made = kind.apply(&part, severity, self.seed);
+        made.ok_or_else(|| ScoreError::NotCorrupted {
+            file: file.to_owned(),
+            corruption: kind.name(),
+        })
     }
 }
 
-fn judged(scores: &Scores, photo: &ScoredPhoto, view: &View, detections: Vec<Vec<Detection>>) -> ScoredPhoto {
-    let [x1, y1, x2, y2] = view.window.map(f64::from);
-    let truth = BoxPx {
-        x1: photo.truth.x1.max(x1),
-        y1: photo.truth.y1.max(y1),
-        x2: photo.truth.x2.min(x2),
-        y2: photo.truth.y2.min(y2),
-    };
+/// Of the detections those that count as the model are kept: the others matter for the outcome alone.
+fn judged(scores: &Scores, photo: &ScoredPhoto, view: &View, mut detections: Vec<Vec<Detection>>) -> ScoredPhoto {
+    let window = &view.in_photo;
+    let truth = BoxPx::new(
+        photo.truth.x1.max(window.x1),
+        photo.truth.y1.max(window.y1),
+        photo.truth.x2.min(window.x2),
+        photo.truth.y2.min(window.y2),
+    );
     let least = scores.criteria.thresholds();
     let judged = scores.detectors.iter().zip(&detections);
+    let outcomes = judged
+        .map(|(detector, found)| PhotoOutcome::of(found, &truth, &detector.counted, least))
+        .collect();
+    for (found, detector) in detections.iter_mut().zip(&scores.detectors) {
+        found.retain(|detection| detector.counts(detection));
+    }
     ScoredPhoto {
-        outcomes: judged
-            .map(|(detector, found)| PhotoOutcome::of(found, &truth, &detector.counted, least))
-            .collect(),
+        outcomes,
         truth,
         detections,
         tag_marks: Vec::new(),

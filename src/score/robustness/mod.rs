@@ -3,23 +3,26 @@
 mod look;
 mod result;
 
-pub(crate) use result::{CorruptedRow, Robustness, Survival};
+pub(crate) use result::{BASE_LOST, CorruptedRow, Robustness, Survival};
 
 use super::caution::is_control;
-use super::compare::{Finding, compare_set};
+use super::compare::{compare_set, pairs};
 use super::corrupt::{Corruption, SEVERITIES};
 use super::error::ScoreError;
 use super::evaluated::{DetectionSource, EvaluatedDetector, runtime};
 use super::observe::{Observer, Options};
-use super::{ScoredPhoto, ScoredSet, Scores};
+use super::{NotScoredReason, ScoredPhoto, ScoredSet, Scores};
 use crate::session::Session;
 use crate::workers;
 
-/// A corruption at a severity; without one the photo as it is.
+/// A corruption at a severity; without one the photo no worse than reduced.
 type Condition = Option<(Corruption, u8)>;
 
+/// A photo under each condition, or why a detector says nothing of it there.
+type Seen = Vec<Result<ScoredPhoto, NotScoredReason>>;
+
 /// Looks at every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with the random
-/// control where there is one. `on_photo` is called after each photo.
+/// control where there is one. `None` where no photos pair. `on_photo` is called after each photo.
 ///
 /// # Errors
 /// Detections that were not made here, photos that have changed, detectors that fail.
@@ -28,45 +31,47 @@ pub(crate) fn under_corruption(
     corruptions: &[Corruption],
     options: &Options,
     on_photo: impl Fn() + Sync,
-) -> Result<Robustness, ScoreError> {
-    let mut asked: Vec<Corruption> = Vec::new();
-    for kind in corruptions {
-        if !asked.contains(kind) {
-            asked.push(*kind);
-        }
+) -> Result<Option<Robustness>, ScoreError> {
+    let compared = comparisons(scores);
+    if compared.is_empty() {
+        return Ok(None);
     }
-    let worse = asked
+    let kinds = distinct(corruptions);
+    let worse = kinds
         .iter()
         .flat_map(|kind| (1..=SEVERITIES).map(|severity| Some((*kind, severity))));
     let conditions: Vec<Condition> = std::iter::once(None).chain(worse).collect();
-    let runtime = runtime(&scores.detectors)?;
-    let photos = workers::map_over(
+    let (detectors, cache) = (&scores.detectors, options.cache.as_ref());
+    let runtime = runtime(detectors)?;
+    let photos: Vec<Seen> = workers::map_over(
         options.threads,
         &scores.photos,
-        || {
-            Observer::new(
-                &[],
-                &scores.detectors,
-                runtime,
-                options.cache.as_ref(),
-                scores.photos.len(),
-            )
-        },
+        || Observer::new(&[], detectors, runtime, cache, scores.photos.len()),
         |observer, photo| look::at(observer, scores, photo, &conditions),
         on_photo,
     )?;
-    let of_condition = |at: usize| {
-        photos
-            .iter()
-            .map(|photo: &Vec<ScoredPhoto>| photo[at].clone())
-            .collect()
-    };
-    let compared: Vec<Vec<CorruptedRow>> = conditions
-        .iter()
-        .enumerate()
-        .map(|(at, condition)| rows(scores, of_condition(at), *condition))
-        .collect();
-    Ok(together(&asked, compared))
+    let places: Vec<usize> = (0..conditions.len()).collect();
+    let of_each = workers::map_over(
+        options.threads,
+        &places,
+        || Ok(()),
+        |(), at| -> Result<_, ScoreError> {
+            let own = photos.iter().filter_map(|photo| photo[*at].as_ref().ok().cloned());
+            Ok(rows(scores, &compared, own.collect(), conditions[*at]))
+        },
+        || {},
+    )?;
+    let cautions = left_out(scores, &photos, &conditions);
+    Ok(Some(together(&kinds, of_each, cautions)))
+}
+
+fn distinct(corruptions: &[Corruption]) -> Vec<Corruption> {
+    corruptions.iter().fold(Vec::new(), |mut kinds, kind| {
+        if !kinds.contains(kind) {
+            kinds.push(*kind);
+        }
+        kinds
+    })
 }
 
 /// Finds out before a run whether its drops can be followed on photos that are made worse.
@@ -96,19 +101,23 @@ pub(crate) fn check_corruptible(sessions: &[Session], detectors: &[EvaluatedDete
     }
 }
 
-/// The comparisons of one condition; its corruption's name is filled in for the photo as it is by [`together`].
-fn rows(scores: &Scores, photos: Vec<ScoredPhoto>, condition: Condition) -> Vec<CorruptedRow> {
+/// The comparisons of one condition; the corruption of the reduced photo is filled in by [`together`].
+fn rows(
+    scores: &Scores,
+    compared: &[(String, String)],
+    photos: Vec<ScoredPhoto>,
+    condition: Condition,
+) -> Vec<CorruptedRow> {
     let set = ScoredSet {
         photos: &photos,
         ..scores.set()
     };
     let (corruption, severity, amount) = match condition {
-        None => ("", 0, "0".to_owned()),
+        None => ("", 0, String::new()),
         Some((kind, severity)) => (kind.name(), severity, kind.amount(severity)),
     };
-    let compared = comparisons(scores);
     let compared = compared.iter().filter_map(|(base, other)| {
-        // What cannot be paired is said by the comparison of the run itself.
+        // Without pairs, because detectors said nothing of so many photos, the severity has no row.
         let comparison = compare_set(set, base, &[other], scores.criteria.ap).ok()?;
         Some((comparison.base, comparison.results))
     });
@@ -130,7 +139,7 @@ fn rows(scores: &Scores, photos: Vec<ScoredPhoto>, condition: Condition) -> Vec<
     compared.flat_map(row).collect()
 }
 
-/// (base, variant): every variant against the base, and every other pattern against the random ones.
+/// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
 fn comparisons(scores: &Scores) -> Vec<(String, String)> {
     let mut variants: Vec<&str> = Vec::new();
     for photo in &scores.photos {
@@ -144,40 +153,52 @@ fn comparisons(scores: &Scores) -> Vec<(String, String)> {
         .iter()
         .flat_map(|control| others.iter().map(|other| (*control, *other)));
     let all = against_base.chain(against_controls);
-    all.map(|(base, other)| (base.to_owned(), other.to_owned())).collect()
+    let paired = all.filter(|(base, other)| pairs(scores.set(), base, other));
+    paired
+        .map(|(base, other)| (base.to_owned(), other.to_owned()))
+        .collect()
 }
 
-/// Each corruption with the photo as it is before its severities. `compared`: those of the photo as it is, then those of each corruption's severities.
-fn together(corruptions: &[Corruption], compared: Vec<Vec<CorruptedRow>>) -> Robustness {
+/// How many images a detector said nothing of, and the first.
+fn left_out(scores: &Scores, photos: &[Seen], conditions: &[Condition]) -> Vec<String> {
+    let all = scores.photos.iter().zip(photos).flat_map(|(photo, seen)| {
+        let seen = seen.iter().zip(conditions);
+        seen.filter_map(move |(seen, condition)| Some((photo, condition, seen.as_ref().err()?)))
+    });
+    let all: Vec<_> = all.collect();
+    let first = all.first().map(|(photo, condition, reason)| {
+        let name = condition.map_or("no corruption".to_owned(), |(kind, s)| format!("{} {s}", kind.name()));
+        format!(
+            "{} of {} images made worse are in no comparison; the first, {} at {name}: {reason}",
+            all.len(),
+            photos.len() * conditions.len(),
+            photo.file
+        )
+    });
+    first.into_iter().collect()
+}
+
+/// Each corruption with the reduced photo before its severities. `compared`: those of the reduced photo, then those of each corruption's severities.
+fn together(corruptions: &[Corruption], compared: Vec<Vec<CorruptedRow>>, cautions: Vec<String>) -> Robustness {
     let mut compared = compared.into_iter();
     let clean = compared.next().unwrap_or_default();
-    let mut rows = Vec::new();
-    let mut survival = Vec::new();
+    let (mut rows, mut survival) = (Vec::new(), Vec::new());
     for kind in corruptions {
         let start = rows.len();
-        let name = kind.name();
+        let corruption = kind.name();
         rows.extend(clean.iter().map(|row| CorruptedRow {
-            corruption: name,
+            corruption,
             ..row.clone()
         }));
         rows.extend(compared.by_ref().take(usize::from(SEVERITIES)).flatten());
         let own: &[CorruptedRow] = &rows[start..];
-        survival.extend(own[..clean.len()].iter().map(|first| survival_of(first, own)));
+        let of = |row: &CorruptedRow| (row.base.clone(), row.variant.clone(), row.detector.clone());
+        let same = |first: &CorruptedRow| Survival::of(first, own.iter().filter(|row| of(row) == of(first)));
+        survival.extend(own[..clean.len()].iter().map(same));
     }
-    Robustness { rows, survival }
-}
-
-/// `own`: the rows of the corruption of `first`, in the order of severities.
-fn survival_of(first: &CorruptedRow, own: &[CorruptedRow]) -> Survival {
-    let is_same = |row: &&CorruptedRow| {
-        (&row.base, &row.variant, &row.detector) == (&first.base, &first.variant, &first.detector)
-    };
-    let not_shown = own.iter().filter(is_same).find(|row| row.ap50.finding != Finding::Drop);
-    Survival {
-        corruption: first.corruption,
-        base: first.base.clone(),
-        variant: first.variant.clone(),
-        detector: first.detector.clone(),
-        not_shown_from: not_shown.map(|row| row.severity),
+    Robustness {
+        rows,
+        survival,
+        cautions,
     }
 }

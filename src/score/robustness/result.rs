@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::score::Difference;
+use crate::score::{Difference, Finding};
 
 /// Every comparison at every severity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -10,6 +10,8 @@ pub(crate) struct Robustness {
     /// By corruption, severity (from 0), then base, variant and detector.
     pub rows: Vec<CorruptedRow>,
     pub survival: Vec<Survival>,
+    /// What a reader must know besides, as sentences.
+    pub cautions: Vec<String>,
 }
 
 impl Robustness {
@@ -25,9 +27,9 @@ impl Robustness {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct CorruptedRow {
     pub corruption: &'static str,
-    /// 0 is the photo as it is, at the size of the others.
+    /// 0 is the photo at the size of the others, no worse.
     pub severity: u8,
-    /// What the severity means.
+    /// What the severity means; empty for 0.
     pub amount: String,
     pub base: String,
     pub variant: String,
@@ -45,6 +47,30 @@ pub(crate) struct Survival {
     pub base: String,
     pub variant: String,
     pub detector: String,
-    /// The first severity at which no drop is shown; absent where one is shown at all.
-    pub not_shown_from: Option<u8>,
+    /// The severities at which a drop is shown.
+    pub shown_at: Vec<u8>,
+    /// Those at which the base itself has an AP below [`BASE_LOST`]: there is hardly anything that could drop.
+    pub base_lost_at: Vec<u8>,
+    /// Those at which the pairs cannot tell.
+    pub too_few_at: Vec<u8>,
+}
+
+/// An AP of the base that leaves no room for a drop.
+pub(crate) const BASE_LOST: f64 = 0.2;
+
+impl Survival {
+    /// Of the rows of one corruption and comparison, in the order of severities.
+    pub(super) fn of<'a>(first: &CorruptedRow, own: impl Iterator<Item = &'a CorruptedRow> + Clone) -> Self {
+        let at =
+            |is: &dyn Fn(&CorruptedRow) -> bool| own.clone().filter(|row| is(row)).map(|row| row.severity).collect();
+        Self {
+            corruption: first.corruption,
+            base: first.base.clone(),
+            variant: first.variant.clone(),
+            detector: first.detector.clone(),
+            shown_at: at(&|row| row.ap50.finding == Finding::Drop),
+            base_lost_at: at(&|row| row.ap50.base < BASE_LOST),
+            too_few_at: at(&|row| row.ap50.finding == Finding::TooFewPhotosToTell),
+        }
+    }
 }
