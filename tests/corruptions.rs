@@ -216,7 +216,7 @@ fn a_drop_is_followed_to_where_it_is_no_longer_shown() {
         .count();
     assert_eq!(lines, 18);
     let page = std::fs::read_to_string(table.at("out/report.html")).unwrap();
-    assert!(page.contains("On photos made worse") && page.contains("Filled: on these photos a drop"));
+    assert!(page.contains("On photos made worse") && page.contains("Filled: a drop of AP@0.5 from the base"));
     assert!(table.at("out/figure_robustness.pdf").is_file());
 
     // What was found is kept, the same bytes come out, and a report without it leaves nothing of it behind.

@@ -12,7 +12,7 @@ const SIDE: [f64; 2] = [180.0, 120.0];
 const LAST: f64 = 5.0;
 
 /// What explains a chart.
-pub(in crate::report) const MARKS: &str = "Severity 0 is the photo as it is. Filled: on these photos a drop of AP@0.5 from the base is shown at 5 %; hollow: none is.";
+pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: a drop of AP@0.5 from the base is shown there at 5 %; hollow: none is.";
 
 /// `None` where it was not asked for.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
@@ -83,7 +83,7 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
             text x="-5" y=(y(tick) + 3.0) font-size="9" text-anchor="end" fill="#5b6573" { (tick) }
         }
         @for (severity, amount) in &amounts {
-            text x=(x(f64::from(*severity))) y=(SIDE[1] + 13.0) font-size="8" text-anchor="middle" fill="#5b6573" { @if amount.is_empty() { "0" } @else { (amount) } }
+            text x=(x(f64::from(*severity))) y=(SIDE[1] + 13.0) font-size="8" text-anchor="middle" fill="#5b6573" { (short(amount)) }
         }
         @for line in lines { (line) }
         text transform=(format!("translate(-27 {}) rotate(-90)", SIDE[1] / 2.0)) font-size="10" text-anchor="middle" { "AP@0.5" }
@@ -92,6 +92,14 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
         area: [-38.0, -8.0, 232.0, 146.0],
         label: format!("AP@0.5 against severity, {title}"),
         marks,
+    }
+}
+
+/// What has room below an axis.
+fn short(amount: &str) -> &str {
+    match amount.split(" (").next() {
+        None | Some("") => "0",
+        Some(short) => short,
     }
 }
 
