@@ -14,6 +14,7 @@ use rand_pcg::Pcg32;
 use scaleproof::attack::baseline::patches::{PlacedPatch, is_seen, paint};
 use scaleproof::attack::baseline::{self, BlackBox, genetic};
 use scaleproof::attack::run::augmentation::{Augmentation, Eot, rolled};
+use scaleproof::attack::run::history::Entry;
 use scaleproof::attack::run::judge::{judge, look};
 use scaleproof::attack::run::loss::from_floor;
 use scaleproof::attack::run::penalty::{distance, nearest, smooth};
@@ -412,6 +413,19 @@ fn a_misplaced_pattern_is_turned_and_larger_on_each_side_and_off_in_the_image() 
     assert!(looked > 500 && moved > 300, "{looked} {moved}");
 }
 
+/// What a whole run makes.
+fn made(view_set: &ViewSet, config: &AttackConfig) -> (Vec<Rgb>, Vec<Entry>) {
+    let folder = tempfile::tempdir().unwrap();
+    let detectors = detectors(40.0, view_set);
+    let attack = Attack::begin(view_set, &detectors, config, folder.path()).unwrap();
+    attack.run(folder.path(), |_, _| {}).unwrap()
+}
+
+fn confidence(view_set: &ViewSet, cells: &[Rgb]) -> f64 {
+    let judged = judge(view_set, &detectors(40.0, view_set), cells);
+    judged.unwrap().mean_confidence
+}
+
 /// A printer that makes everything paler: the pattern asks for more contrast than it would have.
 #[test]
 fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
@@ -419,18 +433,8 @@ fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
     let pale = |rgb: [u8; 3]| Lab::of_linear(rgb.map(|v| 0.25 + 0.4 * light::decode(f64::from(v) / 255.0)));
     let printer = || PrinterMap::new(Gamut::new(&levels, pale), "pale".to_owned());
     let view_set = view_set(TextureMapping::World);
-    let made = |printer: Option<PrinterMap>| {
-        let folder = tempfile::tempdir().unwrap();
-        let config = AttackConfig { printer, ..config(60) };
-        let detectors = detectors(40.0, &view_set);
-        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
-        attack.run(folder.path(), |_, _| {}).unwrap()
-    };
-    let confidence = |cells: &[Rgb]| {
-        judge(&view_set, &detectors(40.0, &view_set), cells)
-            .unwrap()
-            .mean_confidence
-    };
+    let made = |printer: Option<PrinterMap>| made(&view_set, &AttackConfig { printer, ..config(60) });
+    let confidence = |cells: &[Rgb]| confidence(&view_set, cells);
     let (for_printer, entries) = made(Some(printer()));
     let (for_screen, _) = made(None);
     let [printed, clipped] = [&for_printer, &for_screen].map(|cells| confidence(&printer().printed(cells)));
@@ -448,18 +452,8 @@ fn a_pattern_is_moved_for_what_comes_out_of_the_printer() {
 fn a_pattern_of_paints_is_moved_for_what_the_paints_do() {
     let paints = [[70, 80, 70], [150, 140, 120], [110, 90, 80], [180, 180, 170]];
     let view_set = view_set(TextureMapping::World);
-    let made = |colours: CellColours| {
-        let folder = tempfile::tempdir().unwrap();
-        let config = AttackConfig { colours, ..config(60) };
-        let detectors = detectors(40.0, &view_set);
-        let attack = Attack::begin(&view_set, &detectors, &config, folder.path()).unwrap();
-        attack.run(folder.path(), |_, _| {}).unwrap()
-    };
-    let confidence = |cells: &[Rgb]| {
-        judge(&view_set, &detectors(40.0, &view_set), cells)
-            .unwrap()
-            .mean_confidence
-    };
+    let made = |colours: CellColours| made(&view_set, &AttackConfig { colours, ..config(60) });
+    let confidence = |cells: &[Rgb]| confidence(&view_set, cells);
     let as_rgb = |cell: &Rgb| cell.map(|v| (255.0 * v).round() as u8);
     let (in_paints, entries) = made(CellColours::Palette(paints.to_vec()));
     assert!(in_paints.iter().all(|cell| paints.contains(&as_rgb(cell))));
@@ -814,9 +808,7 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
         // What was looked at before is kept, but for the judging itself.
         assert_eq!(looks.get(), all.get() - bad_at - 1 + judged);
         assert_eq!(again, cells);
-        let figures = |entries: &[scaleproof::attack::run::history::Entry]| {
-            entries.iter().map(|e| (e.loss, e.held_out)).collect::<Vec<_>>()
-        };
+        let figures = |entries: &[Entry]| entries.iter().map(|e| (e.loss, e.held_out)).collect::<Vec<_>>();
         assert_eq!(figures(&later), figures(&entries));
     }
     // Other settings do not go on with it.

@@ -12,7 +12,6 @@ const NOTE_LINE: f64 = 15.0;
 const NOTE_LETTER: f64 = 6.0;
 
 /// Marks, and the part of their plane that is shown.
-#[derive(Clone)]
 pub(crate) struct Drawing {
     /// Left, top, width and height.
     pub area: [f64; 4],

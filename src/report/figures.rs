@@ -64,15 +64,13 @@ pub(super) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
         ));
     }
     let robustness = scores.robustness.as_ref().map(|r| html::robustness::charts(scores, r));
-    if let Some(charts) = &robustness {
-        let charts = charts.iter().map(|(title, drawing)| (title.as_str(), drawing.clone()));
-        all.push((
-            ROBUSTNESS,
-            "AP on photos made worse",
-            html::legend(scores),
-            charts.collect(),
-        ));
-    }
+    let (titles, drawings): (Vec<String>, Vec<_>) = robustness.into_iter().flatten().unzip();
+    all.push((
+        ROBUSTNESS,
+        "AP on photos made worse",
+        html::legend(scores),
+        titles.iter().map(String::as_str).zip(drawings).collect(),
+    ));
     let files = all.into_iter().filter(|(.., drawings)| !drawings.is_empty());
     let files = files.map(|(name, title, legend, drawings)| {
         let notes = match name {

@@ -473,8 +473,8 @@ fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
             let columns = config.mapping.grid(config.cells)[0];
             let pattern = Pattern::of_cells(to_image(cells, columns)).ok();
             // Fewer where the cells have fewer, or clusters would be one colour.
-            let counts = (2..=*count).rev();
-            let painted = pattern.and_then(|p| counts.filter_map(|count| Painted::by_count(&p, count).ok()).next());
+            let mut counts = (2..=*count).rev();
+            let painted = pattern.and_then(|p| counts.find_map(|count| Painted::by_count(&p, count).ok()));
             // Cells that no two colours part become one.
             let one = || cells.first().map_or_else(Vec::new, |first| vec![*first; cells.len()]);
             Cow::Owned(painted.map_or_else(one, |painted| srgb(&painted.rgb())))
