@@ -89,7 +89,7 @@ pub(crate) struct Capture {
 }
 
 impl Capture {
-    /// Goes on with a session: its photos of the variant fill the targets they were taken for, or else the nearest within tolerance.
+    /// Goes on with a session: its photos of the variant at the place fill the targets they were taken for, or else the nearest within tolerance.
     pub(crate) fn new(
         guidance: Guidance,
         judge: Judge,
@@ -117,14 +117,16 @@ impl Capture {
         &self.guidance
     }
 
-    fn of_variant(&self) -> impl DoubleEndedIterator<Item = &Sidecar> {
+    /// Photos of this variant at this place.
+    fn own(&self) -> impl DoubleEndedIterator<Item = &Sidecar> {
         let accepted = self.store.accepted().iter();
-        accepted.filter(|sidecar| sidecar.photo.variant == self.variant)
+        accepted
+            .filter(|Sidecar { photo, .. }| photo.variant == self.variant && photo.place.as_ref() == Some(&self.place))
     }
 
     fn fill_from_store(&mut self) {
         let photos: Vec<_> = self
-            .of_variant()
+            .own()
             .map(|s| (s.photo.file.clone(), s.target, s.viewpoint))
             .collect();
         for (photo, target, viewpoint) in photos {
@@ -288,25 +290,25 @@ impl Capture {
         Ok(Ok((written?, target)))
     }
 
-    /// Takes back the photo of this variant that was accepted last; its name, if there is one.
+    /// Takes back the photo of this variant and place that was accepted last; its name, if there is one.
     ///
     /// # Errors
     /// Files that cannot be moved.
     pub(crate) fn undo(&mut self) -> Result<Option<String>, StoreError> {
-        let last = self.of_variant().next_back().map(|sidecar| sidecar.photo.file.clone());
+        let last = self.own().next_back().map(|sidecar| sidecar.photo.file.clone());
         if let Some(photo) = &last {
             self.take_back(photo)?;
         }
         Ok(last)
     }
 
-    /// Takes back the photos of this variant in the bins that `is_meant` names; their names.
+    /// Takes back the photos of this variant and place in the bins that `is_meant` names; their names.
     ///
     /// # Errors
     /// Files that cannot be moved.
     pub(crate) fn redo(&mut self, scene: &Scene, is_meant: impl Fn(&Bin) -> bool) -> Result<Vec<String>, StoreError> {
         let meant = self
-            .of_variant()
+            .own()
             .filter(|sidecar| is_meant(&scene.bins.bin_of(&sidecar.viewpoint)));
         let photos: Vec<String> = meant.map(|sidecar| sidecar.photo.file.clone()).collect();
         photos.iter().try_for_each(|photo| self.take_back(photo))?;
@@ -316,7 +318,7 @@ impl Capture {
     fn take_back(&mut self, photo: &str) -> Result<(), StoreError> {
         let taken_back = self.store.take_back(photo);
         // Without its sidecar it no longer counts, even when the rest could not be written.
-        if !self.of_variant().any(|sidecar| sidecar.photo.file == photo) {
+        if !self.own().any(|sidecar| sidecar.photo.file == photo) {
             self.guidance.reopen(photo);
         }
         taken_back

@@ -1,5 +1,6 @@
 //! `scaleproof capture`: walk round the model once and have every view.
 
+mod decided;
 mod interrupt;
 mod page;
 mod terminal;
@@ -10,6 +11,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use self::decided::Question;
 use self::interrupt::Interruptible;
 use self::terminal::TerminalLog;
 use super::{CommandResult, Outcome, Result};
@@ -37,6 +39,8 @@ pub(super) struct Args {
     // Not inside `GuidedArgs`: clap takes a group with another in it for absent.
     #[command(flatten)]
     wanted: ViewArgs,
+    #[command(flatten)]
+    decided: decided::Args,
     #[command(flatten)]
     browser: page::Args,
 }
@@ -136,7 +140,7 @@ struct CaptureSummary {
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     match (args.command, args.guided) {
         (Some(Command::ListCameras(args)), _) => list(&args, out),
-        (None, Some(guided)) => guide(&guided, &args.wanted, &args.browser, out),
+        (None, Some(guided)) => guide(&guided, (&args.wanted, &args.decided), &args.browser, out),
         (None, None) => Err("say where photos come from with --source (see --help)".into()),
     }
 }
@@ -167,7 +171,12 @@ fn list(args: &ListArgs, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-fn guide(args: &GuidedArgs, wanted: &ViewArgs, browser: &page::Args, out: &mut dyn Write) -> CommandResult {
+fn guide(
+    args: &GuidedArgs,
+    (wanted, decided): (&ViewArgs, &decided::Args),
+    browser: &page::Args,
+    out: &mut dyn Write,
+) -> CommandResult {
     check_names(args)?;
     let scene = Scene::open(&args.scene)?;
     let camera = Camera::open(&args.camera)?;
@@ -188,6 +197,7 @@ fn guide(args: &GuidedArgs, wanted: &ViewArgs, browser: &page::Args, out: &mut d
         }
         false => None,
     };
+    let question = decided.question(args.output.clone(), &args.variant, &args.place)?;
     let store = Store::open(&args.output, &args.scene, &args.camera, &args.variant)?;
     let mut capture = Capture::new(guidance, judge, store, camera, &args.variant, &args.place);
     take_back(args, &scene, &mut capture, out)?;
@@ -211,7 +221,13 @@ fn guide(args: &GuidedArgs, wanted: &ViewArgs, browser: &page::Args, out: &mut d
                 TerminalLog::new(args.json, is_stream, out),
             )?;
         }
-        (None, Some(source)) => follow(source, args, &mut capture, TerminalLog::new(args.json, is_stream, out))?,
+        (None, Some(source)) => {
+            let terminal = TerminalLog::new(args.json, is_stream, out);
+            let is_decided = follow(source, (args, question.as_ref()), &mut capture, terminal)?;
+            if is_decided {
+                return enough(&capture, args.json, out);
+            }
+        }
         (None, None) => {}
     }
     finish(&capture, args.json, out)
@@ -314,16 +330,17 @@ fn place(v: &Viewpoint) -> String {
     format!("{side} ({:.0}° up, {:.0} mm away)", v.pitch_deg, v.distance_mm)
 }
 
-/// Shows the capture every frame until all views are there, the source ends, or somebody presses Ctrl-C.
+/// Shows the capture every frame until all views are there, the question is decided, the source ends, or somebody presses Ctrl-C. Whether it is decided.
 fn follow(
     source: Box<dyn FrameSource + Send>,
-    args: &GuidedArgs,
+    (args, question): (&GuidedArgs, Option<&Question>),
     capture: &mut Capture,
     mut terminal: TerminalLog,
-) -> Result<()> {
+) -> Result<bool> {
+    let mut is_decided = asked(question, capture, &mut terminal)?;
     let mut source = Interruptible::new(source);
     let mut settings = None;
-    while !capture.guidance().is_finished() {
+    while !is_decided && !capture.guidance().is_finished() {
         let Some((frame, set)) = source.next()? else { break };
         if settings != set {
             settings = set;
@@ -332,11 +349,37 @@ fn follow(
         }
         let answer = capture.see(&frame)?;
         terminal.seen(&frame.name, &answer, capture.guidance())?;
+        if answer.verdict.is_ok() {
+            is_decided = asked(question, capture, &mut terminal)?;
+        }
     }
     if source.was_interrupted() {
         say!("stopped; the same command with -o {} goes on", args.output.display());
     }
-    Ok(())
+    Ok(is_decided)
+}
+
+/// Looks at the pairs, says what they say, and whether they are enough.
+fn asked(question: Option<&Question>, capture: &Capture, terminal: &mut TerminalLog) -> Result<bool> {
+    let Some(question) = question else { return Ok(false) };
+    let standing = question.ask(capture.guidance())?;
+    terminal.standing(&standing)?;
+    Ok(standing.is_decided)
+}
+
+/// The end of a capture whose question is decided: open views are not needed.
+fn enough(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {
+    let guidance = capture.guidance();
+    let (all, open) = (guidance.targets().len(), guidance.open().count());
+    match json {
+        true => writeln!(
+            out,
+            "{}",
+            serde_json::json!({"targets": all, "filled": all - open, "decided": true})
+        )?,
+        false => writeln!(out, "decided; {} of {} not needed", open, count(all, "view"))?,
+    }
+    Ok(Outcome::Done)
 }
 
 fn finish(capture: &Capture, json: bool, out: &mut dyn Write) -> CommandResult {

@@ -4,9 +4,11 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::choice::one_of;
 use super::criteria::Reading;
+use super::patterns::Patterns;
 use super::{CommandResult, Outcome, at_hand, detectors, results, score as score_command, sessions};
-use crate::score::{self, CompareError};
+use crate::score::{self, ClusteredBy, CompareError, SealedPlan};
 use crate::{files, report};
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
@@ -29,6 +31,13 @@ pub(super) struct Args {
     /// Compare the detections stored in the sessions instead of running the detectors: all that are stored when none is named.
     #[arg(long)]
     recorded: bool,
+    /// The plan that was fixed before the photos (`plan --seal`): whatever differs from it is listed first.
+    #[arg(long, value_name = "JSON")]
+    plan: Option<PathBuf>,
+    #[command(flatten)]
+    patterns: Patterns,
+    #[command(flatten)]
+    looks: Looks,
     #[command(flatten)]
     effort: score_command::Effort,
     /// Folder for comparison.html, comparison.tex, comparison.json and the drops as SVG and PDF.
@@ -37,6 +46,26 @@ pub(super) struct Args {
     /// Print comparison.json instead of the table.
     #[arg(long)]
     json: bool,
+}
+
+/// Whether the photos are looked at while they are taken.
+#[derive(clap::Args)]
+struct Looks {
+    /// Say what was shown when, looking after every pair or, with =places, after every place: tests and intervals that hold however often one looks.
+    #[arg(long, value_name = "AFTER", num_args = 0..=1, require_equals = true, default_missing_value = "pairs",
+          value_parser = one_of([(ClusteredBy::PlaceAndBin, "pairs"), (ClusteredBy::Place, "places")]))]
+    sequential: Option<ClusteredBy>,
+    /// With --sequential: the smallest drop that matters; also say when it is smaller. Between 0 and 1.
+    #[arg(long, value_name = "DROP", requires = "sequential", allow_negative_numbers = true, value_parser = inside)]
+    least: Option<f64>,
+}
+
+/// A number between 0 and 1, without both.
+pub(super) fn inside(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        _ => Err("give a number above 0 and below 1".into()),
+    }
 }
 
 /// What to do about an error of the library.
@@ -63,10 +92,21 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     opened.check_output(&args.output)?;
     files::check_writable(&args.output)?;
     let criteria = args.reading.criteria()?;
+    let patterns = args.patterns.of(&opened.sessions)?;
+    let plan = args.plan.as_deref().map(SealedPlan::read).transpose()?;
     let options = args.effort.options(&detectors)?;
     let scores = score_command::score_with_progress(opened.sessions, detectors, &options)?;
-    let scores = scores.judged_by(criteria).against(&args.base);
-    let comparison = score::compare(&scores, &args.base, criteria.ap)?;
+    let mut scores = scores.judged_by(criteria).against(&args.base);
+    scores.patterns = patterns;
+    let mut comparison = score::compare(&scores, &args.base, criteria.ap)?;
+    let looks = args.looks.sequential.map(|by| (by, args.looks.least));
+    if let Some((by, least)) = looks.or_else(|| plan.as_ref()?.0.stopping.looks()) {
+        comparison.sequential = Some(score::sequential(&scores, &args.base, by, least)?);
+    }
+    if let Some((plan, mut kept)) = plan {
+        kept.deviations.extend(plan.deviations(&scores, &comparison)?);
+        comparison.plan = Some(kept);
+    }
     let page = report::write_comparison(&args.output, &scores, &comparison)?;
     score_command::caution(&scores);
     for photo in comparison.unpaired.iter().take(MOST_LISTED) {

@@ -1,12 +1,18 @@
 //! `scaleproof plan`: how many photos show a drop?
 
+mod sealed;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::compare::inside;
 use super::{CommandResult, Outcome};
+use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use crate::scene::Scene;
+use crate::score::SequentialPlan;
+use crate::spelling::digits;
 use crate::statistics::FEWEST_CLUSTERS;
-use crate::{score, spelling};
+use crate::{files, score, spelling};
 
 /// Say how many photos show a drop of the hit rate, before they are taken.
 ///
@@ -20,6 +26,8 @@ pub(super) struct Args {
     /// The scene whose bins are photographed: a table of places, photos and the smallest drop they show.
     #[arg(long, value_name = "TOML", conflicts_with = "bins")]
     scene: Option<PathBuf>,
+    #[command(flatten)]
+    sealing: sealed::Sealing,
     /// With --scene: places that are planned.
     #[arg(long, default_value_t = 1, requires = "scene", value_parser = clap::value_parser!(u16).range(1..=200))]
     places: u16,
@@ -32,17 +40,44 @@ pub(super) struct Args {
     /// Show it in each of so many bins by itself (at the strictest level of Holm's correction).
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     bins: u16,
+    /// Plan a comparison that is looked at after every pair and stops when it knows (`compare --sequential`): how many pairs it takes, by 5,000 simulated
+    /// experiments for each real drop, beside the fixed plan.
+    #[arg(long, conflicts_with = "bins")]
+    sequential: bool,
+    /// With --sequential: it stops also when the drop is shown to be smaller than this. Between 0 and 1.
+    #[arg(long, value_name = "DROP", requires = "sequential", allow_negative_numbers = true, value_parser = inside)]
+    least: Option<f64>,
+    /// With --sequential: an SVG file for the chart of pairs against the real drop.
+    #[arg(short, long, alias = "out", value_name = "SVG", requires = "sequential")]
+    output: Option<PathBuf>,
     /// Print the numbers as one JSON object.
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    if let Some(scene) = &args.scene {
-        return table(&args, scene, out);
+    match (&args.scene, &args.sealing.seal) {
+        (Some(scene), Some(path)) => {
+            let beside = sealed::Beside {
+                scene,
+                places: args.places,
+                is_sequential: args.sequential,
+                least: args.least,
+                as_json: args.json,
+            };
+            return sealed::seal(path, &args.sealing, &beside, out);
+        }
+        (Some(_), None) if args.sequential => {
+            return Err("--sequential plans pairs, not places: leave --scene out, or seal the plan with --seal".into());
+        }
+        (Some(scene), None) => return table(&args, scene, out),
+        (None, _) => {}
     }
     // The option is required without a scene.
     let drop = args.drop.unwrap_or_default();
+    if args.sequential {
+        return sequential(&args, drop, out);
+    }
     let bins = usize::from(args.bins);
     let pairs = score::pairs_needed(args.base_rate, drop, args.power, 0.05 / bins as f64)?;
     if args.json {
@@ -70,6 +105,91 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         args.power
     )?;
     Ok(Outcome::Done)
+}
+
+/// A plan that stops when it knows, beside the fixed one.
+fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
+    let plan = score::sequential_plan(args.base_rate, drop, args.power, args.least)?;
+    if let Some(path) = &args.output {
+        files::write_atomically(path, chart(&plan).as_bytes())?;
+    }
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string(&plan)?)?;
+        return Ok(Outcome::Done);
+    }
+    let (fixed, most) = (plan.fixed_pairs, plan.budget_pairs);
+    writeln!(
+        out,
+        "fixed: {fixed} pairs, looked at once; sequential: {most} pairs at most, looked at after each. Either shows a drop of {drop} from {} with a chance of {}.\n",
+        args.base_rate, args.power
+    )?;
+    let less = args.least.map_or_else(String::new, |least| format!("below {least:<7}"));
+    writeln!(
+        out,
+        "real drop  drop shown  rise shown  {less}undecided  mean pairs  pairs saved"
+    )?;
+    for row in &plan.table {
+        let less = args
+            .least
+            .map_or_else(String::new, |_| format!("{:<13.3}", row.less_than_least_shown));
+        writeln!(
+            out,
+            "{:<11.2}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{}",
+            row.real_drop,
+            row.drop_shown,
+            row.rise_shown,
+            row.undecided,
+            row.mean_pairs,
+            format!("{} %", digits(100.0 * row.saved, 0))
+        )?;
+    }
+    writeln!(
+        out,
+        "\n{} simulated experiments a row; independent hits, one photo of each texture at each place and bin.",
+        plan.experiments
+    )?;
+    if let Some(path) = &args.output {
+        writeln!(out, "chart: {}", path.display())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Pairs, and how often a drop is shown, against the real drop.
+fn chart(plan: &SequentialPlan) -> String {
+    let steps: Vec<String> = plan.table.iter().map(|row| digits(row.real_drop, 2)).collect();
+    let panel = |title: &str, of: &dyn Fn(&score::Expected) -> f64, fixed: f64| {
+        let values: Vec<f64> = plan.table.iter().map(of).collect();
+        let axis = PlotAxis::around(
+            "real drop of the hit rate",
+            Scale::Linear,
+            values.iter().copied().chain([fixed]),
+        );
+        let line = |series, values: Vec<f64>| PlotLine {
+            series,
+            values: values.into_iter().map(Some).collect(),
+            is_dashed: series == 1,
+        };
+        PlotPanel {
+            title: title.to_owned(),
+            steps: steps.clone(),
+            y: axis,
+            lines: vec![line(0, values), line(1, vec![fixed; steps.len()])],
+        }
+    };
+    let all = [
+        panel(
+            "mean pairs until it stops",
+            &|row| row.mean_pairs,
+            plan.fixed_pairs as f64,
+        ),
+        panel("share that shows a drop", &|row| row.drop_shown, plan.power),
+    ];
+    let notes = [format!(
+        "Planned: a drop of {} from {}, shown with a chance of {}; at most {} pairs. {} experiments a point.",
+        plan.drop, plan.base_rate, plan.power, plan.budget_pairs, plan.experiments
+    )];
+    let series = ["stops when it knows".to_owned(), "fixed plan, and its power".to_owned()];
+    panels("Photos until the question is decided", &notes, &series, 2, &all)
 }
 
 /// Places, photos and the smallest drop they show, for the bins of a scene.

@@ -78,6 +78,14 @@ impl Programs {
 }
 
 impl Results {
+    /// None but programs.
+    pub(super) fn of_programs(programs: Programs) -> Results {
+        Results {
+            programs,
+            ..Results::default()
+        }
+    }
+
     pub(super) fn are_given(&self) -> bool {
         !self.results.is_empty()
     }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::certainty::Corrected;
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
-use super::{ReportError, certainty, counted, figures, latex, p_value, paired};
+use super::{ReportError, certainty, counted, figures, latex, p_value, paired, sequential};
 use crate::files;
 use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use crate::spelling::digits;
@@ -65,9 +65,13 @@ pub(crate) fn comparison_json(scores: &Scores, comparison: &Comparison) -> Resul
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// The protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
+/// In what it differs from its plan; the protocol that is followed; three lines per detector and variant: the drop of each figure, its interval, and the finding; how many were tested.
 pub(crate) fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     let mut lines = Vec::new();
+    if let Some(plan) = &comparison.plan {
+        lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
+        lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
+    }
     if let Some(protocol) = scores.criteria.protocol {
         lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
     }
@@ -88,6 +92,9 @@ pub(crate) fn comparison_table(scores: &Scores, comparison: &Comparison) -> Stri
         }
     }
     lines.extend(certainty::tested(scores, &certainty::compared(comparison)));
+    if let Some(own) = &comparison.sequential {
+        lines.extend(sequential::lines(own, &comparison.base));
+    }
     lines.join("\n")
 }
 

@@ -16,6 +16,7 @@ mod paired;
 mod protocol;
 mod provenance;
 mod robustness;
+mod sequential;
 mod summary_json;
 mod table;
 mod truth;
@@ -35,6 +36,7 @@ pub(crate) use counted::counted;
 pub(crate) use evaluation::{Evaluation, evaluation_tables};
 pub(crate) use evaluation_files::write_evaluation;
 pub(crate) use export::{ExportFormat, ExportRequest, check_export, export};
+pub(crate) use sequential::standing;
 pub use table::summary_table;
 pub(crate) use truth::truth_boxes;
 

@@ -23,6 +23,7 @@ mod reliability;
 mod robustness;
 mod run;
 mod scores;
+mod sealed;
 pub(crate) mod shard;
 mod summary;
 mod transfer;
@@ -34,7 +35,8 @@ pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
 pub(crate) use compare::{
-    ClusteredBy, Compared, Difference, Finding, compare_with, paired, pairs_needed, places_needed,
+    ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, Kept, Sequential, SequentialFinding,
+    SequentialPlan, compare_with, most_telling, paired, pairs_needed, places_needed, sequential, sequential_plan,
     smallest_drop_by_place,
 };
 pub use compare::{CompareError, Comparison, compare};
@@ -65,6 +67,7 @@ pub use run::score;
 pub(crate) use run::{TimedPhoto, merge, observe, timed_photos};
 use scores::ScoredSet;
 pub use scores::Scores;
+pub(crate) use sealed::{SealedDetector, SealedPlan, Stopping};
 pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 pub(crate) use worn::WornPattern;

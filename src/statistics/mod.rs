@@ -3,12 +3,14 @@
 mod bootstrap;
 pub(crate) mod normal;
 mod paired;
+mod sequential;
 mod wilson;
 
 #[cfg(test)]
 pub(crate) use bootstrap::interval_95;
 pub(crate) use bootstrap::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, intervals_95};
 pub(crate) use paired::{holm, mcnemar_p};
+pub(crate) use sequential::{Sequence, Shown};
 pub(crate) use wilson::wilson_95;
 
 /// The middle value, or the mean of the middle two; `None` of nothing.

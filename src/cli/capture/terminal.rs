@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use super::decided::Standing;
 use super::name;
 use crate::capture::{Advice, CameraSettings, FrameAnswer, Guidance, Measures};
 use crate::scene::{Bin, Viewpoint};
@@ -53,6 +54,23 @@ impl TerminalLog<'_> {
             false if self.is_stream && !self.said.is_worth_saying(answer) => return Ok(()),
             false if self.is_stream => writeln!(self.out, "{}", sentence(answer, guidance))?,
             false => writeln!(self.out, "{frame}: {}", sentence(answer, guidance))?,
+        }
+        self.out.flush()
+    }
+
+    /// What the pairs say so far, and where to go next.
+    pub(super) fn standing(&mut self, standing: &Standing) -> io::Result<()> {
+        let next = standing.next.as_ref().filter(|_| !standing.is_decided);
+        match self.json {
+            true => {
+                let (is_decided, next) = (standing.is_decided, next.map(|target| target.bin));
+                let line = serde_json::json!({ "pairs": standing.sentence, "decided": is_decided, "next": next });
+                writeln!(self.out, "{line}")?;
+            }
+            false => {
+                let next = next.map_or_else(String::new, |target| format!("; tells most next: {}", name(target)));
+                writeln!(self.out, "  {}{next}", standing.sentence)?;
+            }
         }
         self.out.flush()
     }

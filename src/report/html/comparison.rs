@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{notes, number, round, shell};
+use super::{notes, number, round, sequential, shell};
 use crate::plot::Drawing;
 use crate::report::{certainty, counted, p_value, paired};
 use crate::score::{Compared, Comparison, Difference, Scores, comparison_definitions};
@@ -25,7 +25,8 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
             .map_or(String::new(), |p| format!("; protocol {}", p.name())),
         counted(scores)
     );
-    let sections = [
+    let mut sections = vec![
+        ("plan", "Plan", plan(comparison)),
         ("drops", "Drops", drops(scores, comparison)),
         (
             "azimuth",
@@ -36,7 +37,21 @@ pub(in crate::report) fn render(scores: &Scores, comparison: &Comparison) -> Str
         ("definitions", "Definitions", definitions()),
         ("provenance", "Provenance", provenance(scores, comparison)),
     ];
+    if let Some(section) = sequential::section(scores, comparison) {
+        sections.insert(2, ("looks", "However often one looks", section));
+    }
+    sections.retain(|(id, ..)| *id != "plan" || comparison.plan.is_some());
     shell(scores, &lead, &sections, html! {})
+}
+
+/// Every deviation from the plan that was fixed before the photos.
+fn plan(comparison: &Comparison) -> Markup {
+    html! {
+        @if let Some(plan) = &comparison.plan {
+            p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
+            @for deviation in &plan.deviations { p.banner { "Deviation: " (deviation) "." } }
+        }
+    }
 }
 
 /// Name of a figure, what its chart is called, and where it is.

@@ -14,6 +14,7 @@ mod patterns;
 pub(super) mod polar;
 pub(super) mod reliability;
 pub(super) mod robustness;
+mod sequential;
 mod shade;
 pub(super) mod speed;
 

@@ -4,6 +4,8 @@ mod by_place;
 mod pairs;
 mod plan;
 mod result;
+mod sequential;
+mod sequential_plan;
 
 use std::collections::BTreeSet;
 
@@ -14,7 +16,11 @@ pub(crate) use plan::pairs_needed;
 #[cfg(test)]
 pub(crate) use plan::power;
 pub use result::Comparison;
-pub(crate) use result::{BinHits, ClusteredBy, Compared, Difference, Finding, Hits};
+pub(crate) use result::{
+    BinHits, ClusteredBy, Compared, Course, Decision, Difference, Finding, Hits, Kept, Sequential, SequentialFinding,
+};
+pub(crate) use sequential::{most_telling, sequential};
+pub(crate) use sequential_plan::{Expected, SequentialPlan, sequential_plan};
 
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, ScoredSet, Scores};
@@ -130,6 +136,8 @@ fn compared_by(
         bootstrap_seed: SEED,
         results,
         unpaired,
+        plan: None,
+        sequential: None,
     })
 }
 

@@ -1,11 +1,11 @@
 //! What a comparison says: differences with their intervals and findings.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::statistics::Interval;
 
 /// Photos that are taken as dependent on each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClusteredBy {
     /// Those of one place: what is found holds for places like these.
@@ -86,9 +86,74 @@ pub struct Compared {
     pub azimuth_bins: Vec<BinHits>,
 }
 
+/// What pairs had shown when they were enough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SequentialFinding {
+    /// The base is better.
+    Drop,
+    /// The base is worse.
+    Rise,
+    /// The drop is smaller than the least that matters.
+    LessThanLeast,
+    Undecided,
+}
+
+/// One figure after all looks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Decision {
+    /// Mean of the differences that were looked at, base minus other.
+    pub drop: f64,
+    /// What was shown first.
+    pub finding: SequentialFinding,
+    /// After how many looks; absent while nothing is.
+    pub decided_after: Option<usize>,
+    /// p of "the texture changes nothing in any view"; holds however often one looks.
+    pub p_always_valid: f64,
+    /// Rounds in which every bin has its pair, or places.
+    pub rounds: usize,
+    /// Of the mean drop over the bins (or places), from the whole rounds; holds however often one looks.
+    pub interval_95: Option<Interval>,
+    /// Base-10 logarithm of the evidence for a drop after each look; from 1.6 (a factor of 40) on it is shown.
+    pub log10_evidence: Vec<f64>,
+}
+
+/// One detector on one variant, look by look.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Course {
+    pub detector: String,
+    pub variant: String,
+    /// So often could one look.
+    pub looks: usize,
+    pub hit_rate: Decision,
+    pub mean_confidence: Decision,
+}
+
+/// Every variant against the base, look by look.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sequential {
+    /// What is added between two looks.
+    pub look_after_each: ClusteredBy,
+    /// The drop that matters.
+    pub least: Option<f64>,
+    pub results: Vec<Course>,
+}
+
+/// Which plan a comparison was held against, and in what it differs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Kept {
+    /// SHA-256 of the plan; what was published of it must be the same.
+    pub seal: String,
+    /// Sentences.
+    pub deviations: Vec<String>,
+}
+
 /// Every variant of a run against its base.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
+    /// The plan that was fixed before the photos, if any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<Kept>,
     /// The variant that the others are compared with.
     pub base: String,
     /// Name of the definition of average precision.
@@ -101,6 +166,9 @@ pub struct Comparison {
     pub results: Vec<Compared>,
     /// Scored photos that are in no difference.
     pub unpaired: Vec<Unpaired>,
+    /// The same look by look, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sequential: Option<Sequential>,
 }
 
 /// A scored photo that has no partner, and why.

@@ -1,0 +1,251 @@
+//! `capture --until-decided`: the capture ends with the pair that decides, asks for telling views, and says what `compare --sequential` says of the same session.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use crate::tests::common;
+
+use common::{assert_refused, program, read_json, skyline, stderr, stdout};
+use serde_json::{Value, json};
+
+/// Plain photos in which the detector finds nothing either.
+const MISSED: [usize; 2] = [3, 5];
+
+/// A folder with sources, a session and a detector.
+struct Desk(tempfile::TempDir);
+
+impl Desk {
+    /// Its detector finds the plain model but for two views, by the boxes of a recording, and never the patterned one.
+    fn new() -> Desk {
+        let desk = Desk(tempfile::tempdir().unwrap());
+        let results = read_json(&skyline().join("recorded/deimv2_femto.json"));
+        std::fs::create_dir(desk.at("answers")).unwrap();
+        for photo in 0..8 {
+            let own = results
+                .as_array()
+                .unwrap()
+                .iter()
+                .filter(|line| line["image_id"] == photo + 1 && line["category_id"] == 3);
+            let best = own
+                .max_by(|a, b| a["score"].as_f64().unwrap().total_cmp(&b["score"].as_f64().unwrap()))
+                .unwrap();
+            let [x, y, w, h] = [0, 1, 2, 3].map(|i| best["bbox"][i].as_f64().unwrap());
+            let answer = match MISSED.contains(&(photo as usize)) {
+                true => json!([]),
+                false => json!([{"label": "car", "score": 0.9, "box": [x, y, x + w, y + h]}]),
+            };
+            std::fs::write(desk.at("answers").join(photo.to_string()), answer.to_string()).unwrap();
+        }
+        let script = format!(
+            "echo '{{\"scaleproof_detector\": 1, \"name\": \"fake\", \"version\": \"1\", \"labels\": \"coco80\", \"input\": \"path\", \"deterministic\": true}}'\n\
+             while read -r line; do\nid=${{line#*\\\"id\\\":}}; id=${{id%%[,\\}}]*}}; path=${{line#*\\\"path\\\":\\\"}}; path=${{path%%\\\"*}}\n\
+             name=${{path##*/}}; number=${{name##*_}}; number=$(expr ${{number%%.*}} % 8)\n\
+             case $name in normal*) found=$(cat '{answers}'/$number);; *) found='[]';; esac\n\
+             printf '{{\"id\": %s, \"detections\": %s}}\\n' \"$id\" \"$found\"\ndone\n",
+            answers = desk.at("answers").display()
+        );
+        std::fs::write(desk.at("fake.sh"), script).unwrap();
+        desk
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn detector(&self) -> String {
+        format!("exec:sh {}", self.at("fake.sh").display())
+    }
+
+    /// The stored photos as if they had been taken at another place: other bytes, the same pictures.
+    fn source(&self, place: &str) -> String {
+        let folder = self.at(place);
+        if !folder.exists() {
+            std::fs::create_dir(&folder).unwrap();
+            for entry in std::fs::read_dir(skyline()).unwrap().map(Result::unwrap) {
+                let Ok(mut bytes) = std::fs::read(entry.path()) else {
+                    continue;
+                };
+                if entry.path().extension().is_some_and(|e| e == "jpg") {
+                    bytes.extend(place.bytes());
+                }
+                std::fs::write(folder.join(entry.file_name()), bytes).unwrap();
+            }
+        }
+        format!("replay:{}", folder.display())
+    }
+
+    fn capture(&self, variant: &str, place: &str, more: &[&str]) -> Output {
+        let mut command = program();
+        command.args([
+            "capture",
+            "--source",
+            &self.source(place),
+            "--variant",
+            variant,
+            "--place",
+            place,
+            "--json",
+        ]);
+        command
+            .arg("--scene")
+            .arg(skyline().join("scene.toml"))
+            .arg("--camera")
+            .arg(skyline().join("camera.yaml"));
+        command.arg("-o").arg(self.at("session")).args(more).output().unwrap()
+    }
+
+    /// The patterned model, until it is decided.
+    fn until_decided(&self, place: &str, more: &[&str]) -> Output {
+        let cache = self.at("cache");
+        let usual = [
+            "--until-decided",
+            "--detector",
+            &self.detector(),
+            "--cache",
+            cache.to_str().unwrap(),
+        ];
+        self.capture("random", place, &[&usual, more].concat())
+    }
+
+    /// Both places' plain photos.
+    fn with_plain_photos() -> Desk {
+        let desk = Desk::new();
+        for place in ["meadow", "garage"] {
+            let output = desk.capture("normal", place, &[]);
+            assert!(output.status.success(), "{}", stderr(&output));
+        }
+        desk
+    }
+}
+
+fn lines(output: &Output) -> Vec<Value> {
+    stdout(output)
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect()
+}
+
+fn standings(output: &Output) -> Vec<Value> {
+    lines(output)
+        .into_iter()
+        .filter(|line| line.get("pairs").is_some())
+        .collect()
+}
+
+fn photos(session: &Path, variant: &str) -> usize {
+    let session = read_json(&session.join("session.json"));
+    session["photos"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|photo| photo["variant"] == variant)
+        .count()
+}
+
+#[test]
+fn it_ends_with_the_pair_that_decides() {
+    let desk = Desk::with_plain_photos();
+    // Six of eight pairs differ: not yet enough.
+    let first = desk.until_decided("meadow", &[]);
+    assert!(first.status.success(), "{}", stderr(&first));
+    assert_eq!(standings(&first).len(), 9);
+    assert!(
+        standings(&first).iter().all(|standing| standing["decided"] == false),
+        "{}",
+        stdout(&first)
+    );
+    assert!(standings(&first)[0]["pairs"] == "no pair yet" && standings(&first)[8]["next"].is_null());
+
+    // Two more that differ are eight, and the other six views are not needed.
+    let second = desk.until_decided("garage", &[]);
+    assert!(second.status.success(), "{}", stderr(&second));
+    let said = standings(&second);
+    assert_eq!(
+        said.iter().map(|s| s["decided"] == true).collect::<Vec<_>>(),
+        [false, false, true],
+        "{}",
+        stdout(&second)
+    );
+    assert!(
+        said[2]["pairs"]
+            .as_str()
+            .unwrap()
+            .contains("fake: a drop, shown after 10 of 10 pairs"),
+        "{}",
+        said[2]
+    );
+    assert_eq!(
+        lines(&second).last().unwrap(),
+        &json!({"targets": 8, "filled": 2, "decided": true})
+    );
+    assert_eq!(photos(&desk.at("session"), "random"), 10);
+    // What tells most lies where pairs differed before; nothing was seen in two directions.
+    let session = read_json(&skyline().join("session.json"));
+    assert_eq!(
+        session["photos"][MISSED[0]]["file"], "normal_003.jpg",
+        "the case has changed"
+    );
+    let accepted: Vec<Value> = lines(&desk.capture("normal", "meadow", &[]));
+    assert!(accepted.last().unwrap()["open"].as_array().unwrap().is_empty());
+    let missed: Vec<f64> = MISSED.iter().map(|i| azimuth_of(&desk, *i)).collect();
+    for standing in &said[..2] {
+        let next = standing["next"]["azimuth_deg"].as_f64().unwrap();
+        assert!(!missed.contains(&next), "{standing} {missed:?}");
+    }
+
+    // Asked again it is decided before the first frame, and `compare` says the same of the session.
+    let again = desk.until_decided("garage", &[]);
+    assert!(
+        again.status.success() && standings(&again).len() == 1,
+        "{}",
+        stdout(&again)
+    );
+    let out = desk.at("out");
+    let compared = program()
+        .arg("compare")
+        .arg(desk.at("session"))
+        .args(["--sequential", "--detector", &desk.detector(), "-o"])
+        .arg(&out)
+        .arg("--cache")
+        .arg(desk.at("cache"))
+        .output()
+        .unwrap();
+    assert!(
+        stdout(&compared).contains("a drop, shown after 10 of 10 pairs"),
+        "{}{}",
+        stdout(&compared),
+        stderr(&compared)
+    );
+}
+
+/// The azimuth bin of a plain photo, from its sidecar.
+fn azimuth_of(desk: &Desk, photo: usize) -> f64 {
+    let sidecar = read_json(&desk.at("session").join(format!("normal_{photo:03}.capture.json")));
+    sidecar["target"]["azimuth_deg"].as_f64().unwrap()
+}
+
+#[test]
+fn what_cannot_be_decided_is_one_sentence() {
+    let desk = Desk::new();
+    assert_refused(
+        &desk.until_decided("meadow", &[]),
+        &["no photos of `normal` at meadow", "capture those first"],
+    );
+    assert!(!desk.at("session").exists());
+    assert!(desk.capture("normal", "meadow", &[]).status.success());
+    assert_refused(&desk.until_decided("garage", &[]), &["no photos of `normal` at garage"]);
+    assert_refused(&desk.until_decided("meadow", &["--base", "plain"]), &["`plain`"]);
+    assert_refused(
+        &desk.until_decided("meadow", &["--least", "2"]),
+        &["above 0 and below 1"],
+    );
+    assert_refused(&desk.until_decided("meadow", &["--page"]), &["--page"]);
+    assert_refused(&desk.capture("random", "meadow", &["--until-decided"]), &["--detector"]);
+    assert_refused(
+        &desk.capture("random", "meadow", &["--detector", "yolox_nano"]),
+        &["--until-decided"],
+    );
+    let own = desk.capture("normal", "meadow", &["--until-decided", "--detector", &desk.detector()]);
+    assert_refused(&own, &["`normal`", "held against"]);
+    assert_eq!(photos(&desk.at("session"), "random"), 0);
+}

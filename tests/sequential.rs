@@ -1,0 +1,624 @@
+//! `compare --sequential`, `plan --sequential` and sealed plans: error rates by simulation, wealth by hand, and every tampering found.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use crate::tests::common;
+
+use common::{assert_refused, copy_of_skyline, home, program, read_json, skyline, stderr, stdout};
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use scaleproof::statistics::{Sequence, Shown, mcnemar_p};
+use serde_json::Value;
+
+/// Experiments behind each error rate.
+const EXPERIMENTS: usize = 5000;
+/// Looks of each: 25 rounds of eight directions.
+const LOOKS: usize = 200;
+
+fn after(numbers: &[f64], least: Option<f64>) -> Sequence {
+    let mut sequence = Sequence::new(1, least);
+    numbers.iter().for_each(|number| sequence.see(0, *number));
+    sequence
+}
+
+/// The wealth spread evenly over all rates λ, after `n` ones, is ∫ (1 + λ)ⁿ dλ from 0 to 1 = (2ⁿ⁺¹ − 1) / (n + 1): 31.9 after seven, 56.8 after eight, and 40 is enough.
+#[test]
+fn eight_ones_in_a_row_are_enough_and_seven_are_not() {
+    for (n, wealth) in [(1, 1.5), (7, 255.0 / 8.0), (8, 511.0 / 9.0), (10, 2047.0 / 11.0)] {
+        let found = 10_f64.powf(after(&vec![1.0; n], None).log10_for_above());
+        assert!(
+            (found / wealth - 1.0).abs() < 0.005,
+            "{n} ones: {found}, by hand {wealth}"
+        );
+    }
+    assert_eq!(after(&[1.0; 7], None).shown(), None);
+    assert_eq!(after(&[1.0; 12], None).shown(), Some((Shown::Above, 8)));
+    assert_eq!(after(&[-1.0; 12], None).shown(), Some((Shown::Below, 8)));
+    // Pairs that are alike tell nothing: ∫ (1 + λ)² (1 − λ)² dλ = 8/15.
+    let mixed = [0.0, 1.0, -1.0, 0.0, 1.0, -1.0];
+    let found = 10_f64.powf(after(&mixed, None).log10_for_above());
+    assert!((found - 8.0 / 15.0).abs() < 1e-3, "{found}");
+    // p is the bound of Markov's inequality, on two sides.
+    assert!((after(&[1.0; 8], None).p() - 2.0 * 9.0 / 511.0).abs() < 1e-3);
+    assert_eq!(after(&mixed[..1], None).p(), 1.0);
+}
+
+/// After n ones the interval ends where ((1 + g)ⁿ⁺¹ − 1) / ((n + 1) g) = 40, with g = (1 − m) / (1 + m).
+#[test]
+fn the_interval_is_where_the_wealth_is_40() {
+    for n in [8, 20, 60] {
+        let (mut low, mut high) = (1e-9_f64, 1e3);
+        for _ in 0..200 {
+            let g = (low * high).sqrt();
+            let n = f64::from(n);
+            let wealth = ((1.0 + g).powf(n + 1.0) - 1.0) / ((n + 1.0) * g);
+            (low, high) = if wealth < 40.0 { (g, high) } else { (low, g) };
+        }
+        let wanted = (1.0 - low) / (1.0 + low);
+        let found = after(&vec![1.0; n as usize], None).interval_95().unwrap();
+        assert!((found.low - wanted).abs() < 0.01, "{n}: {found:?}, by hand {wanted}");
+        assert!(found.high > 0.999, "{found:?}");
+    }
+    // Without any difference, bets on one side: a drop of 0.2 is excluded where both of its sides are.
+    let excluded = (1..)
+        .find(|n| after(&vec![0.0; *n], Some(0.2)).shown().is_some())
+        .unwrap();
+    let interval = |n: usize| after(&vec![0.0; n], None).interval_95().unwrap();
+    assert!(
+        interval(excluded).high < 0.2 && interval(excluded - 1).high >= 0.2,
+        "{excluded}"
+    );
+}
+
+/// Hits of both textures in directions that are easy and hard; `drops` is what the texture takes from each.
+struct Model<'a> {
+    base: [f64; 8],
+    drops: &'a [f64; 8],
+}
+
+impl Model<'_> {
+    fn pair(&self, direction: usize, rng: &mut Pcg64Mcg) -> f64 {
+        let base = self.base[direction];
+        let [a, b] = [base, base - self.drops[direction]].map(|rate| f64::from(u8::from(rng.random_bool(rate))));
+        a - b
+    }
+}
+
+const EASY_AND_HARD: [f64; 8] = [0.95, 0.9, 0.8, 0.6, 0.5, 0.6, 0.8, 0.9];
+
+/// Directions of a round: shuffled, or first those in which something was seen before, as a guide would who looks for the next telling view.
+fn order(rng: &mut Pcg64Mcg, seen: &[f64; 8], is_guided: bool) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..8).collect();
+    order.shuffle(rng);
+    if is_guided {
+        order.sort_by(|a, b| seen[*b].total_cmp(&seen[*a]));
+    }
+    order
+}
+
+/// Whoever looks after every pair is wrong no more often than stated, in any order; McNemar's test, looked at as often, is wrong far more often.
+#[test]
+fn looking_after_every_pair_does_no_harm() {
+    let model = Model {
+        base: EASY_AND_HARD,
+        drops: &[0.0; 8],
+    };
+    for is_guided in [false, true] {
+        let mut rng = Pcg64Mcg::seed_from_u64(5);
+        let (mut wrong, mut naive) = (0, 0);
+        for _ in 0..EXPERIMENTS {
+            let mut sequence = Sequence::new(8, None);
+            let (mut seen, mut differences, mut is_naively_wrong) = ([0.0; 8], Vec::new(), false);
+            for _ in 0..LOOKS / 8 {
+                for direction in order(&mut rng, &seen, is_guided) {
+                    let difference = model.pair(direction, &mut rng);
+                    seen[direction] += difference;
+                    sequence.see(direction, difference);
+                    differences.push(difference as i64);
+                    is_naively_wrong |=
+                        !is_naively_wrong && differences.len() % 8 == 0 && mcnemar_p(&differences) < 0.05;
+                }
+            }
+            wrong += usize::from(sequence.shown().is_some());
+            naive += usize::from(is_naively_wrong);
+        }
+        let [wrong, naive] = [wrong, naive].map(|n| n as f64 / EXPERIMENTS as f64);
+        println!("guided {is_guided}: wrong {wrong:.4}, McNemar looked at once a round {naive:.4}");
+        assert!(wrong <= 0.05, "{wrong}");
+        assert!(naive > 0.1, "the simulation cannot tell: {naive}");
+    }
+}
+
+/// The interval holds the mean over directions after all rounds at once, though the texture works in some directions only; and a drop of that size is
+/// not excluded more often than stated.
+#[test]
+fn the_interval_holds_whenever_one_stops() {
+    let drops = [0.5, 0.0, 0.0, 0.1, 0.0, 0.3, 0.0, 0.1];
+    let truth = drops.iter().sum::<f64>() / 8.0;
+    let model = Model {
+        base: EASY_AND_HARD,
+        drops: &drops,
+    };
+    for is_guided in [false, true] {
+        let mut rng = Pcg64Mcg::seed_from_u64(6);
+        let runs = 1000;
+        let (mut missed, mut width, mut excluded) = (0, 0.0, 0);
+        for _ in 0..runs {
+            let mut sequence = Sequence::new(8, Some(truth));
+            let mut seen = [0.0; 8];
+            for _ in 0..20 {
+                for direction in order(&mut rng, &seen, is_guided) {
+                    let difference = model.pair(direction, &mut rng);
+                    seen[direction] += difference;
+                    sequence.see(direction, difference);
+                }
+            }
+            // What all intervals after the rounds have in common: outside it, one of them was.
+            let interval = sequence.interval_95();
+            missed += usize::from(!interval.is_some_and(|i| (i.low..=i.high).contains(&truth)));
+            width += interval.map_or(0.0, |i| i.high - i.low) / f64::from(runs);
+            excluded += usize::from(sequence.shown().is_some_and(|(shown, _)| shown == Shown::LessThanLeast));
+        }
+        println!("guided {is_guided}: missed {missed} of {runs}, mean width {width:.3}, excluded {excluded}");
+        assert!(missed <= 50 && excluded <= 50, "{missed} {excluded}");
+        assert!(width < 0.5, "an interval that says nothing: {width}");
+    }
+}
+
+/// The trap: an order that depends on what the base's own photo showed makes a drop out of nothing, since a hit that was picked falls back.
+#[test]
+fn views_must_not_be_picked_by_the_base_s_own_photos() {
+    let mut rng = Pcg64Mcg::seed_from_u64(8);
+    let runs = 500;
+    let wrong = (0..runs).filter(|_| {
+        let mut sequence = Sequence::new(1, None);
+        let mut base: Vec<bool> = (0..60).map(|_| rng.random_bool(0.6)).collect();
+        base.sort_by_key(|hit| !hit);
+        for hit in base {
+            sequence.see(0, f64::from(u8::from(hit)) - f64::from(u8::from(rng.random_bool(0.6))));
+        }
+        sequence.shown().is_some_and(|(shown, _)| shown == Shown::Above)
+    });
+    let wrong = wrong.count();
+    println!("picked by the base's hits: {wrong} of {runs} show a drop that is not there");
+    assert!(wrong > runs * 9 / 10, "{wrong}");
+}
+
+fn compare(sessions: &[&Path], out: &Path, more: &[&str]) -> Output {
+    let mut command = program();
+    command
+        .arg("compare")
+        .args(sessions)
+        .args(["--recorded", "--out"])
+        .arg(out);
+    command.args(more).output().unwrap()
+}
+
+/// The stored session as if it had been taken at another place.
+fn at(place: &str) -> tempfile::TempDir {
+    let session = copy_of_skyline();
+    edit(session.path(), |file| {
+        for photo in file["photos"].as_array_mut().unwrap() {
+            photo["place"] = place.into();
+        }
+    });
+    session
+}
+
+fn edit(session: &Path, change: impl FnOnce(&mut Value)) {
+    let path = session.join("session.json");
+    let mut file = read_json(&path);
+    change(&mut file);
+    std::fs::write(&path, file.to_string()).unwrap();
+}
+
+fn course<'a>(page: &'a Value, detector: &str) -> &'a Value {
+    let results = page["sequential"]["results"].as_array().unwrap();
+    results.iter().find(|course| course["detector"] == detector).unwrap()
+}
+
+/// deimv2_femto hits six of eight plain photos and no other: the eighth pair that differs decides, the second of the second place.
+#[test]
+fn a_comparison_says_when_it_was_decided() {
+    let (a, b) = (at("meadow"), at("garage"));
+    let out = tempfile::tempdir().unwrap();
+    let one = compare(&[a.path()], out.path(), &["--sequential"]);
+    assert!(one.status.success(), "{}", stderr(&one));
+    let page = read_json(&out.path().join("comparison.json"));
+    let decision = &course(&page, "deimv2_femto")["hit_rate"];
+    assert_eq!(
+        (&decision["finding"], &decision["decided_after"]),
+        (&"undecided".into(), &Value::Null)
+    );
+    assert_eq!(decision["rounds"], 1);
+
+    let out = tempfile::tempdir().unwrap();
+    let output = compare(&[a.path(), b.path()], out.path(), &["--sequential", "--least", "0.1"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = read_json(&out.path().join("comparison.json"));
+    let hits = &course(&page, "deimv2_femto")["hit_rate"];
+    assert_eq!(hits["finding"], "drop");
+    // By the other command's table: a pair is there when its photo of the patterned model is, none of which is found.
+    let score = tempfile::tempdir().unwrap();
+    let scored = program()
+        .arg("score")
+        .arg(a.path())
+        .args(["--recorded", "--detector", "deimv2_femto", "-o"])
+        .arg(score.path())
+        .output()
+        .unwrap();
+    assert!(scored.status.success(), "{}", stderr(&scored));
+    let differ = pairs_that_differ(&std::fs::read_to_string(score.path().join("photos.csv")).unwrap());
+    let twice = [differ.clone(), differ].concat();
+    let eighth = (1..=16)
+        .find(|n| twice[..*n].iter().filter(|differs| **differs).count() == 8)
+        .unwrap();
+    assert_eq!(hits["decided_after"], eighth);
+    assert_eq!(hits["log10_evidence"].as_array().unwrap().len(), 16);
+    assert_eq!(
+        (&hits["rounds"], &course(&page, "deimv2_femto")["looks"]),
+        (&2.into(), &16.into())
+    );
+    assert!((hits["p_always_valid"].as_f64().unwrap() - 2.0 * 13.0 / 8191.0).abs() < 1e-4);
+    let text = stdout(&output);
+    assert!(
+        text.contains(&format!("a drop, shown after {eighth} of 16 pairs")),
+        "{text}"
+    );
+    let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
+    assert!(html.contains("However often one looks") && html.contains(&format!("shown after {eighth} of 16 pairs")));
+
+    // Two places are two looks, which decide nothing.
+    let out = tempfile::tempdir().unwrap();
+    let output = compare(&[a.path(), b.path()], out.path(), &["--sequential=places"]);
+    assert!(
+        stdout(&output).contains("undecided after 2 places"),
+        "{}{}",
+        stdout(&output),
+        stderr(&output)
+    );
+}
+
+/// Of each patterned photo, in their order: whether the plain one of its direction alone was found.
+fn pairs_that_differ(csv: &str) -> Vec<bool> {
+    let mut rows = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let column = |name: &str| head.iter().position(|h| *h == name).unwrap();
+    let [variant, azimuth, verdict] = ["variant", "bin_azimuth_deg", "verdict"].map(column);
+    let rows: Vec<_> = rows.collect();
+    let is_found = |row: &&Vec<&str>| row[verdict].starts_with("found");
+    let plain = |at: &str| {
+        rows.iter()
+            .find(|row| row[variant] == "normal" && row[azimuth] == at)
+            .unwrap()
+    };
+    let patterned = rows.iter().filter(|row| row[variant] == "random");
+    patterned
+        .map(|row| is_found(&plain(row[azimuth])) && !is_found(&row))
+        .collect()
+}
+
+#[test]
+fn a_plan_that_stops_when_it_knows_saves_photos() {
+    let folder = tempfile::tempdir().unwrap();
+    let svg = folder.path().join("pairs.svg");
+    let plan = |more: &[&str]| {
+        let output = program()
+            .args(["plan", "--drop", "0.4", "--sequential"])
+            .args(more)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        stdout(&output)
+    };
+    let page: Value = serde_json::from_str(&plan(&["--least", "0.3", "--json", "-o", svg.to_str().unwrap()])).unwrap();
+    // The fixed plan is that of `plan` without the option.
+    let fixed = stdout(&program().args(["plan", "--drop", "0.4", "--json"]).output().unwrap());
+    let fixed: Value = serde_json::from_str(&fixed).unwrap();
+    assert_eq!(page["fixed_pairs"], fixed["pairs"]);
+    let rows = page["table"].as_array().unwrap();
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+    assert_eq!(number(&rows[0], "real_drop"), 0.0);
+    assert!(number(&rows[0], "drop_shown") + number(&rows[0], "rise_shown") <= 0.05);
+    let planned = rows.iter().find(|row| number(row, "real_drop") == 0.4).unwrap();
+    assert!((number(planned, "drop_shown") - 0.8).abs() < 0.02, "{planned}");
+    let largest = rows.last().unwrap();
+    assert!(
+        number(largest, "real_drop") > 0.7 && number(largest, "saved") > 0.3,
+        "{largest}"
+    );
+    for row in rows {
+        let shares = ["drop_shown", "rise_shown", "less_than_least_shown", "undecided"];
+        let all: f64 = shares.iter().map(|key| number(row, key)).sum();
+        assert!((all - 1.0).abs() < 1e-9, "{row}");
+    }
+    let drawn = std::fs::read_to_string(&svg).unwrap();
+    assert!(drawn.starts_with("<svg") && drawn.contains("mean pairs until it stops"));
+    assert!(plan(&[]).contains("pairs saved"));
+}
+
+fn sealed(folder: &Path, more: &[&str]) -> (PathBuf, String) {
+    let plan = folder.join("plan.json");
+    let output = program()
+        .args(["plan", "--seal", plan.to_str().unwrap(), "--scene"])
+        .arg(skyline().join("scene.toml"))
+        .args([
+            "--texture",
+            "normal",
+            &format!("random={}", random16()),
+            "--detector",
+            "yolox_nano,deimv2_femto",
+        ])
+        .args(more)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let seal = stdout(&output)
+        .lines()
+        .find_map(|line| line.strip_prefix("seal: ").map(str::to_owned));
+    (plan, seal.unwrap())
+}
+
+fn random16() -> String {
+    format!("{}/print_templates/random16.png", home().display())
+}
+
+const DETECTORS: [&str; 2] = ["--detector", "yolox_nano,deimv2_femto"];
+
+/// Holds the stored session, or another, against a plan: the deviations in the file, which are those on the page and in the text.
+fn deviations(session: &Path, plan: &Path, more: &[&str]) -> Vec<String> {
+    let out = tempfile::tempdir().unwrap();
+    let shown = format!("random={}", random16());
+    let usual: &[&str] = if more.contains(&"--pattern") {
+        &[]
+    } else {
+        &["--pattern", &shown]
+    };
+    let arguments = [&["--plan", plan.to_str().unwrap()], usual, more].concat();
+    let output = compare(&[session], out.path(), &arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = read_json(&out.path().join("comparison.json"));
+    let all: Vec<String> = serde_json::from_value(page["plan"]["deviations"].clone()).unwrap();
+    let text = stdout(&output);
+    let html = std::fs::read_to_string(out.path().join("comparison.html")).unwrap();
+    let (first, drops) = (
+        html.find("Held against the plan").unwrap(),
+        html.find("<h3>Drop of the hit rate</h3>").unwrap(),
+    );
+    assert!(first < drops && html.matches("Deviation: ").count() == all.len());
+    assert!(
+        text.starts_with(&format!("plan {}", page["plan"]["seal"].as_str().unwrap())),
+        "{text}"
+    );
+    assert!(all.iter().all(|deviation| text.contains(deviation)), "{text}");
+    all
+}
+
+#[test]
+fn a_plan_that_was_kept_has_no_deviation() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, seal) = sealed(folder.path(), &[]);
+    assert_eq!(deviations(&skyline(), &plan, &DETECTORS), Vec::<String>::new());
+    let out = tempfile::tempdir().unwrap();
+    let output = compare(
+        &[&skyline()],
+        out.path(),
+        &[&DETECTORS[..], &["--plan", plan.to_str().unwrap()]].concat(),
+    );
+    assert!(
+        stdout(&output).starts_with(&format!("plan {seal}")),
+        "{}",
+        stdout(&output)
+    );
+}
+
+/// Each way to bend a plan, one by one, is one deviation that names it.
+#[test]
+fn every_tampering_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, _) = sealed(folder.path(), &[]);
+    let one = |session: &Path, plan: &Path, more: &[&str], words: &[&str]| {
+        let all = deviations(session, plan, more);
+        assert!(
+            all.len() == 1 && words.iter().all(|word| all[0].contains(word)),
+            "{all:?} should be {words:?}"
+        );
+    };
+    let with = |more: &[&'static str]| [&DETECTORS[..], more].concat();
+    one(
+        &skyline(),
+        &plan,
+        &with(&["--confidence", "0.3"]),
+        &["confidence of a hit: 0.5 in the plan, 0.3 here"],
+    );
+    one(
+        &skyline(),
+        &plan,
+        &with(&["--ap", "voc-11"]),
+        &["definition of AP", "voc-11 here"],
+    );
+    one(
+        &skyline(),
+        &plan,
+        &with(&["--sequential"]),
+        &["stopping: when every view is there in the plan"],
+    );
+    one(
+        &skyline(),
+        &plan,
+        &["--detector", "yolox_nano"],
+        &["deimv2_femto of the plan is missing"],
+    );
+    let more = ["--detector", "yolox_nano,deimv2_femto,nanodet_m"];
+    one(&skyline(), &plan, &more, &["detector nanodet_m is not in the plan"]);
+
+    let dropped = copy_of_skyline();
+    edit(dropped.path(), |file| {
+        file["photos"]
+            .as_array_mut()
+            .unwrap()
+            .retain(|photo| photo["file"] != "random_003.jpg");
+    });
+    one(
+        dropped.path(),
+        &plan,
+        &DETECTORS,
+        &["1 view of the plan without a photo of random"],
+    );
+    let renamed = copy_of_skyline();
+    edit(renamed.path(), |file| {
+        file["photos"][3]["place"] = "garage".into();
+    });
+    let all = deviations(renamed.path(), &plan, &DETECTORS);
+    assert!(all.iter().any(|d| d == "1 place in the plan, 2 places here"), "{all:?}");
+
+    let other_scene = copy_of_skyline();
+    let scene = other_scene.path().join("scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    std::fs::write(&scene, format!("{text}\n# another\n")).unwrap();
+    one(
+        other_scene.path(),
+        &plan,
+        &DETECTORS,
+        &["the scene of", "is not the one in the plan"],
+    );
+
+    let other = folder.path().join("other.png");
+    let made = program()
+        .args([
+            "pattern",
+            "random",
+            "--cells",
+            "16",
+            "--seed",
+            "9",
+            "-o",
+            other.to_str().unwrap(),
+        ])
+        .output();
+    assert!(made.unwrap().status.success());
+    let other = format!("random={}", other.display());
+    let shown = [&DETECTORS[..], &["--pattern", &other]].concat();
+    one(&skyline(), &plan, &shown, &["the pattern of random is not the one"]);
+
+    // Weights are exchanged, thresholds changed, in the plan itself: its own seal says so, and what it is held against differs.
+    let edited = |from: &str, to: &str| {
+        let text = std::fs::read_to_string(&plan).unwrap();
+        assert!(text.contains(from), "{text}");
+        let path = folder.path().join("edited.json");
+        std::fs::write(&path, text.replace(from, to)).unwrap();
+        path
+    };
+    let changed = "the plan was changed after it was sealed";
+    let all = deviations(
+        &skyline(),
+        &edited("\"hit_confidence\": 0.5", "\"hit_confidence\": 0.6"),
+        &DETECTORS,
+    );
+    assert!(all.len() == 2 && all[0].starts_with(changed), "{all:?}");
+    let weights = read_json(&plan)["plan"]["detectors"]["yolox_nano"]["weights_sha256"]
+        .as_str()
+        .unwrap()
+        .to_owned();
+    let all = deviations(&skyline(), &edited(&weights, &"0".repeat(64)), &DETECTORS);
+    assert!(
+        all[0].starts_with(changed) && all[1] == "the weights of yolox_nano are not those of the plan",
+        "{all:?}"
+    );
+    // What is written otherwise and says the same is the same plan.
+    let spaced = edited("\"places\": 1", "\"places\":   1");
+    assert_eq!(deviations(&skyline(), &spaced, &DETECTORS), Vec::<String>::new());
+}
+
+#[test]
+fn a_plan_may_say_when_to_stop() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, _) = sealed(folder.path(), &["--sequential", "--least", "0.2"]);
+    assert_eq!(deviations(&skyline(), &plan, &DETECTORS), Vec::<String>::new());
+    let stated = read_json(&plan);
+    assert_eq!(stated["plan"]["stopping"]["decided"]["least"], 0.2);
+    // Nothing is decided with eight pairs, so that a view that is missing is a deviation here too.
+    let dropped = copy_of_skyline();
+    edit(dropped.path(), |file| {
+        file["photos"]
+            .as_array_mut()
+            .unwrap()
+            .retain(|photo| photo["file"] != "random_003.jpg");
+    });
+    let all = deviations(dropped.path(), &plan, &DETECTORS);
+    assert!(
+        all.len() == 1 && all[0].contains("without a photo of random"),
+        "{all:?}"
+    );
+}
+
+#[test]
+fn what_cannot_be_sealed_or_looked_at_is_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plan, _) = sealed(folder.path(), &[]);
+    let scene = skyline().join("scene.toml");
+    let seal = |path: &str, more: &[&str]| {
+        program()
+            .args(["plan", "--seal", path, "--scene"])
+            .arg(&scene)
+            .args(more)
+            .output()
+            .unwrap()
+    };
+    let usual = ["--texture", "normal", "random", "--detector", "yolox_nano"];
+    assert_refused(
+        &seal(plan.to_str().unwrap(), &usual),
+        &["is there already", "name another file"],
+    );
+    let new = folder.path().join("new.json");
+    let new = new.to_str().unwrap();
+    for (more, words) in [
+        (
+            &["--texture", "random", "--detector", "yolox_nano"][..],
+            &["base", "--texture normal"][..],
+        ),
+        (
+            &["--texture", "normal", "--detector", "yolox_nano"],
+            &["at least one texture"],
+        ),
+        (
+            &["--texture", "normal", "random", "random", "--detector", "yolox_nano"],
+            &["random", "twice"],
+        ),
+        (&["--texture", "normal", "random", "--detector", "nobody"], &["nobody"]),
+        (
+            &["--texture", "normal", "random=missing.png", "--detector", "yolox_nano"],
+            &["missing.png"],
+        ),
+        (&["--texture", "normal", "random"], &["--detector"]),
+    ] {
+        assert_refused(&seal(new, more), words);
+        assert!(!Path::new(new).exists());
+    }
+    assert_refused(
+        &seal(new, &[&usual[..], &["--pitch-deg", "17"]].concat()),
+        &["17", "no bin of the scene"],
+    );
+    let out = folder.path().join("out");
+    let held = |plan: &Path| compare(&[&skyline()], &out, &["--plan", plan.to_str().unwrap()]);
+    let broken = folder.path().join("broken.json");
+    for text in ["", "{}", "[1, 2]", "{\"seal\": \"x\", \"plan\": {}}"] {
+        std::fs::write(&broken, text).unwrap();
+        assert_refused(&held(&broken), &["broken.json", "no sealed plan"]);
+    }
+    assert_refused(&held(Path::new("nowhere.json")), &["nowhere.json"]);
+    for least in ["0", "1", "-0.1", "nan", "much"] {
+        assert_refused(
+            &compare(&[&skyline()], &out, &["--sequential", "--least", least]),
+            &["above 0 and below 1"],
+        );
+    }
+    assert_refused(&compare(&[&skyline()], &out, &["--least", "0.1"]), &["--sequential"]);
+    assert_refused(&compare(&[&skyline()], &out, &["--sequential=days"]), &["days"]);
+    assert!(!out.join("comparison.json").exists());
+    let plan = |more: &[&str]| program().arg("plan").args(more).output().unwrap();
+    assert_refused(&plan(&["--drop", "0.001", "--sequential"]), &["too small"]);
+    assert_refused(&plan(&["--drop", "0.3", "--bins", "8", "--sequential"]), &["--bins"]);
+}
