@@ -114,6 +114,8 @@ impl Desk {
             let output = desk.capture("normal", place, &[]);
             assert!(output.status.success(), "{}", stderr(&output));
         }
+        // Each place has views of its own.
+        assert_eq!(photos(&desk.at("session"), "normal"), 16);
         desk
     }
 }

@@ -60,6 +60,7 @@ mod print_wrap;
 mod program_detectors;
 mod program_gradients;
 mod protocols;
+mod ranking;
 mod report;
 mod results_outside;
 mod scale;

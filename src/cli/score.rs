@@ -10,7 +10,9 @@ use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, progress, results, sessions};
 use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
-use crate::score::{self, Cache, Corruption, EvaluatedDetector, Options, RecordError, Robustness, ScoreError, Scores};
+use crate::score::{
+    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, RecordError, Robustness, ScoreError, Scores,
+};
 use crate::session::Session;
 use crate::{files, report, workers};
 
@@ -48,9 +50,12 @@ pub(super) struct Args {
     /// Look at the photos again, made worse step by step, and tell at which severities each drop is still shown.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = one_of(Corruption::ALL.map(|kind| (kind, kind.name()))))]
     corrupt: Vec<Corruption>,
+    /// Say whether the order of the textures is the same in these sessions, which the same detectors look at: Kendall's τ with its interval, for each detector, and for each group of --group-by.
+    #[arg(long, value_name = "SESSION", num_args = 1..)]
+    ranking: Vec<PathBuf>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "ranking", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
@@ -157,6 +162,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     if args.record {
         score::check_recordings(&opened.sessions, &detectors, args.replace)?;
     }
+    let others = sessions::opened(&args.ranking)?;
     files::check_writable(&args.output)?;
     let speeds = args.judging.speeds(&detectors)?;
     let options = args.effort.options(&detectors)?;
@@ -173,6 +179,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     scores.patterns = patterns;
     if !args.corrupt.is_empty() {
         scores.robustness = made_worse(&scores, &args.corrupt, &options)?;
+    }
+    if let Some(others) = others {
+        scores.ranking = Some(against(&scores, others, &args, &options)?);
     }
     let page = report::write(&args.output, &scores, speeds.as_ref())?;
     if args.record {
@@ -218,6 +227,20 @@ pub(super) fn score_with_progress(
     bar.finish_and_clear();
     complain(options);
     failing_alike::explained(scores, &sets)
+}
+
+/// Looks at the photos of other sessions, and holds the order of the variants against theirs.
+fn against(scores: &Scores, others: Vec<Session>, args: &Args, options: &Options) -> Result<Ranking> {
+    let names = &args.detectors;
+    let detectors = at_hand::evaluated(&others, names, args.recorded, &args.folder, &args.results)?;
+    let others = score_with_progress(others, detectors, options)?.judged_by(scores.criteria);
+    failing_alike::say_not_scored(&others);
+    let ranking = score::ranking(scores, &others);
+    ranking
+        .cautions
+        .iter()
+        .for_each(|caution| say!("note: order of the textures: {caution}"));
+    Ok(ranking)
 }
 
 /// Looks at the photos again and shows how far it has come.

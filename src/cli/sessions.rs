@@ -185,6 +185,15 @@ fn in_home(folder: &str) -> PathBuf {
     }
 }
 
+/// Opens sessions; none where none is named.
+///
+/// # Errors
+/// As [`session`].
+pub(super) fn opened(places: &[PathBuf]) -> Result<Option<Vec<Session>>> {
+    let all: Vec<Session> = places.iter().map(|place| session(place)).collect::<Result<_>>()?;
+    Ok(Some(all).filter(|all| !all.is_empty()))
+}
+
 /// Opens a session.
 ///
 /// # Errors

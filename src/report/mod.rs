@@ -15,6 +15,7 @@ mod latex;
 mod paired;
 mod protocol;
 mod provenance;
+mod ranking;
 mod robustness;
 mod sequential;
 mod summary_json;

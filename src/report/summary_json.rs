@@ -8,7 +8,7 @@ use super::counted;
 use super::provenance::{self, Provenance};
 use crate::detect::Speeds;
 use crate::score::{
-    Compared, Curves, NotScored, ProtocolTable, Reliability, Robustness, Scores, Summary, TransferRow, curves,
+    Compared, Curves, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary, TransferRow, curves,
     disagreements, paired, protocol_table, reliability, transfer,
 };
 
@@ -31,6 +31,8 @@ struct Page<'a> {
     explanations: Vec<String>,
     /// What is left of the differences when photos get worse, where it was asked for.
     robustness: Option<&'a Robustness>,
+    /// The order of the variants against that in other sessions, where it was asked for.
+    ranking: Option<&'a Ranking>,
     transfer: Vec<TransferRow>,
     curves: Vec<Curves>,
     reliability: Vec<Reliability>,
@@ -54,6 +56,7 @@ pub(super) fn render(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Re
         paired: paired(scores).iter().flat_map(|c| &c.results).collect(),
         explanations: disagreements(scores),
         robustness: scores.robustness.as_ref(),
+        ranking: scores.ranking.as_ref(),
         transfer: transfer(&scores.summaries),
         curves: curves(scores),
         reliability: reliability(&scores.photos, &scores.detectors),

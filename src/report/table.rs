@@ -1,6 +1,6 @@
 //! The headline figures as plain text for the terminal.
 
-use super::{certainty, counted, paired, protocol, robustness};
+use super::{certainty, counted, paired, protocol, ranking, robustness};
 use crate::score::{Compared, ConditionFigures, Difference, Drop, Scores, Summary, disagreements, protocol_table};
 use crate::spelling::digits;
 
@@ -35,6 +35,7 @@ pub fn summary_table(scores: &Scores) -> String {
         lines.extend(protocol::lines(scores, &table));
     }
     lines.extend(robustness::lines(scores));
+    lines.extend(ranking::lines(scores));
     lines.push(String::new());
     lines.push(format!("counts as the model: {}", counted(scores)));
     lines.join("\n")

@@ -18,6 +18,7 @@ mod photo;
 mod preview;
 mod protocol;
 mod protocol_table;
+mod ranking;
 mod record;
 mod reliability;
 mod robustness;
@@ -60,6 +61,7 @@ pub use protocol::Protocol;
 pub(crate) use protocol_table::{ProtocolTable, protocol_table};
 #[cfg(test)]
 pub(crate) use protocol_table::{apricot_ap, rates_as_armory};
+pub(crate) use ranking::{Ranking, RankingFinding, RankingRow, ranking};
 pub(crate) use record::{RecordError, check_recordings, record};
 pub(crate) use reliability::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, reliability};
 pub(crate) use robustness::{BASE_LOST, CorruptedRow, Robustness, Survival, check_corruptible, under_corruption};

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use super::error::ScoreError;
 use super::grouping::{GroupBy, GroupByError};
 use super::{
-    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Robustness, ScoredPhoto, Summary,
-    WornPattern, caution, summary,
+    BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
+    Summary, WornPattern, caution, summary,
 };
 use crate::session::Session;
 
@@ -43,6 +43,8 @@ pub struct Scores {
     pub runtime: Option<String>,
     /// What is left of the differences when photos get worse, where it was asked for.
     pub(crate) robustness: Option<Robustness>,
+    /// The order of the variants against that in other sessions, where it was asked for.
+    pub(crate) ranking: Option<Ranking>,
     /// Of the textures whose patterns are known.
     pub(crate) patterns: Vec<WornPattern>,
     /// What the summaries group photos by, besides directions and places.
@@ -86,6 +88,7 @@ impl Scores {
             photos,
             not_scored,
             robustness: None,
+            ranking: None,
             patterns: Vec::new(),
             groups: Vec::new(),
             paired: OnceLock::new(),
@@ -158,6 +161,11 @@ impl Scores {
         self.groups = groups.to_vec();
         self.sum_up();
         Ok(self)
+    }
+
+    /// What photos are grouped by.
+    pub(super) fn groups(&self) -> &[GroupBy] {
+        &self.groups
     }
 
     /// What people call a detector of this name.

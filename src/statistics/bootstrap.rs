@@ -45,15 +45,36 @@ pub(crate) fn intervals_95<const N: usize>(
     let mut drawn = vec![0; clusters];
     let mut figures: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(DRAWS));
     for _ in 0..DRAWS {
-        drawn.fill(0);
-        for _ in 0..clusters {
-            drawn[rng.random_range(0..clusters)] += 1;
-        }
+        draw(&mut rng, &mut drawn);
         for (drawn, figure) in figures.iter_mut().zip(figures_of(&drawn)) {
             drawn.push(figure);
         }
     }
     figures.map(|drawn| interval_of(drawn, clusters))
+}
+
+/// How often each cluster comes in one resampling.
+fn draw(rng: &mut Pcg64Mcg, drawn: &mut [u32]) {
+    drawn.fill(0);
+    for _ in 0..drawn.len() {
+        let cluster = rng.random_range(0..drawn.len());
+        drawn[cluster] += 1;
+    }
+}
+
+/// The same of a figure of two sets of clusters, each of which is drawn by itself; widened as for the smaller one.
+pub(crate) fn interval_95_of_two(clusters: [usize; 2], figure: impl Fn(&[u32], &[u32]) -> f64) -> Option<Interval> {
+    let fewest = clusters[0].min(clusters[1]);
+    if fewest < FEWEST_CLUSTERS {
+        return None;
+    }
+    let mut rng = Pcg64Mcg::seed_from_u64(SEED);
+    let mut drawn = clusters.map(|clusters| vec![0; clusters]);
+    let figures = (0..DRAWS).map(|_| {
+        drawn.iter_mut().for_each(|drawn| draw(&mut rng, drawn));
+        figure(&drawn[0], &drawn[1])
+    });
+    interval_of(figures.collect(), fewest)
 }
 
 /// The interval of one figure.

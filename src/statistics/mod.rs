@@ -1,15 +1,17 @@
-//! Medians, distributions, intervals and exact tests.
+//! Medians, distributions, intervals, exact tests and orders.
 
 mod bootstrap;
 pub(crate) mod normal;
 mod paired;
+mod ranks;
 mod sequential;
 mod wilson;
 
 #[cfg(test)]
 pub(crate) use bootstrap::interval_95;
-pub(crate) use bootstrap::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, intervals_95};
+pub(crate) use bootstrap::{ALIKE, DRAWS, FEWEST_CLUSTERS, Interval, SEED, interval_95_of_two, intervals_95};
 pub(crate) use paired::{holm, mcnemar_p};
+pub(crate) use ranks::kendall_tau_b;
 pub(crate) use sequential::{Sequence, Shown};
 pub(crate) use wilson::wilson_95;
 

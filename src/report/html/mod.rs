@@ -12,6 +12,7 @@ mod misses;
 mod notes;
 mod patterns;
 pub(super) mod polar;
+mod ranking;
 pub(super) mod reliability;
 pub(super) mod robustness;
 mod sequential;
@@ -76,6 +77,11 @@ fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {
         ("protocol", "Protocol", comparable::protocol(scores)),
         ("conditions", "By condition", comparable::groups(scores)),
         ("robustness", "On photos made worse", robustness::section(scores)),
+        (
+            "ranking",
+            "Order of the textures in other sessions",
+            ranking::section(scores),
+        ),
     ];
     let asked_for = asked_for
         .into_iter()
