@@ -26,6 +26,8 @@
 // What only the left-out rooms use is kept: it is small, and a mark on each of its items would be more than it.
 #![cfg_attr(not(all(feature = "full", feature = "attack")), allow(dead_code, unused_imports))]
 
+#[cfg(feature = "full")]
+mod advise;
 mod ap;
 #[cfg(feature = "full")]
 mod attack;

@@ -3,6 +3,7 @@
 
 mod common;
 
+mod advise;
 mod architecture;
 #[cfg(feature = "attack")]
 mod attack_dtn;

@@ -25,11 +25,12 @@ fn session(names: [&str; 3]) -> tempfile::TempDir {
     let mut photos = Vec::new();
     for place in ["meadow", "garage"] {
         for (name, files) in names.iter().zip([&plain, &patterned, &mixed]) {
-            photos.extend(
-                files
-                    .iter()
-                    .map(|file| json!({"file": file, "variant": name, "place": place})),
-            );
+            for file in files {
+                // A session lists no file twice; the recordings know photos by their content.
+                let copy = format!("{place}_{name}_{file}");
+                std::fs::copy(folder.path().join(file), folder.path().join(&copy)).unwrap();
+                photos.push(json!({"file": copy, "variant": name, "place": place}));
+            }
         }
     }
     let session = json!({"scene": "scene.toml", "camera": "camera.yaml", "photos": photos});

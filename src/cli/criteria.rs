@@ -22,6 +22,24 @@ pub(super) struct Reading {
 }
 
 impl Reading {
+    /// With this definition of AP where none is named.
+    ///
+    /// # Errors
+    /// As [`Reading::criteria`]; another definition or a protocol is named.
+    pub(super) fn criteria_or(&self, ap: Option<ApDefinition>) -> Result<Criteria, String> {
+        let criteria = self.criteria()?;
+        match ap {
+            Some(ap) if ap != criteria.ap && (self.protocol.is_some() || self.ap != ApDefinition::default()) => {
+                Err(format!(
+                    "the settings have the AP definition {}, and the options another one: leave one of them out",
+                    ap.name()
+                ))
+            }
+            Some(ap) => Ok(Criteria { ap, ..criteria }),
+            None => Ok(criteria),
+        }
+    }
+
     pub(super) fn criteria(&self) -> Result<Criteria, String> {
         if let Some(protocol) = self.protocol {
             return Ok(Criteria::of(protocol));

@@ -4,6 +4,8 @@
 mod say;
 
 mod advice;
+#[cfg(feature = "full")]
+mod advise;
 mod at_hand;
 #[cfg(feature = "full")]
 mod attack;
@@ -70,6 +72,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    #[cfg(feature = "full")]
+    Advise(advise::Args),
     #[cfg(feature = "full")]
     Attack(attack::Args),
     #[cfg(feature = "full")]
@@ -176,6 +180,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Merge(args) => merge::run(args, out),
         Command::Compare(args) => compare::run(args, out),
         Command::Plan(args) => plan::run(args, out),
+        #[cfg(feature = "full")]
+        Command::Advise(args) => advise::run(&args, out),
         #[cfg(feature = "full")]
         Command::Survey(args) => survey::run(args, out),
         #[cfg(feature = "full")]

@@ -11,9 +11,10 @@ use super::{CommandResult, Outcome, Result, at_hand, detectors, failing_alike, p
 use crate::detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use crate::score::shard::{Run, Shard, ShardId};
 use crate::score::{
-    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, RecordError, Robustness, ScoreError, Scores,
+    self, Cache, Corruption, EvaluatedDetector, Options, Ranking, RecordError, Robustness, ScoreError, Scores, Settings,
 };
 use crate::session::Session;
+use crate::tags::TagDetectorChoice;
 use crate::{files, report, workers};
 
 /// Score detectors on photos: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
@@ -53,9 +54,12 @@ pub(super) struct Args {
     /// Say whether the order of the textures is the same in these sessions, which the same detectors look at: Kendall's τ with its interval, for each detector, and for each group of --group-by.
     #[arg(long, value_name = "SESSION", num_args = 1..)]
     ranking: Vec<PathBuf>,
+    /// What `advise` found to be enough for these photos: a TOML file with the tag detector, the lens model's terms and the definition of AP.
+    #[arg(long, value_name = "TOML")]
+    settings: Option<PathBuf>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`
     /// the task of an array job, `k8s/3` the pod of an indexed job of three.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "ranking", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["record", "corrupt", "ranking", "settings", "ap", "confidence", "protocol", "base", "group_by", "speed", "patterns"])]
     shard: Option<ShardId>,
     /// Print summary.json instead of the table; of a shard, its name and file.
     #[arg(long)]
@@ -101,8 +105,13 @@ impl Effort {
     }
 
     pub(super) fn options(&self, detectors: &[EvaluatedDetector]) -> Result<Options> {
+        self.options_with(detectors, TagDetectorChoice::default())
+    }
+
+    /// With another tag detector.
+    pub(super) fn options_with(&self, detectors: &[EvaluatedDetector], tags: TagDetectorChoice) -> Result<Options> {
         let runtime = score::runtime(detectors)?.map(|runtime| runtime.provenance());
-        let libraries = format!("{}; {}", score::libraries(), runtime.unwrap_or_default());
+        let libraries = format!("{}; {}", score::libraries(tags), runtime.unwrap_or_default());
         let folder = self
             .cache
             .clone()
@@ -115,6 +124,7 @@ impl Effort {
         Ok(Options {
             threads: self.threads.map_or_else(workers::thread_count, usize::from),
             cache,
+            tags,
         })
     }
 }
@@ -131,8 +141,19 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let criteria = args.judging.reading.criteria()?;
-    let opened = args.photos.open()?;
+    let settings = args
+        .settings
+        .as_deref()
+        .map(Settings::open)
+        .transpose()?
+        .unwrap_or_default();
+    let criteria = args.judging.reading.criteria_or(settings.ap()?)?;
+    let mut opened = args.photos.open()?;
+    opened.sessions = opened
+        .sessions
+        .into_iter()
+        .map(|session| settings.applied(session))
+        .collect();
     for (option, is_given) in [
         ("--recorded", args.recorded),
         ("--record", args.record),
@@ -165,7 +186,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let others = sessions::opened(&args.ranking)?;
     files::check_writable(&args.output)?;
     let speeds = args.judging.speeds(&detectors)?;
-    let options = args.effort.options(&detectors)?;
+    let options = args.effort.options_with(&detectors, settings.tags()?)?;
     if let Some(shard) = args.shard {
         let path = write_shard(&args, shard, &opened.sessions, &detectors, &options)?;
         match args.json {

@@ -1,14 +1,16 @@
-//! Small SVG charts, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
+//! Small SVG charts and plain pages, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
 //!
 //! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
 
 mod axis;
 mod drawing;
+mod page;
 mod panels;
 mod scatter;
 
 pub(crate) use axis::{PlotAxis, Scale, tick_label};
 pub(crate) use drawing::{Drawing, Explained, figure};
+pub(crate) use page::plain_page;
 pub(crate) use panels::{PlotLine, PlotPanel, panels};
 pub(crate) use scatter::{Cloud, Dot, scatter};
 

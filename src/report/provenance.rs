@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::counted;
 use crate::detect::SCORE_FLOOR;
 use crate::score::{DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
-use crate::tags::TagDetectorChoice;
 
 #[derive(Serialize)]
 pub(super) struct Provenance {
@@ -73,7 +72,7 @@ pub(super) fn of(scores: &Scores) -> Provenance {
     Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),
-        tag_detector: TagDetectorChoice::default().provenance(),
+        tag_detector: scores.tags.provenance(),
         ap_definition: scores.criteria.ap.name(),
         protocol: scores.criteria.protocol.map(Protocol::name),
         match_iou: scores.criteria.match_iou(),

@@ -20,13 +20,15 @@ use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use crate::workers;
 use crate::workers::stopwatch::{Stage, timed};
 
-/// How a run is done; none of it changes a result.
+/// How a run is done.
 #[derive(Debug)]
 pub struct Options {
     /// Photos that are looked at side by side.
     pub threads: usize,
     /// Where results are kept for the next run.
     pub cache: Option<Cache>,
+    /// What finds tags: this one changes results, and the cache is opened for it.
+    pub tags: TagDetectorChoice,
 }
 
 impl Default for Options {
@@ -35,13 +37,14 @@ impl Default for Options {
         Options {
             threads: workers::thread_count(),
             cache: None,
+            tags: TagDetectorChoice::default(),
         }
     }
 }
 
 /// What the results depend on besides the photos, the detectors and this program: versions of libraries.
-pub(crate) fn libraries() -> String {
-    TagDetectorChoice::default().provenance()
+pub(crate) fn libraries(tags: TagDetectorChoice) -> String {
+    tags.provenance()
 }
 
 /// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
@@ -238,7 +241,7 @@ impl From<PhotoError> for Stop {
 
 impl<'a> Observer<'a> {
     pub(super) fn new(
-        families: &'a [TagFamily],
+        (families, tags): (&'a [TagFamily], TagDetectorChoice),
         detectors: &'a [EvaluatedDetector],
         runtime: Option<&'static Runtime>,
         cache: Option<&'a Cache>,
@@ -250,7 +253,7 @@ impl<'a> Observer<'a> {
             runtime,
             cache,
             photos,
-            tags: TagDetectorChoice::default().open(families)?,
+            tags: tags.open(families)?,
             loaded: detectors.iter().map(|_| None).collect(),
         })
     }

@@ -11,7 +11,7 @@ use super::{Criteria, NotScored, NotScoredReason, PhotoOutcome, ScoredPhoto, Tag
 use crate::detect::Runtime;
 use crate::locate::Located;
 use crate::session::{PhotoEntry, Session};
-use crate::tags::SeenTag;
+use crate::tags::{SeenTag, TagDetectorChoice};
 use crate::workers;
 use crate::workers::stopwatch::{self, Stage, StageMs};
 
@@ -26,7 +26,9 @@ pub fn score(
         Ok(seen.map(|(observation, place)| scored(job, &detectors, observation, place)))
     })?;
     let runtime = runtime(&detectors)?.map(Runtime::provenance);
-    Scores::new(sessions, detectors, results, runtime)
+    let mut scores = Scores::new(sessions, detectors, results, runtime)?;
+    scores.tags = options.tags;
+    Ok(scores)
 }
 
 /// Looks at the photos of one shard only; [`merge`] judges them with the others.
@@ -62,7 +64,13 @@ pub(crate) fn timed_photos(
     let sessions = std::slice::from_ref(session);
     let jobs = ScoringJob::all(sessions);
     let families = session.scene.families().into_iter().collect::<Vec<_>>();
-    let mut observer = Observer::new(&families, detectors, runtime(detectors)?, None, jobs.len())?;
+    let mut observer = Observer::new(
+        (&families, TagDetectorChoice::default()),
+        detectors,
+        runtime(detectors)?,
+        None,
+        jobs.len(),
+    )?;
     let mut timed = Vec::new();
     for round in 0..=rounds {
         let (mut photos, mut left_out) = (Vec::new(), None);
@@ -147,7 +155,15 @@ fn over_photos<R: Send>(
     workers::map_over(
         options.threads,
         &jobs,
-        || Observer::new(&families, detectors, runtime, options.cache.as_ref(), photos),
+        || {
+            Observer::new(
+                (&families, options.tags),
+                detectors,
+                runtime,
+                options.cache.as_ref(),
+                photos,
+            )
+        },
         |observer, job| judge(job, observer.photo(job)?),
         on_photo,
     )

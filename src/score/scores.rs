@@ -9,6 +9,7 @@ use super::{
     Summary, WornPattern, caution, summary,
 };
 use crate::session::Session;
+use crate::tags::TagDetectorChoice;
 
 /// Photos, the sessions they are from, and the detectors that looked at them.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +42,8 @@ pub struct Scores {
     pub(crate) causes: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every detector was played back.
     pub runtime: Option<String>,
+    /// What found the tags.
+    pub(crate) tags: TagDetectorChoice,
     /// What is left of the differences when photos get worse, where it was asked for.
     pub(crate) robustness: Option<Robustness>,
     /// The order of the variants against that in other sessions, where it was asked for.
@@ -87,6 +90,7 @@ impl Scores {
             detectors,
             photos,
             not_scored,
+            tags: TagDetectorChoice::default(),
             robustness: None,
             ranking: None,
             patterns: Vec::new(),

@@ -12,6 +12,7 @@ use super::observe::{NotScoredReason, Observation, libraries};
 use crate::detect::{ForeignCard, Manifest};
 use crate::files::{self, FileError};
 use crate::session::{Session, SessionError};
+use crate::tags::TagDetectorChoice;
 
 /// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
 pub(crate) type ShardObservations = Vec<(u64, Result<Observation, NotScoredReason>)>;
@@ -140,13 +141,13 @@ impl Run {
                 .collect(),
             is_recorded: detectors.iter().all(|d| d.is_recorded() || d.foreign().is_some()),
             runtime,
-            libraries: libraries(),
+            libraries: libraries(TagDetectorChoice::default()),
         })
     }
 
     /// The sessions as they were when the shards were scored, with the same libraries.
     pub(crate) fn sessions(&self) -> Result<Vec<Session>, ShardError> {
-        let (theirs, own) = (self.libraries.clone(), libraries());
+        let (theirs, own) = (self.libraries.clone(), libraries(TagDetectorChoice::default()));
         if theirs != own {
             return Err(ShardError::OtherLibraries { theirs, own });
         }

@@ -2,49 +2,36 @@
 
 mod charts;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::{Calibration, numbers};
-
-const STYLE: &str = include_str!("style.css");
+use crate::plot::plain_page;
 
 /// The whole page.
 pub(crate) fn page(found: &Calibration) -> String {
     let camera = &found.camera;
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Camera calibration · scaleproof" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                header {
-                    h1 { "Camera calibration" }
-                    p.lead {
-                        (found.photos.len()) " photos of " (camera.width) "×" (camera.height) " px"
-                        @if !found.left_out.is_empty() { ", " (found.left_out.len()) " left out" }
-                        "; " (found.board.line()) "."
-                    }
-                }
-                main {
-                    (headline(found))
-                    @for caution in &found.cautions { p.banner { "Note: " (caution.0) "." } }
-                    section { h2 { "Camera" } (camera_table(found)) }
-                    section { h2 { "Which model" } (ladder(found)) }
-                    section {
-                        h2 { "Over the image" }
-                        div.charts { (charts::coverage(found)) (charts::residuals(found)) (charts::uncertainty(found)) }
-                    }
-                    section { h2 { "Photos" } (photos(found)) (left_out(found)) }
-                }
-                footer { p.note { "scaleproof " (env!("CARGO_PKG_VERSION")) ". Pixel (0, 0) is the centre of the top-left pixel." } }
-            }
+    let lead = html! {
+        (found.photos.len()) " photos of " (camera.width) "×" (camera.height) " px"
+        @if !found.left_out.is_empty() { ", " (found.left_out.len()) " left out" }
+        "; " (found.board.line()) "."
+    };
+    let content = html! {
+        (headline(found))
+        @for caution in &found.cautions { p.banner { "Note: " (caution.0) "." } }
+        section { h2 { "Camera" } (camera_table(found)) }
+        section { h2 { "Which model" } (ladder(found)) }
+        section {
+            h2 { "Over the image" }
+            div.charts { (charts::coverage(found)) (charts::residuals(found)) (charts::uncertainty(found)) }
         }
-    }
-    .into_string()
+        section { h2 { "Photos" } (photos(found)) (left_out(found)) }
+    };
+    plain_page(
+        "Camera calibration",
+        &lead,
+        &content,
+        "Pixel (0, 0) is the centre of the top-left pixel.",
+    )
 }
 
 fn headline(found: &Calibration) -> Markup {

@@ -46,7 +46,7 @@ pub(crate) fn under_corruption(
     let photos: Vec<Seen> = workers::map_over(
         options.threads,
         &scores.photos,
-        || Observer::new(&[], detectors, runtime, cache, scores.photos.len()),
+        || Observer::new((&[], options.tags), detectors, runtime, cache, scores.photos.len()),
         |observer, photo| look::at(observer, scores, photo, &conditions),
         on_photo,
     )?;

@@ -1,0 +1,93 @@
+//! The advice as text.
+
+use super::figures::{BOX_MARGIN, FigureAdvice};
+use super::{Advice, Choice, Question, Verdict};
+use crate::spelling::{count, digits};
+
+/// A table for each question, the answers from small to large as they were measured.
+pub(crate) fn table(all: &Advice) -> String {
+    let advice = &all.poses;
+    let mut lines = vec![format!(
+        "{}, {} of them located; a tag could be left out and predicted in {}",
+        count(advice.photos, "photo"),
+        advice.located,
+        advice.held_out_photos
+    )];
+    for question in Question::ALL {
+        lines.push(String::new());
+        lines.push(format!(
+            "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  ",
+            question.title(),
+            "ms",
+            "located",
+            "held out °",
+            "more than the best °",
+            "moved °",
+            "moved mm"
+        ));
+        let own = advice.choices.iter().filter(|choice| choice.question == question);
+        lines.extend(own.map(line));
+    }
+    lines.extend(
+        all.figures
+            .iter()
+            .flat_map(|figures| findings(figures).into_iter().map(|line| format!("\n{line}"))),
+    );
+    lines.extend(advice.abstentions.iter().map(|why| format!("\nno advice on {why}")));
+    lines.join("\n")
+}
+
+fn line(choice: &Choice) -> String {
+    let number = |value: Option<f64>, digits_: usize| value.map_or("–".to_owned(), |value| digits(value, digits_));
+    let worse = match (choice.worse_by_deg, choice.worse_by_95) {
+        (Some(by), Some(i)) => format!("{} [{}, {}]", digits(by, 4), digits(i.low, 4), digits(i.high, 4)),
+        (by, _) => number(by, 4),
+    };
+    let usual = if choice.is_usual { " (usual)" } else { "" };
+    format!(
+        "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  {}{usual}",
+        choice.name,
+        digits(choice.ms, 2),
+        choice.located,
+        number(choice.held_out_deg, 4),
+        worse,
+        number(choice.moved_deg, 4),
+        number(choice.moved_mm, 2),
+        in_words(choice)
+    )
+}
+
+/// What speaks against a way, or that it is advised.
+pub(super) fn in_words(choice: &Choice) -> String {
+    match choice.verdict {
+        Verdict::Advised => "← advised".to_owned(),
+        Verdict::Enough => "enough".to_owned(),
+        Verdict::LosesPhotos => format!("loses {}", count(choice.lost, "photo")),
+        Verdict::OtherBins => format!("other bin in {}", count(choice.other_bin, "photo")),
+        Verdict::Worse => "worse".to_owned(),
+        Verdict::CannotTell => "cannot tell".to_owned(),
+    }
+}
+
+/// What the findings depend on, as sentences.
+pub(super) fn findings(figures: &FigureAdvice) -> Vec<String> {
+    let usual = figures.rows.first().map_or("", |row| row.definition);
+    let same = figures.same_findings.len();
+    let definitions = match same == figures.definitions() {
+        true => format!("definition of AP: {usual}; the findings are the same by all {same}"),
+        false => format!(
+            "definition of AP: {usual}; the findings are the same by {} alone",
+            figures.same_findings.join(", ")
+        ),
+    };
+    let moves = digits(figures.definition_moves, 3);
+    let of_box = match (figures.box_moves, figures.box_is_enough) {
+        (Some(moves), Some(true)) => format!("truth boxes: the model's size is enough; it moves drops by {} at most, and no finding", digits(moves, 3)),
+        (Some(moves), _) => format!(
+            "truth boxes: the model's outline is needed; its size moves drops by up to {} (at most {BOX_MARGIN} is allowed), or a finding",
+            digits(moves, 3)
+        ),
+        _ => "no advice on truth boxes: the scene has the model's size alone; name its mesh or hull in the scene, and whether the size is enough can be told".to_owned(),
+    };
+    vec![format!("{definitions}, and the drops move by up to {moves}"), of_box]
+}

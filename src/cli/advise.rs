@@ -1,0 +1,138 @@
+//! `scaleproof advise`: how little does a session need?
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandResult, Outcome, Result, at_hand, detectors, progress, results, score as score_command, sessions};
+use crate::advise::{self, Advice, FigureAdvice, Sample};
+use crate::envelope::EnvelopeShape;
+use crate::photo::Photo;
+use crate::score::{self, EvaluatedDetector, Scores};
+use crate::session::Session;
+use crate::{files, workers};
+
+/// Say which tag detector, solver, camera model, how many tags and which resolution are enough for a session, and whether findings depend on the definition of AP or on the box behind the truth.
+///
+/// No truth is needed: a tag is left out of each pose, and its corners are predicted. Advised is the smallest way that loses no photo, moves none to another bin, and predicts no worse than the most
+/// accurate one.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// The session's folder.
+    session: PathBuf,
+    /// Detector whose findings are looked at; once for each, or a list with commas; none when none is named, unless --recorded is given.
+    #[arg(long = "detector", value_name = "NAME", value_delimiter = ',')]
+    detectors: Vec<String>,
+    #[command(flatten)]
+    folder: detectors::Folder,
+    #[command(flatten)]
+    results: results::Results,
+    /// Look at the detections stored in the session instead of running detectors.
+    #[arg(long)]
+    recorded: bool,
+    /// The texture that the others are held against.
+    #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
+    base: String,
+    #[command(flatten)]
+    effort: score_command::Effort,
+    /// Folder for advice.html, advice.json and advice.toml, which `score --settings` takes.
+    #[arg(short, long, alias = "out", value_name = "DIR")]
+    output: PathBuf,
+    /// Print advice.json instead of the tables.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
+    let session = sessions::session(&args.session)?;
+    files::check_writable(&args.output)?;
+    let poses = poses(&session)?;
+    let figures = figures(args, &session)?;
+    let advice = Advice {
+        session: session.name.clone(),
+        poses,
+        figures,
+    };
+    let json = serde_json::to_string_pretty(&advice)? + "\n";
+    let page = args.output.join("advice.html");
+    let settings = args.output.join("advice.toml");
+    files::replace_all_atomically(&[
+        (page.clone(), advise::page(&advice).into_bytes()),
+        (args.output.join("advice.json"), json.clone().into_bytes()),
+        (settings.clone(), advise::settings(&advice).into_bytes()),
+    ])?;
+    match args.json {
+        true => write!(out, "{json}")?,
+        false => writeln!(
+            out,
+            "{}\n\npage: {}\nsettings: {}",
+            advise::table(&advice),
+            page.display(),
+            settings.display()
+        )?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn poses(session: &Session) -> Result<advise::PoseAdvice> {
+    let camera = session.known_camera()?;
+    let samples = samples(session)?;
+    let bar = progress::photos("measuring", samples.len());
+    let advice = advise::advise_poses(&samples, &session.scene, camera, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(advice)
+}
+
+/// The photos, decoded; those that cannot be are noted and left out.
+fn samples(session: &Session) -> Result<Vec<Sample>> {
+    let bar = progress::photos("reading", session.photos.len());
+    let read = workers::map(
+        &session.photos,
+        || Ok(()),
+        |(), entry| -> Result<_, std::convert::Infallible> {
+            let decoded = Photo::open(&session.photo_path(entry)).and_then(|photo| {
+                Ok(Sample {
+                    file: entry.file.clone(),
+                    luma: photo.luma()?,
+                    turned_deg: photo.turned_deg,
+                })
+            });
+            Ok(decoded)
+        },
+        || bar.inc(1),
+    );
+    bar.finish_and_clear();
+    let Ok(read) = read;
+    let mut samples = Vec::new();
+    for decoded in read {
+        match decoded {
+            Ok(sample) => samples.push(sample),
+            Err(e) => say!("note: left out: {e}"),
+        }
+    }
+    Ok(samples)
+}
+
+/// What the findings depend on; none where no detector looks.
+fn figures(args: &Args, session: &Session) -> Result<Option<FigureAdvice>> {
+    if args.detectors.is_empty() && !args.recorded && !args.results.are_given() {
+        return Ok(None);
+    }
+    let one = std::slice::from_ref(session);
+    let detectors = at_hand::evaluated(one, &args.detectors, args.recorded, &args.folder, &args.results)?;
+    let options = args.effort.options(&detectors)?;
+    let scored = |session: Session, detectors: Vec<EvaluatedDetector>| -> Result<Scores> {
+        let scores = score_command::score_with_progress(vec![session], detectors, &options)?;
+        Ok(scores.against(&args.base))
+    };
+    let scores = scored(session.clone(), detectors.clone())?;
+    score_command::caution(&scores);
+    let by_box = match session.scene.model.envelope.name() {
+        "box" => None,
+        _ => {
+            let mut boxed = session.clone();
+            boxed.outline = EnvelopeShape::of_box(&session.scene.model);
+            Some(scored(boxed, detectors)?)
+        }
+    };
+    Ok(Some(advise::advise_figures(&scores, by_box.as_ref(), &args.base)?))
+}

@@ -1,0 +1,87 @@
+//! How photos are located and AP is computed, where a file says so: what `advise` writes.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::ApDefinition;
+use crate::files::{self, FileError};
+use crate::session::Session;
+use crate::tags::{StartError, TagDetectorChoice};
+
+/// Choices of a session; what is absent is as usual.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Settings {
+    /// Name of a tag detector.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tag_detector: Option<String>,
+    /// Coefficients of the camera's lens model that are kept, from the first: k1, k2, p1, p2, k3 ….
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lens_terms: Option<usize>,
+    /// Name of a definition of AP.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ap: Option<String>,
+}
+
+/// Why a file has no settings.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub(crate) enum SettingsError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{path}: {reason}")]
+    Syntax { path: String, reason: String },
+    #[error("{path}: {fault}")]
+    Detector { path: String, fault: StartError },
+    #[error("{path}: {fault}")]
+    Ap { path: String, fault: String },
+}
+
+/// The largest file that is read.
+const MOST_BYTES: u64 = 1 << 20;
+
+impl Settings {
+    /// Reads a file, and finds out that its names are known.
+    pub(crate) fn open(path: &Path) -> Result<Settings, SettingsError> {
+        let shown = || path.display().to_string();
+        let bytes = files::read_at_most(path, MOST_BYTES)?;
+        let syntax = |reason: String| SettingsError::Syntax { path: shown(), reason };
+        let text = String::from_utf8(bytes).map_err(|_| syntax("it is not UTF-8 text".into()))?;
+        let settings: Settings = toml::from_str(&text).map_err(|e| syntax(e.message().to_owned()))?;
+        settings
+            .tags()
+            .map_err(|fault| SettingsError::Detector { path: shown(), fault })?;
+        settings
+            .ap()
+            .map_err(|fault| SettingsError::Ap { path: shown(), fault })?;
+        if let Some(terms) = settings.lens_terms.filter(|terms| *terms > 8) {
+            return Err(syntax(format!("`lens_terms` is {terms}: a lens model has 0 to 8")));
+        }
+        Ok(settings)
+    }
+
+    /// The tag detector that is named, else the usual one.
+    pub(crate) fn tags(&self) -> Result<TagDetectorChoice, StartError> {
+        self.tag_detector
+            .as_deref()
+            .map_or_else(|| Ok(TagDetectorChoice::default()), str::parse)
+    }
+
+    /// The definition that is named, if any.
+    pub(crate) fn ap(&self) -> Result<Option<ApDefinition>, String> {
+        let named = self.ap.as_deref().map(ApDefinition::from_name).transpose();
+        named.map_err(|e| e.to_string())
+    }
+
+    /// The session with the camera model that is named.
+    pub(crate) fn applied(&self, mut session: Session) -> Session {
+        if let Some(terms) = self.lens_terms {
+            session.camera = session.camera.map(|camera| {
+                let kept = camera.distortion()[..terms.min(8)].to_vec();
+                camera.with_distortion(&kept)
+            });
+        }
+        session
+    }
+}
