@@ -296,6 +296,17 @@ fn the_stored_session_is_scored_by_its_advice() {
         usual["provenance"]["tag_detector"]
     );
     assert_eq!(by_other["ap_definition"], "voc-11");
+    let stated = &by_other["provenance"]["settings"];
+    assert_eq!(
+        (&stated["file"], &stated["lens_terms"]),
+        (&"other.toml".into(), &0.into())
+    );
+    let cautions = by_other["cautions"].to_string();
+    assert!(
+        cautions.contains("without its lens model, as other.toml says"),
+        "{cautions}"
+    );
+    assert!(usual["provenance"].get("settings").is_none());
 }
 
 /// A scene of one tag leaves none out; nothing is advised, and what would help is said.
@@ -327,13 +338,20 @@ fn what_cannot_tell_says_so() {
     let out = tempfile::tempdir().unwrap();
     let output = advise(session.path(), out.path(), &[]);
     assert!(output.status.success(), "{}", stderr(&output));
-    assert!(stdout(&output).contains("at least 6 are needed"), "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("at least 6 are needed: take more photos"),
+        "{}",
+        stdout(&output)
+    );
     assert!(!stdout(&output).contains("← advised"));
     let toml = std::fs::read_to_string(out.path().join("advice.toml")).unwrap();
     assert!(toml.lines().all(|line| line.starts_with('#')), "{toml}");
     // One texture has no drop.
     let refused = advise(session.path(), out.path(), &["--recorded"]);
-    assert_refused(&refused, &["all scored photos have the variant `normal`"]);
+    assert_refused(
+        &refused,
+        &["findings need photos of `normal` and of another texture", "has normal"],
+    );
 
     let empty = tempfile::tempdir().unwrap();
     assert_refused(&advise(empty.path(), out.path(), &[]), &["no session.json"]);
@@ -368,7 +386,9 @@ fn settings_that_are_none_are_one_sentence() {
         assert_refused(&score(&[]), words);
     }
     std::fs::write(&toml, "ap = \"voc-11\"").unwrap();
-    assert_refused(&score(&["--ap", "all-point"]), &["voc-11", "leave one of them out"]);
+    for ap in ["all-point", "coco-101"] {
+        assert_refused(&score(&["--ap", ap]), &["voc-11", "leave one of them out"]);
+    }
     assert_refused(&score(&["--shard", "1/2"]), &["--settings", "--shard"]);
     assert!(!out.exists());
 }

@@ -104,7 +104,9 @@ fn the_same_order_holds_and_an_exchanged_one_does_not() {
     // (names in the other session, τ by hand): of three pairs of textures, none, all or one is the other way round.
     for (names, tau, finding) in [
         (["a", "b", "c"], 1.0, "holds"),
-        (["b", "a", "c"], -1.0, "reversed"),
+        (["b", "a", "c"], -1.0, ""),
+        // Two in common, which no resampling takes for each other.
+        (["b", "a", "x"], -1.0, "reversed"),
         (["a", "c", "b"], 1.0 / 3.0, ""),
     ] {
         let other = session(names);
@@ -119,7 +121,12 @@ fn the_same_order_holds_and_an_exchanged_one_does_not() {
             .iter()
             .map(|v| (v["variant"].as_str().unwrap().to_owned(), v["ap50"].as_f64().unwrap()))
             .collect();
-        assert_eq!(here, ap);
+        let common: Vec<(String, f64)> = ap
+            .iter()
+            .filter(|(name, _)| names.contains(&name.as_str()))
+            .cloned()
+            .collect();
+        assert_eq!(here, common);
         let there = aps(&score(other.path(), &[], &FEMTO).summary(), "deimv2_femto");
         for variant in listed {
             let same = there
@@ -159,9 +166,9 @@ fn orders_of_groups_and_what_cannot_be_held_against_each_other() {
     let summary = scored.summary();
     assert_eq!(summary["ranking"]["rows"], json!([]));
     assert!(
-        stderr(&scored.output).contains("1 texture in common, and an order needs two"),
+        stdout(&scored.output).contains("1 texture in common, and an order needs two"),
         "{}",
-        stderr(&scored.output)
+        stdout(&scored.output)
     );
     // Two textures of eight directions each, that the detectors hardly tell apart: no answer.
     let stored = score(&skyline(), &[&skyline()], &["--detector", "yolox_nano"]).summary();

@@ -324,6 +324,10 @@ fn a_plan_that_stops_when_it_knows_saves_photos() {
     assert!(number(&rows[0], "drop_shown") + number(&rows[0], "rise_shown") <= 0.05);
     let planned = rows.iter().find(|row| number(row, "real_drop") == 0.4).unwrap();
     assert!((number(planned, "drop_shown") - 0.8).abs() < 0.02, "{planned}");
+    assert!(
+        number(planned, "fixed_drop_shown") >= 0.8 && number(&rows[0], "fixed_drop_shown") < 0.05,
+        "{planned}"
+    );
     let largest = rows.last().unwrap();
     assert!(
         number(largest, "real_drop") > 0.7 && number(largest, "saved") > 0.3,
@@ -532,6 +536,185 @@ fn every_tampering_is_found() {
     assert_eq!(deviations(&skyline(), &spaced, &DETECTORS), Vec::<String>::new());
 }
 
+/// The stored photos at two places in one session, plain ones first, with the files copied.
+fn two_places() -> tempfile::TempDir {
+    let folder = copy_of_skyline();
+    edit(folder.path(), |file| {
+        let stored = file["photos"].as_array().unwrap().clone();
+        let mut photos = Vec::new();
+        for variant in ["normal", "random"] {
+            for place in ["meadow", "garage"] {
+                for photo in stored.iter().filter(|photo| photo["variant"] == variant) {
+                    let name = photo["file"].as_str().unwrap();
+                    let copy = format!("{place}_{name}");
+                    std::fs::copy(folder.path().join(name), folder.path().join(&copy)).unwrap();
+                    photos.push(serde_json::json!({"file": copy, "variant": variant, "place": place}));
+                }
+            }
+        }
+        file["photos"] = photos.into();
+    });
+    folder
+}
+
+/// Views may be missing behind the pair that decided, and nowhere else; nobody may change the order.
+#[test]
+fn a_plan_that_stops_is_not_bent_by_leaving_photos_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let only_femto = ["--detector", "deimv2_femto"];
+    let plan = folder.path().join("two.json");
+    let output = program()
+        .args([
+            "plan",
+            "--seal",
+            plan.to_str().unwrap(),
+            "--places",
+            "2",
+            "--sequential",
+            "--scene",
+        ])
+        .arg(skyline().join("scene.toml"))
+        .args(["--texture", "normal", "random"])
+        .args(only_femto)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let kept = |change: &dyn Fn(&mut Vec<Value>)| {
+        let session = two_places();
+        edit(session.path(), |file| change(file["photos"].as_array_mut().unwrap()));
+        deviations(session.path(), &plan, &only_femto)
+    };
+    let none: Vec<String> = Vec::new();
+    assert_eq!(kept(&|_| {}), none);
+    // Which pair decides, by the whole session.
+    let out = tempfile::tempdir().unwrap();
+    let whole = two_places();
+    assert!(
+        compare(
+            &[whole.path()],
+            out.path(),
+            &[&only_femto[..], &["--sequential"]].concat()
+        )
+        .status
+        .success()
+    );
+    let page = read_json(&out.path().join("comparison.json"));
+    let decided = course(&page, "deimv2_femto")["hit_rate"]["decided_after"]
+        .as_u64()
+        .unwrap() as usize;
+    assert!((9..15).contains(&decided), "the case has changed: {decided}");
+    // It ended there: the six views behind it were not taken.
+    assert_eq!(kept(&|photos| photos.truncate(16 + decided)), none);
+    // One more was taken, so that the others are missing for another reason.
+    let more = kept(&|photos| photos.truncate(16 + decided + 1));
+    assert!(
+        more.len() == 1 && more[0].contains("without a photo of random"),
+        "{more:?}"
+    );
+    // One of the first place was left out.
+    let gap = kept(&|photos| drop(photos.remove(18)));
+    assert!(
+        gap.len() == 1 && gap[0].starts_with("1 view of the plan without a photo of random"),
+        "{gap:?}"
+    );
+    // Photos with times that were put into another order.
+    let timed = |photos: &mut Vec<Value>| {
+        for (i, photo) in photos.iter_mut().enumerate() {
+            photo["taken"] = format!("2026-11-23T10:{i:02}:00Z").into();
+        }
+    };
+    assert_eq!(kept(&|photos| timed(photos)), none);
+    let moved = kept(&|photos| {
+        timed(photos);
+        let first = photos.remove(16);
+        photos.push(first);
+    });
+    assert!(
+        moved
+            .iter()
+            .any(|d| d.contains("not listed in the order of their times")),
+        "{moved:?}"
+    );
+}
+
+/// What truth boxes are made of is fixed, too.
+#[test]
+fn another_mesh_camera_or_truth_is_found() {
+    let session = copy_of_skyline();
+    let scene = session.path().join("scene.toml");
+    // Of the scene's size, with one corner here or there.
+    let mesh = |x: f64| {
+        let at = |x: f64, y: f64, z: f64| format!("vertex {x} {y} {z}");
+        let corners = [
+            at(-227.5, -93.0, 0.0),
+            at(227.5, -93.0, 0.0),
+            at(x, 93.0, 0.0),
+            at(0.0, 0.0, 128.0),
+        ];
+        let facet = |[a, b, c]: [usize; 3]| {
+            format!(
+                "facet normal 0 0 0\nouter loop\n{}\n{}\n{}\nendloop\nendfacet\n",
+                corners[a], corners[b], corners[c]
+            )
+        };
+        let facets: String = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(facet).concat();
+        std::fs::write(
+            session.path().join("model.stl"),
+            format!("solid m\n{facets}endsolid m\n"),
+        )
+        .unwrap();
+    };
+    mesh(0.0);
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let [before, after] = ["envelope = \"box\"", "envelope = \"mesh\"\nmesh = \"model.stl\""];
+    let text = match text.contains(before) {
+        true => text.replace(before, after),
+        false => text.replacen("[model]\n", &format!("[model]\n{after}\n"), 1),
+    };
+    std::fs::write(&scene, text).unwrap();
+    let plan = session.path().join("plan.json");
+    let camera = session.path().join("camera.yaml");
+    let output = program()
+        .args([
+            "plan",
+            "--seal",
+            plan.to_str().unwrap(),
+            "--texture",
+            "normal",
+            "random",
+            "--detector",
+            "yolox_nano",
+        ])
+        .arg("--scene")
+        .arg(&scene)
+        .arg("--camera")
+        .arg(&camera)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let own = || deviations(session.path(), &plan, &["--detector", "yolox_nano"]);
+    assert_eq!(own(), Vec::<String>::new());
+    mesh(60.0);
+    assert!(own().len() == 1 && own()[0].starts_with("the mesh of "), "{:?}", own());
+    mesh(0.0);
+    let stored = std::fs::read_to_string(&camera).unwrap();
+    std::fs::write(&camera, format!("{stored}\n# another\n")).unwrap();
+    assert!(
+        own().len() == 1 && own()[0].starts_with("the camera of "),
+        "{:?}",
+        own()
+    );
+    std::fs::write(&camera, stored).unwrap();
+    edit(session.path(), |file| {
+        file["photos"][9]["box_xyxy_px"] = serde_json::json!([1, 1, 5, 5])
+    });
+    assert!(
+        own().len() == 1 && own()[0].contains("truth box that the session gives"),
+        "{:?}",
+        own()
+    );
+}
+
 #[test]
 fn a_plan_may_say_when_to_stop() {
     let folder = tempfile::tempdir().unwrap();
@@ -620,5 +803,13 @@ fn what_cannot_be_sealed_or_looked_at_is_one_sentence() {
     assert!(!out.join("comparison.json").exists());
     let plan = |more: &[&str]| program().arg("plan").args(more).output().unwrap();
     assert_refused(&plan(&["--drop", "0.001", "--sequential"]), &["too small"]);
+    assert_refused(
+        &plan(&["--drop", "0.2", "--sequential", "--least", "0.5"]),
+        &["0.5", "must not be above the drop"],
+    );
+    assert_refused(
+        &plan(&["--drop", "0.5", "--sequential", "-o", "pairs.png"]),
+        &["pairs.png", ".svg"],
+    );
     assert_refused(&plan(&["--drop", "0.3", "--bins", "8", "--sequential"]), &["--bins"]);
 }

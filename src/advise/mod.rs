@@ -73,8 +73,10 @@ pub(crate) enum Verdict {
     LosesPhotos,
     /// It moves photos into other bins.
     OtherBins,
-    /// Its held-out error is larger than that of the most accurate, at the level of 5 %, or by more than a twentieth.
+    /// Its held-out error is larger than that of the most accurate, at the level of 5 %.
     Worse,
+    /// That is not shown, and it is larger by more than a twentieth.
+    Larger,
     /// Too few photos can tell.
     CannotTell,
 }
@@ -272,9 +274,13 @@ fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usiz
     if let Some(smallest) = smallest {
         choices[smallest].1.verdict = Verdict::Advised;
     }
+    let remedy = match usual.len() < FEWEST_PHOTOS {
+        true => "take more photos",
+        false => "print more tags, or take photos that show three of them",
+    };
     let abstention = (!can_tell).then(|| {
         format!(
-            "a tag could be left out and predicted in {held_out_photos} photos, and at least {FEWEST_PHOTOS} are needed: print more tags, or take photos that show three of them"
+            "a tag could be left out and predicted in {held_out_photos} photos, and at least {FEWEST_PHOTOS} are needed: {remedy}"
         )
     });
     (choices.into_iter().map(|(_, choice)| choice).collect(), abstention)
@@ -325,7 +331,8 @@ fn choice(
         () if lost > 0 => Verdict::LosesPhotos,
         () if other_bin > 0 => Verdict::OtherBins,
         () if !can_tell || paired.len() < FEWEST_PHOTOS => Verdict::CannotTell,
-        () if own > (1.0 + MARGIN) * of_best || is_shown && own > of_best => Verdict::Worse,
+        () if is_shown && own > of_best => Verdict::Worse,
+        () if own > (1.0 + MARGIN) * of_best => Verdict::Larger,
         () => Verdict::Enough,
     };
     Choice {

@@ -18,9 +18,9 @@ pub(crate) fn page(all: &Advice) -> String {
     let content = html! {
         @for why in &advice.abstentions { p.banner { "No advice on " (why) "." } }
         section { (advised(advice)) }
-        @for question in Question::ALL { section { h2 { (question.title()) } (section(advice, question)) } }
+        @for question in Question::ALL { section { h2 { (capital(question.title())) } (section(advice, question)) } }
         p.note { (HOW) }
-        @if let Some(figures) = &all.figures { section { h2 { "figures" } (of_figures(figures)) } }
+        @if let Some(figures) = &all.figures { section { h2 { "Figures" } (of_figures(figures)) } }
     };
     plain_page(
         &format!("What {} needs", all.session),
@@ -33,6 +33,14 @@ pub(crate) fn page(all: &Advice) -> String {
 const HOW: &str = "Held out: a tag is left out, the pose is made of the others, and its corners are predicted; the error is the root mean square of the four, as an angle, and its mean over tags and photos. \
     “More than the best”: the difference from the most accurate way that locates as many photos, on the same photos, with its 95 % interval (2,000 resamples of the photos). Advised is the smallest way that \
     loses no photo, moves none to another bin, is not shown worse, and whose error is within a twentieth of the smallest. Moved: how far the viewpoints are from the usual ones, middle photo.";
+
+/// As a heading begins.
+fn capital(title: &str) -> String {
+    let mut letters = title.chars();
+    letters
+        .next()
+        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
 
 /// Drops by each definition of AP, and by the box.
 fn of_figures(figures: &FigureAdvice) -> Markup {
@@ -87,7 +95,7 @@ fn section(advice: &PoseAdvice, question: Question) -> Markup {
                 thead {
                     tr {
                         th { "way" }
-                        @for head in ["ms", "located", "held out", "more than the best", "moved", "moved", ""] { th { (head) } }
+                        @for head in ["ms", "located", "held out", "more than the best", "direction moved", "distance moved", ""] { th { (head) } }
                     }
                 }
                 tbody {
@@ -140,7 +148,7 @@ fn chart(question: Question, own: &[&Choice]) -> String {
             own.iter().filter_map(|choice| choice.held_out_deg),
         ),
         colours: own.iter().map(|choice| choice.name.clone()).collect(),
-        shapes: vec![question.title().to_owned()],
+        shapes: Vec::new(),
         ringed: "advised".to_owned(),
         groups: vec![(String::new(), dots.collect())],
     })

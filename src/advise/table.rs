@@ -65,6 +65,7 @@ pub(super) fn in_words(choice: &Choice) -> String {
         Verdict::LosesPhotos => format!("loses {}", count(choice.lost, "photo")),
         Verdict::OtherBins => format!("other bin in {}", count(choice.other_bin, "photo")),
         Verdict::Worse => "worse".to_owned(),
+        Verdict::Larger => "over a twentieth worse, not shown".to_owned(),
         Verdict::CannotTell => "cannot tell".to_owned(),
     }
 }

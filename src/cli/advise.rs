@@ -1,5 +1,6 @@
 //! `scaleproof advise`: how little does a session need?
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -44,6 +45,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let session = sessions::session(&args.session)?;
+    check(args, &session)?;
     files::check_writable(&args.output)?;
     let poses = poses(&session)?;
     let figures = figures(args, &session)?;
@@ -71,6 +73,36 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         )?,
     }
     Ok(Outcome::Done)
+}
+
+/// Finds out before anything is measured what cannot work.
+fn check(args: &Args, session: &Session) -> Result<()> {
+    let real = |path: &std::path::Path| path.canonicalize().ok();
+    if real(&args.output).is_some() && real(&args.output) == real(&session.folder) {
+        return Err(format!(
+            "the advice would be written among the photos in {}: name another folder with -o",
+            args.output.display()
+        )
+        .into());
+    }
+    if !looks(args) {
+        return Ok(());
+    }
+    let variants: BTreeSet<&str> = session.photos.iter().map(|photo| photo.variant.as_str()).collect();
+    if !variants.contains(args.base.as_str()) || variants.len() < 2 {
+        let all = variants.into_iter().collect::<Vec<_>>().join(", ");
+        return Err(format!(
+            "findings need photos of `{}` and of another texture, and the session has {all}: name the base with --base, or leave the detectors out",
+            args.base
+        )
+        .into());
+    }
+    Ok(())
+}
+
+/// Whether detections are looked at.
+fn looks(args: &Args) -> bool {
+    !args.detectors.is_empty() || args.recorded || args.results.are_given()
 }
 
 fn poses(session: &Session) -> Result<advise::PoseAdvice> {
@@ -114,7 +146,7 @@ fn samples(session: &Session) -> Result<Vec<Sample>> {
 
 /// What the findings depend on; none where no detector looks.
 fn figures(args: &Args, session: &Session) -> Result<Option<FigureAdvice>> {
-    if args.detectors.is_empty() && !args.recorded && !args.results.are_given() {
+    if !looks(args) {
         return Ok(None);
     }
     let one = std::slice::from_ref(session);

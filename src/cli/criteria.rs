@@ -10,9 +10,9 @@ use crate::session::Session;
 /// The definition of AP and the threshold of a hit, by themselves or as a protocol has them.
 #[derive(clap::Args)]
 pub(super) struct Reading {
-    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp.
-    #[arg(long, value_name = "NAME", default_value = ApDefinition::Coco101.name(), value_parser = ApDefinition::from_name, conflicts_with = "protocol")]
-    ap: ApDefinition,
+    /// AP definition: coco-101, all-point, voc-11 or yolov5-ramp [default: coco-101]
+    #[arg(long, value_name = "NAME", value_parser = ApDefinition::from_name, conflicts_with = "protocol")]
+    ap: Option<ApDefinition>,
     /// A detection counts as a hit, a misclassification or a hallucination from this confidence up.
     #[arg(long, value_name = "C", default_value_t = score::HIT_CONFIDENCE, conflicts_with = "protocol")]
     confidence: f64,
@@ -29,12 +29,10 @@ impl Reading {
     pub(super) fn criteria_or(&self, ap: Option<ApDefinition>) -> Result<Criteria, String> {
         let criteria = self.criteria()?;
         match ap {
-            Some(ap) if ap != criteria.ap && (self.protocol.is_some() || self.ap != ApDefinition::default()) => {
-                Err(format!(
-                    "the settings have the AP definition {}, and the options another one: leave one of them out",
-                    ap.name()
-                ))
-            }
+            Some(ap) if ap != criteria.ap && (self.protocol.is_some() || self.ap.is_some()) => Err(format!(
+                "the settings have the AP definition {}, and the options another one: leave one of them out",
+                ap.name()
+            )),
             Some(ap) => Ok(Criteria { ap, ..criteria }),
             None => Ok(criteria),
         }
@@ -51,7 +49,7 @@ impl Reading {
             ));
         }
         Ok(Criteria {
-            ap: self.ap,
+            ap: self.ap.unwrap_or_default(),
             hit_confidence: self.confidence,
             protocol: None,
         })

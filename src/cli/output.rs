@@ -13,7 +13,7 @@ const OUTPUTS: [&str; 3] = ["output", "report", "definition"];
 const FOLDERS: [&str; 2] = ["DIR", "SESSION"];
 
 /// What outputs of one format may end in, by what the help calls them. Commands that write several formats choose by the ending themselves.
-const ENDINGS: [(&str, &[&str]); 2] = [("PNG", &["png"]), ("HTML", &["html", "htm"])];
+const ENDINGS: [(&str, &[&str]); 3] = [("PNG", &["png"]), ("HTML", &["html", "htm"]), ("SVG", &["svg"])];
 
 /// Whether the command that was given, one of `whole`, writes to standard output.
 ///
@@ -77,9 +77,8 @@ mod tests {
     use super::*;
 
     /// Commands that write no file, or only into a folder that is their input.
-    const WITHOUT: [&str; 16] = [
+    const WITHOUT: [&str; 15] = [
         "locate",
-        "plan",
         "camera show",
         "session import",
         "capture list-cameras",
@@ -144,7 +143,7 @@ mod tests {
     /// What a new command calls its output decides whether `-` is a file there.
     #[test]
     fn every_output_is_called_a_folder_or_a_kind_of_file() {
-        let kinds = ["FILE", "PNG", "TOML", "YAML", "HTML", "FILE.toml", "JSON"];
+        let kinds = ["FILE", "PNG", "TOML", "YAML", "HTML", "SVG", "FILE.toml", "JSON"];
         let (whole, mut all, mut seen) = (whole(), Vec::new(), 0);
         leaves(&whole, "", &mut all);
         for (path, command) in all {

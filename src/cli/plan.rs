@@ -1,12 +1,13 @@
 //! `scaleproof plan`: how many photos show a drop?
 
+#[cfg(feature = "full")]
 mod sealed;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::compare::inside;
-use super::{CommandResult, Outcome};
+use super::{CommandResult, Outcome, progress};
 use crate::plot::{PlotAxis, PlotLine, PlotPanel, Scale, panels};
 use crate::scene::Scene;
 use crate::score::SequentialPlan;
@@ -26,6 +27,7 @@ pub(super) struct Args {
     /// The scene whose bins are photographed: a table of places, photos and the smallest drop they show.
     #[arg(long, value_name = "TOML", conflicts_with = "bins")]
     scene: Option<PathBuf>,
+    #[cfg(feature = "full")]
     #[command(flatten)]
     sealing: sealed::Sealing,
     /// With --scene: places that are planned.
@@ -56,22 +58,23 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    match (&args.scene, &args.sealing.seal) {
-        (Some(scene), Some(path)) => {
-            let beside = sealed::Beside {
-                scene,
-                places: args.places,
-                is_sequential: args.sequential,
-                least: args.least,
-                as_json: args.json,
-            };
-            return sealed::seal(path, &args.sealing, &beside, out);
-        }
-        (Some(_), None) if args.sequential => {
+    #[cfg(feature = "full")]
+    if let (Some(scene), Some(path)) = (&args.scene, &args.sealing.seal) {
+        let beside = sealed::Beside {
+            scene,
+            places: args.places,
+            is_sequential: args.sequential,
+            least: args.least,
+            as_json: args.json,
+        };
+        return sealed::seal(path, &args.sealing, &beside, out);
+    }
+    match &args.scene {
+        Some(_) if args.sequential => {
             return Err("--sequential plans pairs, not places: leave --scene out, or seal the plan with --seal".into());
         }
-        (Some(scene), None) => return table(&args, scene, out),
-        (None, _) => {}
+        Some(scene) => return table(&args, scene, out),
+        None => {}
     }
     // The option is required without a scene.
     let drop = args.drop.unwrap_or_default();
@@ -109,7 +112,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 
 /// A plan that stops when it knows, beside the fixed one.
 fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
-    let plan = score::sequential_plan(args.base_rate, drop, args.power, args.least)?;
+    let bar = progress::steps("simulating", score::SEQUENTIAL_ROWS);
+    let plan = score::sequential_plan((args.base_rate, drop), args.power, args.least, || bar.inc(1))?;
+    bar.finish_and_clear();
     if let Some(path) = &args.output {
         files::write_atomically(path, chart(&plan).as_bytes())?;
     }
@@ -134,8 +139,8 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
             .map_or_else(String::new, |_| format!("{:<13.3}", row.less_than_least_shown));
         writeln!(
             out,
-            "{:<11.2}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{}",
-            row.real_drop,
+            "{:<11}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{}",
+            digits(row.real_drop, 3),
             row.drop_shown,
             row.rise_shown,
             row.undecided,
@@ -156,40 +161,43 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
 
 /// Pairs, and how often a drop is shown, against the real drop.
 fn chart(plan: &SequentialPlan) -> String {
-    let steps: Vec<String> = plan.table.iter().map(|row| digits(row.real_drop, 2)).collect();
-    let panel = |title: &str, of: &dyn Fn(&score::Expected) -> f64, fixed: f64| {
-        let values: Vec<f64> = plan.table.iter().map(of).collect();
-        let axis = PlotAxis::around(
-            "real drop of the hit rate",
-            Scale::Linear,
-            values.iter().copied().chain([fixed]),
-        );
-        let line = |series, values: Vec<f64>| PlotLine {
+    let steps: Vec<String> = plan.table.iter().map(|row| digits(row.real_drop, 3)).collect();
+    let panel = |title: &str, of: &dyn Fn(&score::Expected) -> [f64; 2]| {
+        let both: Vec<[f64; 2]> = plan.table.iter().map(of).collect();
+        let line = |series: usize| PlotLine {
             series,
-            values: values.into_iter().map(Some).collect(),
+            values: both.iter().map(|values| Some(values[series])).collect(),
             is_dashed: series == 1,
         };
         PlotPanel {
             title: title.to_owned(),
             steps: steps.clone(),
-            y: axis,
-            lines: vec![line(0, values), line(1, vec![fixed; steps.len()])],
+            y: PlotAxis::around(
+                "real drop of the hit rate",
+                Scale::Linear,
+                both.iter().flatten().copied(),
+            ),
+            lines: vec![line(0), line(1)],
         }
     };
+    let fixed = plan.fixed_pairs as f64;
     let all = [
-        panel(
-            "mean pairs until it stops",
-            &|row| row.mean_pairs,
-            plan.fixed_pairs as f64,
-        ),
-        panel("share that shows a drop", &|row| row.drop_shown, plan.power),
+        panel("mean pairs until it stops", &|row| [row.mean_pairs, fixed]),
+        panel("share that shows a drop", &|row| [row.drop_shown, row.fixed_drop_shown]),
+        panel("share of the pairs that is saved", &|row| [row.saved, 0.0]),
     ];
-    let notes = [format!(
-        "Planned: a drop of {} from {}, shown with a chance of {}; at most {} pairs. {} experiments a point.",
-        plan.drop, plan.base_rate, plan.power, plan.budget_pairs, plan.experiments
-    )];
-    let series = ["stops when it knows".to_owned(), "fixed plan, and its power".to_owned()];
-    panels("Photos until the question is decided", &notes, &series, 2, &all)
+    let notes = [
+        format!(
+            "Planned: a drop of {} from {}, shown with a chance of {}.",
+            plan.drop, plan.base_rate, plan.power
+        ),
+        format!(
+            "At most {} pairs, looked at after each; {} experiments a point.",
+            plan.budget_pairs, plan.experiments
+        ),
+    ];
+    let series = ["stops when it knows".to_owned(), "fixed plan".to_owned()];
+    panels("Photos until the question is decided", &notes, &series, 3, &all)
 }
 
 /// Places, photos and the smallest drop they show, for the bins of a scene.

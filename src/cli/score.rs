@@ -52,7 +52,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = one_of(Corruption::ALL.map(|kind| (kind, kind.name()))))]
     corrupt: Vec<Corruption>,
     /// Say whether the order of the textures is the same in these sessions, which the same detectors look at: Kendall's τ with its interval, for each detector, and for each group of --group-by.
-    #[arg(long, value_name = "SESSION", num_args = 1..)]
+    #[arg(long, value_name = "SESSION", num_args = 1.., conflicts_with = "results")]
     ranking: Vec<PathBuf>,
     /// What `advise` found to be enough for these photos: a TOML file with the tag detector, the lens model's terms and the definition of AP.
     #[arg(long, value_name = "TOML")]
@@ -141,11 +141,10 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
 }
 
 pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
-    let settings = args
-        .settings
-        .as_deref()
-        .map(Settings::open)
-        .transpose()?
+    let applied = args.settings.as_deref().map(Settings::open).transpose()?;
+    let settings = applied
+        .as_ref()
+        .map(|applied| applied.settings.clone())
         .unwrap_or_default();
     let criteria = args.judging.reading.criteria_or(settings.ap()?)?;
     let mut opened = args.photos.open()?;
@@ -198,6 +197,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let scores = score_with_progress(opened.sessions, detectors, &options)?;
     let mut scores = args.judging.tables.made(scores, criteria)?;
     scores.patterns = patterns;
+    let mut scores = scores.made_by(applied);
     if !args.corrupt.is_empty() {
         scores.robustness = made_worse(&scores, &args.corrupt, &options)?;
     }
@@ -256,12 +256,7 @@ fn against(scores: &Scores, others: Vec<Session>, args: &Args, options: &Options
     let detectors = at_hand::evaluated(&others, names, args.recorded, &args.folder, &args.results)?;
     let others = score_with_progress(others, detectors, options)?.judged_by(scores.criteria);
     failing_alike::say_not_scored(&others);
-    let ranking = score::ranking(scores, &others);
-    ranking
-        .cautions
-        .iter()
-        .for_each(|caution| say!("note: order of the textures: {caution}"));
-    Ok(ranking)
+    Ok(score::ranking(scores, &others))
 }
 
 /// Looks at the photos again and shows how far it has come.

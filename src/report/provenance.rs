@@ -7,13 +7,16 @@ use serde::Serialize;
 
 use super::counted;
 use crate::detect::SCORE_FLOOR;
-use crate::score::{DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
+use crate::score::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
 
 #[derive(Serialize)]
 pub(super) struct Provenance {
     pub scaleproof: &'static str,
     pub onnx_runtime: Option<String>,
     pub tag_detector: String,
+    /// The file that changed how photos are located or figures computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<AppliedSettings>,
     /// How AP@0.5 is computed.
     pub ap_definition: &'static str,
     /// Whose definitions and thresholds these are.
@@ -73,6 +76,7 @@ pub(super) fn of(scores: &Scores) -> Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),
         tag_detector: scores.tags.provenance(),
+        settings: scores.settings.clone(),
         ap_definition: scores.criteria.ap.name(),
         protocol: scores.criteria.protocol.map(Protocol::name),
         match_iou: scores.criteria.match_iou(),

@@ -12,6 +12,7 @@ pub(super) fn lines(scores: &Scores) -> Vec<String> {
         "\norder of the textures by AP@0.5, against {}:",
         ranking.others.join(", ")
     );
+    let none = ranking.cautions.iter().map(|caution| format!("  {caution}"));
     let rows = ranking.rows.iter().map(|row| {
         let photos = if row.photos == "all" {
             String::new()
@@ -20,7 +21,7 @@ pub(super) fn lines(scores: &Scores) -> Vec<String> {
         };
         format!("  {}{photos}: τ {}: {}", row.detector, tau(row), found(row))
     });
-    std::iter::once(head).chain(rows).collect()
+    std::iter::once(head).chain(rows).chain(none).collect()
 }
 
 /// `0.67 [0.33, 1.00]`
@@ -28,7 +29,10 @@ pub(super) fn tau(row: &RankingRow) -> String {
     let interval = row
         .interval_95
         .map(|i| format!(" [{}, {}]", digits(i.low, 2), digits(i.high, 2)));
-    digits(row.tau, 2) + &interval.unwrap_or_default()
+    match row.tau {
+        Some(tau) => digits(tau, 2) + &interval.unwrap_or_default(),
+        None => "– (all tied)".to_owned(),
+    }
 }
 
 /// What was found, in words.

@@ -17,9 +17,16 @@ pub(super) fn unit(sequential: &Sequential) -> &'static str {
 /// Two lines for each detector and variant.
 pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
     let unit = unit(sequential);
-    let mut lines = vec![format!("looked at after each {unit}, in the order of the photos:")];
+    let mut lines = vec![format!(
+        "looked at after each {unit}, in the order of the photos (the findings above hold for a single look):"
+    )];
     for course in &sequential.results {
-        lines.push(format!("{}: {base} → {}", course.detector, course.variant));
+        lines.push(format!(
+            "{}: {base} → {}{}",
+            course.detector,
+            course.variant,
+            repeats(course)
+        ));
         for (name, decision) in figures(course) {
             lines.push(format!(
                 "  {name:<24} {}; p {} however often one looks; {}",
@@ -44,6 +51,14 @@ pub(crate) fn standing(sequential: &Sequential) -> String {
         )
     });
     each.collect::<Vec<_>>().join("; ")
+}
+
+/// `, 24 repeats not looked at`; empty without any.
+pub(super) fn repeats(course: &Course) -> String {
+    match course.repeats {
+        0 => String::new(),
+        n => format!(", {} not looked at", spelling::count(n, "repeat")),
+    }
 }
 
 /// The figures that have decisions.
@@ -81,10 +96,7 @@ pub(super) fn p(decision: &Decision) -> String {
 
 /// `mean drop in [0.31, 0.87] from 3 whole rounds`
 pub(super) fn interval(decision: &Decision, unit: &str) -> String {
-    let rounds = match unit {
-        "place" => spelling::count(decision.rounds, "place"),
-        _ => spelling::count(decision.rounds, "whole round"),
-    };
+    let rounds = rounds(decision, unit);
     match decision.interval_95 {
         Some(i) => format!(
             "mean drop in [{}, {}] from {rounds}",
@@ -96,13 +108,21 @@ pub(super) fn interval(decision: &Decision, unit: &str) -> String {
     }
 }
 
+/// What an interval rests on.
+pub(super) fn rounds(decision: &Decision, unit: &str) -> String {
+    match unit {
+        "place" => spelling::count(decision.rounds, "place"),
+        _ => spelling::count(decision.rounds, "whole round"),
+    }
+}
+
 /// What explains the table and the charts.
 pub(super) fn note(scores: &Scores, sequential: &Sequential) -> String {
     let sessions = spelling::choose(scores.sessions.len(), "session lists", "sessions list");
     format!(
         "Looked at after each {}, in the order in which the {sessions} the photos, the first pair of each place and bin. All decisions hold however often one looks and whenever one stops: \
-         where the texture changes nothing, a drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences; Waudby-Smith and Ramdas 2024). Average precision is no mean of photos, \
-         and so has no such test.",
+         where the texture changes nothing, a drop or rise is ever shown with a probability of 5 % at most (bets on the paired differences; Waudby-Smith and Ramdas 2024). The interval rests on whole rounds alone, so that it may hold 0 where a drop is shown. Average \
+         precision is no mean of photos, and so has no such test.",
         unit(sequential)
     )
 }

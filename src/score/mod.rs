@@ -37,9 +37,9 @@ pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
 pub(crate) use compare::{
-    ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, Kept, Sequential, SequentialFinding,
-    SequentialPlan, compare_with, most_telling, paired, pairs_needed, places_needed, sequential, sequential_plan,
-    smallest_drop_by_place,
+    ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, Kept, SEQUENTIAL_ROWS, Sequential,
+    SequentialFinding, SequentialPlan, compare_with, most_telling, paired, pairs_needed, places_needed, sequential,
+    sequential_plan, smallest_drop_by_place,
 };
 pub use compare::{CompareError, Comparison, compare};
 #[cfg(test)]
@@ -71,7 +71,7 @@ pub(crate) use run::{TimedPhoto, merge, observe, timed_photos};
 use scores::ScoredSet;
 pub use scores::Scores;
 pub(crate) use sealed::{SealedDetector, SealedPlan, Stopping};
-pub(crate) use settings::Settings;
+pub(crate) use settings::{AppliedSettings, Settings};
 pub(crate) use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures, Rate, Summary};
 pub(crate) use transfer::{TransferDrop, TransferRow, transfer};
 pub(crate) use worn::WornPattern;

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use super::error::ScoreError;
 use super::grouping::{GroupBy, GroupByError};
+use super::settings::AppliedSettings;
 use super::{
     BASE_VARIANT, Comparison, Criteria, EvaluatedDetector, NotScored, PhotoOutcome, Ranking, Robustness, ScoredPhoto,
     Summary, WornPattern, caution, summary,
@@ -44,6 +45,8 @@ pub struct Scores {
     pub runtime: Option<String>,
     /// What found the tags.
     pub(crate) tags: TagDetectorChoice,
+    /// The file that changed how photos are located or figures computed, if any.
+    pub(crate) settings: Option<AppliedSettings>,
     /// What is left of the differences when photos get worse, where it was asked for.
     pub(crate) robustness: Option<Robustness>,
     /// The order of the variants against that in other sessions, where it was asked for.
@@ -91,6 +94,7 @@ impl Scores {
             photos,
             not_scored,
             tags: TagDetectorChoice::default(),
+            settings: None,
             robustness: None,
             ranking: None,
             patterns: Vec::new(),
@@ -125,7 +129,16 @@ impl Scores {
             (&self.base, &self.summaries),
         );
         self.cautions.extend_from_slice(&self.causes);
+        self.cautions
+            .extend(self.settings.as_ref().and_then(AppliedSettings::caution));
         self.paired = OnceLock::new();
+    }
+
+    /// The same run made by a file of settings.
+    pub(crate) fn made_by(mut self, settings: Option<AppliedSettings>) -> Scores {
+        self.settings = settings;
+        self.sum_up();
+        self
     }
 
     /// The same run with causes that photos share which were left out.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ClusteredBy, Comparison, Course, Criteria, Kept, Protocol, Scores, SequentialFinding};
+use super::{ClusteredBy, Comparison, Course, Criteria, Kept, Protocol, ScoredPhoto, Scores};
 use crate::detect::{Manifest, ManifestError};
 use crate::files::{self, FileError};
 use crate::scene::{Bin, Classes};
@@ -32,6 +32,10 @@ pub(crate) struct SealedPlan {
     pub detectors: BTreeMap<String, SealedDetector>,
     /// Of the scene's file.
     pub scene_sha256: String,
+    /// Of the mesh that it names, if any.
+    pub mesh_sha256: Option<String>,
+    /// Of the camera's file, where it is fixed.
+    pub camera_sha256: Option<String>,
     /// Azimuth, pitch and distance of the bins that are photographed in every texture at every place.
     pub views: Vec<[f64; 3]>,
     pub places: u16,
@@ -131,8 +135,14 @@ impl SealedPlan {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let file: SealedFile = serde_json::from_slice(&bytes).map_err(|e| SealError::Syntax {
             path: path.display().to_string(),
-            reason: e.to_string(),
+            reason: format!("line {}, column {}, does not read as one", e.line(), e.column()),
         })?;
+        if file.plan.views.iter().flatten().any(|number| number.abs() > 1e6) {
+            return Err(SealError::Syntax {
+                path: path.display().to_string(),
+                reason: "a view of it lies beyond any bin".into(),
+            });
+        }
         let seal = file.plan.seal()?;
         let deviations = match file.seal == seal {
             true => Vec::new(),
@@ -150,6 +160,7 @@ impl SealedPlan {
         all.extend(self.of_detectors(scores)?);
         all.extend(self.of_textures(scores));
         all.extend(self.of_views(scores, comparison));
+        all.extend(self.of_order(scores));
         all.extend(self.of_stopping(comparison));
         Ok(all)
     }
@@ -191,6 +202,14 @@ impl SealedPlan {
         for session in &scores.sessions {
             if files::sha256_hex(&files::read(&session.scene_path)?) != self.scene_sha256 {
                 all.push(format!("the scene of {} is not the one in the plan", session.name));
+            }
+            let hash = |path: &Path| Ok::<_, SealError>(files::sha256_hex(&files::read(path)?));
+            if session.mesh_path.as_deref().map(hash).transpose()? != self.mesh_sha256 {
+                all.push(format!("the mesh of {} is not the one in the plan", session.name));
+            }
+            let camera = session.camera_path.as_deref().map(hash).transpose()?;
+            if self.camera_sha256.is_some() && camera != self.camera_sha256 {
+                all.push(format!("the camera of {} is not the one in the plan", session.name));
             }
             let here = &session.scene.model.class;
             if *here != self.classes {
@@ -276,18 +295,27 @@ impl SealedPlan {
             }
         }
         let mut all = Vec::new();
-        if places.len() != usize::from(self.places) {
-            let [planned, here] = [usize::from(self.places), places.len()].map(|n| count(n, "place"));
+        let planned_places = usize::from(self.places);
+        let is_ended = self.textures.keys().any(|texture| ends_decided(comparison, texture));
+        if places.len() > planned_places || places.len() < planned_places && !is_ended {
+            let [planned, here] = [planned_places, places.len()].map(|n| count(n, "place"));
             all.push(format!("{planned} in the plan, {here} here"));
         }
         for texture in self.textures.keys() {
-            let missing: Vec<String> = places
+            let missing: Vec<(&str, Bin)> = places
                 .iter()
                 .flat_map(|place| planned.iter().map(move |bin| (*place, *bin)))
                 .filter(|(place, bin)| !photos.contains_key(&(texture.as_str(), *place, *bin)))
+                .collect();
+            let begun = places_in_order(scores, texture);
+            let is_excused = ends_decided(comparison, texture);
+            let may_be_missing = |place: &str| is_excused && (begun.last() == Some(&place) || !begun.contains(&place));
+            let missing: Vec<String> = missing
+                .into_iter()
+                .filter(|(place, _)| !may_be_missing(place))
                 .map(|(place, bin)| named(place, bin))
                 .collect();
-            if !missing.is_empty() && !may_be_missing(comparison) {
+            if !missing.is_empty() {
                 let some = missing.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>().join("; ");
                 let more = if missing.len() > MOST_NAMED { "; …" } else { "" };
                 all.push(format!(
@@ -309,11 +337,35 @@ impl SealedPlan {
                 count(elsewhere, "photo")
             ));
         }
+        let given = scores.photos.iter().filter(|photo| photo.truth_given).count();
+        if given > 0 {
+            all.push(format!(
+                "{} with a truth box that the session gives, not the pose",
+                count(given, "photo")
+            ));
+        }
         let left_out = scores.not_scored.len();
         if left_out > 0 {
             all.push(format!("{} left out, with reasons", count(left_out, "photo")));
         }
         all
+    }
+
+    /// In whichever order photos are looked at, nobody may choose it afterwards.
+    fn of_order(&self, scores: &Scores) -> Option<String> {
+        let is_later = |pair: &[ScoredPhoto]| {
+            let (a, b) = (pair[0].taken.as_ref(), pair[1].taken.as_ref());
+            let same_session = pair[0].session == pair[1].session;
+            // Times of one form only: EXIF and RFC 3339 differ in theirs.
+            same_session && a.zip(b).is_some_and(|(a, b)| a.len() == b.len() && a > b)
+        };
+        let first = scores.photos.windows(2).find(|pair| is_later(pair))?;
+        (self.stopping != Stopping::EveryView).then(|| {
+            format!(
+                "photos are not listed in the order of their times: {} before {}",
+                first[0].file, first[1].file
+            )
+        })
     }
 
     fn of_stopping(&self, comparison: &Comparison) -> Option<String> {
@@ -353,12 +405,33 @@ impl Stopping {
     }
 }
 
-/// Views may be missing where all that was compared is decided.
-fn may_be_missing(comparison: &Comparison) -> bool {
-    comparison.sequential.as_ref().is_some_and(|sequential| {
-        let undecided = |course: &Course| course.hit_rate.finding == SequentialFinding::Undecided;
-        !sequential.results.iter().any(undecided)
-    })
+/// Whether the photos of a texture end with the pair that decided: then views of the last place may be missing.
+fn ends_decided(comparison: &Comparison, texture: &str) -> bool {
+    let Some(sequential) = &comparison.sequential else {
+        return false;
+    };
+    let own: Vec<&Course> = sequential
+        .results
+        .iter()
+        .filter(|course| course.variant == texture)
+        .collect();
+    let last = own
+        .iter()
+        .map(|course| course.hit_rate.decided_after)
+        .collect::<Option<Vec<_>>>();
+    last.is_some_and(|last| last.into_iter().max() == own.first().map(|course| course.looks))
+}
+
+/// Where photos of a texture were taken, in the order of their list.
+fn places_in_order<'a>(scores: &'a Scores, texture: &str) -> Vec<&'a str> {
+    let own = scores.photos.iter().filter(|photo| photo.variant == texture);
+    own.map(|photo| photo.place.as_deref().unwrap_or_default())
+        .fold(Vec::new(), |mut places, place| {
+            if !places.contains(&place) {
+                places.push(place);
+            }
+            places
+        })
 }
 
 fn bin([azimuth_deg, pitch_deg, distance_mm]: [f64; 3]) -> Bin {

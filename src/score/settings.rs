@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::ApDefinition;
 use crate::files::{self, FileError};
 use crate::session::Session;
+use crate::spelling;
 use crate::tags::{StartError, TagDetectorChoice};
 
 /// Choices of a session; what is absent is as usual.
@@ -22,6 +23,32 @@ pub(crate) struct Settings {
     /// Name of a definition of AP.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ap: Option<String>,
+}
+
+/// Settings that a run was made with.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct AppliedSettings {
+    /// Name of the file.
+    pub file: String,
+    /// Of the file.
+    pub sha256: String,
+    #[serde(flatten)]
+    pub settings: Settings,
+}
+
+impl AppliedSettings {
+    /// What a reader must know of them: none where poses are those of the camera's file.
+    pub(super) fn caution(&self) -> Option<String> {
+        let terms = self.settings.lens_terms?;
+        let kept = match terms {
+            0 => "without its lens model".to_owned(),
+            terms => format!("with {} of its lens model", spelling::count(terms, "term")),
+        };
+        Some(format!(
+            "poses and truth boxes are by the camera {kept}, as {} says",
+            self.file
+        ))
+    }
 }
 
 /// Why a file has no settings.
@@ -43,9 +70,10 @@ const MOST_BYTES: u64 = 1 << 20;
 
 impl Settings {
     /// Reads a file, and finds out that its names are known.
-    pub(crate) fn open(path: &Path) -> Result<Settings, SettingsError> {
+    pub(crate) fn open(path: &Path) -> Result<AppliedSettings, SettingsError> {
         let shown = || path.display().to_string();
         let bytes = files::read_at_most(path, MOST_BYTES)?;
+        let sha256 = files::sha256_hex(&bytes);
         let syntax = |reason: String| SettingsError::Syntax { path: shown(), reason };
         let text = String::from_utf8(bytes).map_err(|_| syntax("it is not UTF-8 text".into()))?;
         let settings: Settings = toml::from_str(&text).map_err(|e| syntax(e.message().to_owned()))?;
@@ -58,7 +86,8 @@ impl Settings {
         if let Some(terms) = settings.lens_terms.filter(|terms| *terms > 8) {
             return Err(syntax(format!("`lens_terms` is {terms}: a lens model has 0 to 8")));
         }
-        Ok(settings)
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(AppliedSettings { file, sha256, settings })
     }
 
     /// The tag detector that is named, else the usual one.

@@ -1,8 +1,8 @@
 //! Agreement of two orders.
 
 /// Kendall's τ-b of two lists of figures (Kendall 1945): 1 where they order everything alike, −1 where the one is the other upside down. Figures that differ by less than `alike` are ties;
-/// 0 where one list has nothing but ties, since it orders nothing.
-pub(crate) fn kendall_tau_b(a: &[f64], b: &[f64], alike: f64) -> f64 {
+/// none where one list has nothing but ties, since it orders nothing.
+pub(crate) fn kendall_tau_b(a: &[f64], b: &[f64], alike: f64) -> Option<f64> {
     let sign = |difference: f64| match difference {
         d if d > alike => 1.0,
         d if d < -alike => -1.0,
@@ -17,10 +17,8 @@ pub(crate) fn kendall_tau_b(a: &[f64], b: &[f64], alike: f64) -> f64 {
             ordered_b += of_b.abs();
         }
     }
-    match ordered_a * ordered_b {
-        0.0 => 0.0,
-        both => agreeing / f64::sqrt(both),
-    }
+    let both = ordered_a * ordered_b;
+    (both > 0.0).then(|| agreeing / f64::sqrt(both))
 }
 
 #[cfg(test)]
@@ -29,13 +27,13 @@ mod tests {
 
     #[test]
     fn by_hand() {
-        let tau = |a: &[f64], b: &[f64]| kendall_tau_b(a, b, 1e-12);
+        let tau = |a: &[f64], b: &[f64]| kendall_tau_b(a, b, 1e-12).unwrap();
         assert_eq!(tau(&[1.0, 2.0, 3.0], &[10.0, 20.0, 30.0]), 1.0);
         assert_eq!(tau(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]), -1.0);
         // One of three pairs the other way round: (2 − 1) / 3.
         assert!((tau(&[1.0, 2.0, 3.0], &[1.0, 3.0, 2.0]) - 1.0 / 3.0).abs() < 1e-12);
         // One tie in the first list: 5 agreeing of √(5 · 6).
         assert!((tau(&[1.0, 2.0, 2.0, 4.0], &[1.0, 2.0, 3.0, 4.0]) - 5.0 / 30_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(tau(&[1.0, 1.0], &[1.0, 2.0]), 0.0);
+        assert_eq!(kendall_tau_b(&[1.0, 1.0], &[1.0, 2.0], 1e-12), None);
     }
 }

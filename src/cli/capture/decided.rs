@@ -48,13 +48,19 @@ impl Args {
         if !self.until_decided {
             return Ok(None);
         }
+        if variant == self.base {
+            return Err(format!(
+                "`{variant}` is the texture that the others are held against: all of its views are needed, and nothing is decided by it"
+            )
+            .into());
+        }
         let is_base =
             |photo: &crate::session::PhotoEntry| photo.variant == self.base && photo.place.as_deref() == Some(place);
         let session = match folder.join("session.json").exists() {
             true => Some(Session::open(&folder)?).filter(|session| session.photos.iter().any(is_base)),
             false => None,
         };
-        let Some(session) = session.filter(|_| variant != self.base) else {
+        let Some(session) = session else {
             return Err(format!(
                 "{} has no photos of `{}` at {place} that photos of `{variant}` could be held against: capture those first",
                 folder.display(),

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::super::criteria::Reading;
 use super::super::patterns::named;
 use super::super::{CommandResult, Outcome, Result, detectors};
+use crate::camera::Camera;
 use crate::capture::{usual, viewpoints_of};
 use crate::files;
 use crate::pattern::Pattern;
@@ -18,7 +19,7 @@ use crate::score::{self, ClusteredBy, Protocol, SealedDetector, SealedPlan, Stop
 pub(super) struct Sealing {
     /// Fix the experiment before its photos are taken, in a new file that `compare --plan` holds it against: textures, detectors, thresholds, views, places and when
     /// it stops. With --scene, --texture and --detector; --sequential and --least as for `compare`.
-    #[arg(long, value_name = "JSON", requires_all = ["scene", "textures", "detectors"])]
+    #[arg(long, value_name = "JSON", requires_all = ["scene", "textures", "detectors"], conflicts_with = "drop")]
     pub(super) seal: Option<PathBuf>,
     /// With --seal: a texture that will be photographed, with the file of its pattern where there is one; once for each.
     #[arg(long = "texture", value_name = "NAME[=PNG]", requires = "seal", num_args = 1..)]
@@ -41,6 +42,9 @@ pub(super) struct Sealing {
     /// With --seal: distances of the scene's bins that are photographed [default: the middle one]
     #[arg(long, value_name = "MM,…", value_delimiter = ',', requires = "seal")]
     distance_mm: Vec<f64>,
+    /// With --seal: the camera's file, which is then fixed, too.
+    #[arg(long, value_name = "FILE", requires = "seal")]
+    camera: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
 }
@@ -56,6 +60,10 @@ pub(super) struct Beside<'a> {
 
 pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dyn Write) -> CommandResult {
     let scene = Scene::open(beside.scene)?;
+    let folder = beside.scene.parent().unwrap_or(Path::new(""));
+    if let Some(camera) = &sealing.camera {
+        Camera::open(camera)?;
+    }
     let criteria = sealing.reading.criteria()?;
     let manifests = detectors::chosen(&sealing.detectors)?;
     let sealed = manifests.iter().map(|m| Ok((m.name.clone(), SealedDetector::of(m)?)));
@@ -76,7 +84,14 @@ pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dy
         match_iou: criteria.match_iou(),
         protocol: criteria.protocol.map(Protocol::name).map(str::to_owned),
         detectors: sealed.collect::<Result<_>>()?,
-        scene_sha256: files::sha256_hex(&files::read(beside.scene)?),
+        scene_sha256: hash(beside.scene)?,
+        mesh_sha256: scene
+            .model
+            .envelope
+            .mesh()
+            .map(|mesh| hash(&folder.join(mesh)))
+            .transpose()?,
+        camera_sha256: sealing.camera.as_deref().map(hash).transpose()?,
         views: views(sealing, &scene.bins)?,
         places: beside.places,
         stopping,
@@ -97,6 +112,11 @@ pub(super) fn seal(path: &Path, sealing: &Sealing, beside: &Beside, out: &mut dy
         )?,
     }
     Ok(Outcome::Done)
+}
+
+/// SHA-256 of a file.
+fn hash(path: &Path) -> Result<String> {
+    Ok(files::sha256_hex(&files::read(path)?))
 }
 
 fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<String>>> {

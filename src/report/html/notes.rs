@@ -70,6 +70,7 @@ pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
                 "scaleproof " (p.scaleproof) @if let Some(runtime) = &p.onnx_runtime { ", " (runtime) }
             }
             dt { "tags" } dd { (p.tag_detector) }
+            @if let Some(s) = &p.settings { dt { "settings" } dd { (s.file) ", SHA-256 " code { (s.sha256) } } }
             dt { "thresholds" } dd {
                 "match IoU " (p.match_iou) ", hit confidence " (p.hit_confidence) ", candidates from confidence " (p.score_floor) " up, AP "
                 (p.ap_definition)

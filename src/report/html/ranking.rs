@@ -22,7 +22,7 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
                 figure { (chart(scores, row).inline(None)) figcaption { (scores.title(&row.detector)) } }
             }
         }
-        div.scroll {
+        @if !ranking.rows.is_empty() { div.scroll {
             table {
                 thead { tr { th { "detector" } @for name in ["photos", "order here, AP@0.5 (there)", "τ, 95 %", "finding"] { th.text { (name) } } } }
                 tbody {
@@ -40,9 +40,9 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
                     }
                 }
             }
-        }
+        } }
         p.note { (note(ranking)) }
-        @for caution in &ranking.cautions { p.note { "Not compared: " (caution) "." } }
+        @for caution in &ranking.cautions { p.note { "Note: " (caution) "." } }
     })
 }
 
@@ -63,10 +63,10 @@ fn chart(scores: &Scores, row: &RankingRow) -> Drawing {
         }
         text x="0" y=(HEIGHT + 14.0) font-size="10" text-anchor="middle" { "here" }
         text x=(WIDTH) y=(HEIGHT + 14.0) font-size="10" text-anchor="middle" { "there" }
-        text transform=(format!("translate(-24 {}) rotate(-90)", HEIGHT / 2.0)) font-size="10" text-anchor="middle" { "AP@0.5" }
+        text transform=(format!("translate(-29 {}) rotate(-90)", HEIGHT / 2.0)) font-size="10" text-anchor="middle" { "AP@0.5" }
     };
     Drawing {
-        area: [-36.0, -8.0, 180.0, 158.0],
+        area: [-42.0, -8.0, 186.0, 158.0],
         label: format!("AP@0.5 of each texture here and there, {}", scores.title(&row.detector)),
         marks,
     }

@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{colour, round};
+use super::{colour, number, round};
 use crate::plot::Drawing;
-use crate::report::sequential::{SHOWN_FROM, figures, found, interval, note, p, unit};
-use crate::score::{Comparison, Course, Scores, Sequential};
+use crate::report::sequential::{SHOWN_FROM, figures, found, note, p, repeats, rounds, unit};
+use crate::score::{Comparison, Course, Decision, Scores, Sequential};
 
 const SIDE: [f64; 2] = [220.0, 120.0];
 /// Base-10 logarithms of the evidence that a chart reaches from and to.
@@ -23,8 +23,8 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
                         @for (name, decision) in figures(course) {
                             tr {
                                 td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (name) }
-                                td.text { (found(decision, sequential, course.looks)) } td.text { (p(decision)) }
-                                td.text { (interval(decision, unit(sequential))) }
+                                td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p(decision).trim_start_matches("= ")) }
+                                td.text { (cell(decision, unit(sequential))) }
                             }
                         }
                     }
@@ -42,6 +42,14 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
         }
         p.note { (note(scores, sequential)) " Charts: evidence for a drop; dashed: from a factor of 40 on it is shown." }
     })
+}
+
+/// `[0.31, 0.87], 3 whole rounds`
+fn cell(decision: &Decision, unit: &str) -> String {
+    let ends = decision.interval_95.map_or("none".to_owned(), |i| {
+        format!("[{}, {}]", number(i.low, 2), number(i.high, 2))
+    });
+    format!("{ends}, {}", rounds(decision, unit))
 }
 
 fn chart(scores: &Scores, sequential: &Sequential, course: &Course) -> Drawing {

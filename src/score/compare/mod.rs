@@ -20,7 +20,7 @@ pub(crate) use result::{
     BinHits, ClusteredBy, Compared, Course, Decision, Difference, Finding, Hits, Kept, Sequential, SequentialFinding,
 };
 pub(crate) use sequential::{most_telling, sequential};
-pub(crate) use sequential_plan::{Expected, SequentialPlan, sequential_plan};
+pub(crate) use sequential_plan::{Expected, SEQUENTIAL_ROWS, SequentialPlan, sequential_plan};
 
 use super::summary::{boxes, variants};
 use super::{MATCH_IOU, PhotoOutcome, ScoredPhoto, ScoredSet, Scores};

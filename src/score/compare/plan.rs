@@ -10,6 +10,8 @@ pub(crate) enum PlanError {
     Drop { drop: f64, base_rate: f64 },
     #[error("the hit rate of the base must lie above 0 and not above 1: it is {0}")]
     BaseRate(f64),
+    #[error("the least drop that matters, {least}, must not be above the drop that is planned for, {drop}")]
+    Least { least: f64, drop: f64 },
     #[error("the power must lie from 0.5 to 0.99: it is {0}")]
     Power(f64),
     #[error("more than {MOST_PAIRS} pairs would be needed: such a drop is too small for photos")]

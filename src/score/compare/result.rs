@@ -125,6 +125,8 @@ pub struct Course {
     pub variant: String,
     /// So often could one look.
     pub looks: usize,
+    /// Pairs that repeat a place and bin, which are not looked at.
+    pub repeats: usize,
     pub hit_rate: Decision,
     pub mean_confidence: Decision,
 }

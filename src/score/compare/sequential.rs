@@ -50,6 +50,7 @@ pub(crate) fn sequential(
                 detector: detector.manifest.name.clone(),
                 variant: variant.clone(),
                 looks: looks.len(),
+                repeats: cells.iter().map(|cell| cell.pairs.len() - 1).sum(),
                 hit_rate: decide(&looks, least, |(base, other)| side.hit(base) - side.hit(other)),
                 mean_confidence: decide(&looks, least, |(base, other)| {
                     side.outcome(base).confidence - side.outcome(other).confidence

@@ -4,14 +4,17 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-use super::plan::{MOST_PAIRS, PlanError, pairs_needed};
+use super::plan::{MOST_PAIRS, PlanError, pairs_needed, power as exact_power};
 use crate::statistics::{SEED, Sequence, Shown};
 
 /// Simulated experiments behind each row.
 const EXPERIMENTS: usize = 5000;
 
 /// Multiples of the drop that is planned for: what the real one may be.
-const REAL: [f64; 6] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0];
+const REAL: [f64; 7] = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
+
+/// Rows that are simulated at most, and the budget before them.
+pub(crate) const SEQUENTIAL_ROWS: usize = REAL.len() + 1;
 
 /// Two plans that show the same drop with the same chance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,6 +37,8 @@ pub(crate) struct Expected {
     pub real_drop: f64,
     /// Shares of the experiments that show a drop, a rise, and a drop smaller than the least.
     pub drop_shown: f64,
+    /// The same of the fixed plan, exactly.
+    pub fixed_drop_shown: f64,
     pub rise_shown: f64,
     pub less_than_least_shown: f64,
     pub undecided: f64,
@@ -46,13 +51,17 @@ pub(crate) struct Expected {
 /// # Errors
 /// Rates and drops that are none, and drops too small for photos.
 pub(crate) fn sequential_plan(
-    base_rate: f64,
-    drop: f64,
+    (base_rate, drop): (f64, f64),
     power: f64,
     least: Option<f64>,
+    on_row: impl Fn(),
 ) -> Result<SequentialPlan, PlanError> {
+    if let Some(least) = least.filter(|least| *least > drop) {
+        return Err(PlanError::Least { least, drop });
+    }
     let fixed_pairs = pairs_needed(base_rate, drop, power, 0.05)?;
     let planned = ends(base_rate, drop, least, MOST_PAIRS);
+    on_row();
     let mut shown_after: Vec<usize> = planned
         .iter()
         .map(|end| if end.0 == Some(Shown::Above) { end.1 } else { usize::MAX })
@@ -62,8 +71,15 @@ pub(crate) fn sequential_plan(
     if budget_pairs > MOST_PAIRS {
         return Err(PlanError::TooMany);
     }
-    let real = REAL.map(|times| times * drop);
+    // Free of the rounding of the product.
+    let real = REAL.map(|times| (times * drop * 1e9).round() / 1e9);
     let rows = real.into_iter().filter(|real| *real <= base_rate);
+    let row = |real: f64| {
+        let fixed = exact_power(fixed_pairs, base_rate, real, 0.05).max(0.0); // not a number where no pair can differ
+        let row = expected((real, fixed), &ends(base_rate, real, least, budget_pairs), fixed_pairs);
+        on_row();
+        row
+    };
     Ok(SequentialPlan {
         base_rate,
         drop,
@@ -72,9 +88,7 @@ pub(crate) fn sequential_plan(
         fixed_pairs,
         budget_pairs,
         experiments: EXPERIMENTS,
-        table: rows
-            .map(|real| expected(real, &ends(base_rate, real, least, budget_pairs), fixed_pairs))
-            .collect(),
+        table: rows.map(row).collect(),
     })
 }
 
@@ -96,12 +110,17 @@ fn ends(base_rate: f64, drop: f64, least: Option<f64>, budget: usize) -> Vec<(Op
     (0..EXPERIMENTS).map(experiment).collect()
 }
 
-fn expected(real_drop: f64, ends: &[(Option<Shown>, usize)], fixed_pairs: usize) -> Expected {
+fn expected(
+    (real_drop, fixed_drop_shown): (f64, f64),
+    ends: &[(Option<Shown>, usize)],
+    fixed_pairs: usize,
+) -> Expected {
     let share = |of: Option<Shown>| ends.iter().filter(|end| end.0 == of).count() as f64 / ends.len() as f64;
     let mean_pairs = ends.iter().map(|end| end.1 as f64).sum::<f64>() / ends.len() as f64;
     Expected {
         real_drop,
         drop_shown: share(Some(Shown::Above)),
+        fixed_drop_shown,
         rise_shown: share(Some(Shown::Below)),
         less_than_least_shown: share(Some(Shown::LessThanLeast)),
         undecided: share(None),

@@ -10,12 +10,25 @@ use super::summary::{boxes, variants};
 use super::{EvaluatedDetector, GroupBy, MATCH_IOU, ScoredPhoto, Scores};
 use crate::ap::{ApDefinition, Ranked};
 use crate::scene::Bin;
-use crate::spelling::count;
+use crate::spelling::{choose, count};
 use crate::statistics::{ALIKE, FEWEST_CLUSTERS, Interval, interval_95_of_two, kendall_tau_b};
 
 /// Orders the variants of two runs by AP, and says how far they agree, for each detector that both have, over all photos and over those of each group of the first.
 pub(crate) fn ranking(scores: &Scores, other: &Scores) -> Ranking {
     let (mut rows, mut cautions) = (Vec::new(), Vec::new());
+    let here: BTreeSet<&str> = scores.photos.iter().map(|photo| photo.sha256.as_str()).collect();
+    let shared = other
+        .photos
+        .iter()
+        .filter(|photo| here.contains(photo.sha256.as_str()))
+        .count();
+    if shared > 0 {
+        cautions.push(format!(
+            "{} of the other sessions {} here, too: an order agrees with itself",
+            count(shared, "photo"),
+            choose(shared, "is", "are")
+        ));
+    }
     for (index, detector) in scores.detectors.iter().enumerate() {
         let name = &detector.manifest.name;
         let Some(other_index) = other.detectors.iter().position(|d| d.manifest.name == *name) else {
@@ -155,7 +168,7 @@ fn row(
     }
     let [ap, other_ap] = [&own, &others].map(|ordered| ordered.aps(&vec![1; ordered.clusters]));
     let tau = kendall_tau_b(&ap, &other_ap, ALIKE);
-    let of_draws = |a: &[u32], b: &[u32]| kendall_tau_b(&own.aps(a), &others.aps(b), ALIKE);
+    let of_draws = |a: &[u32], b: &[u32]| kendall_tau_b(&own.aps(a), &others.aps(b), ALIKE).unwrap_or(0.0);
     let clusters = [own.clusters, others.clusters];
     let interval_95 = interval_95_of_two(clusters, of_draws);
     let mut variants: Vec<InBothOrders> = common
@@ -181,7 +194,10 @@ fn row(
 }
 
 /// Without an interval all resamples agree, or there are too few clusters.
-fn finding(clusters: [usize; 2], tau: f64, interval: Option<Interval>) -> RankingFinding {
+fn finding(clusters: [usize; 2], tau: Option<f64>, interval: Option<Interval>) -> RankingFinding {
+    let Some(tau) = tau else {
+        return RankingFinding::TooFewPhotosToTell;
+    };
     let enough = clusters.iter().all(|clusters| *clusters >= FEWEST_CLUSTERS);
     let (above, below) = interval.map_or((tau > 0.0, tau < 0.0), |i| (i.low > 0.0, i.high < 0.0));
     match (enough && above, enough && below) {

@@ -36,8 +36,8 @@ pub(crate) struct RankingRow {
     pub cells: [usize; 2],
     /// What is resampled as a whole, here and in the other sessions.
     pub clusters: [usize; 2],
-    /// Kendall's τ-b of the two orders.
-    pub tau: f64,
+    /// Kendall's τ-b of the two orders; absent where one of them has nothing but ties.
+    pub tau: Option<f64>,
     pub interval_95: Option<Interval>,
     pub finding: RankingFinding,
 }
