@@ -31,7 +31,7 @@ pub(super) struct Answer {
 }
 
 /// Tags in a photo, at the size at which they were found.
-pub(super) struct Seen {
+pub(super) struct FoundTags {
     tags: Vec<SeenTag>,
     ms: f64,
     /// Width and height, px.
@@ -44,7 +44,7 @@ pub(super) fn find(
     (choice, reduced_by): (TagDetectorChoice, u32),
     (scene, camera): (&Scene, &Camera),
     detector: &mut dyn TagDetector,
-) -> Seen {
+) -> FoundTags {
     let reduced;
     let luma = match reduced_by {
         1 => &sample.luma,
@@ -64,7 +64,7 @@ pub(super) fn find(
         TagDetectorChoice::Cascade => locate_luma(luma, sample.turned_deg, scene, camera, detector).seen,
         _ => detector.find(luma),
     });
-    Seen {
+    FoundTags {
         tags,
         ms,
         size: luma.dimensions(),
@@ -75,7 +75,7 @@ pub(super) fn find(
 pub(super) fn answer(
     way: &Way,
     sample: &Sample,
-    seen: &Seen,
+    seen: &FoundTags,
     reference: &[SeenTag],
     (scene, camera): (&Scene, &Camera),
 ) -> Answer {

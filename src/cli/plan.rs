@@ -139,13 +139,13 @@ fn sequential(args: &Args, drop: f64, out: &mut dyn Write) -> CommandResult {
             .map_or_else(String::new, |_| format!("{:<13.3}", row.less_than_least_shown));
         writeln!(
             out,
-            "{:<11}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{}",
+            "{:<11}{:<12.3}{:<12.3}{less}{:<11.3}{:<12.1}{} %",
             digits(row.real_drop, 3),
             row.drop_shown,
             row.rise_shown,
             row.undecided,
             row.mean_pairs,
-            format!("{} %", digits(100.0 * row.saved, 0))
+            digits(100.0 * row.saved, 0)
         )?;
     }
     writeln!(

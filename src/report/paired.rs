@@ -1,6 +1,6 @@
 //! What the paired photos say of a drop, in words: it stands beside every drop.
 
-use crate::score::{ClusteredBy, Compared, Difference, Finding, Kept, Scores, paired, places_needed};
+use crate::score::{ClusteredBy, Compared, Difference, Finding, PlanCheck, Scores, paired, places_needed};
 use crate::spelling::{self, digits};
 
 /// What the pairs of a variant and the base say of one detector; none where no photos pair.
@@ -89,7 +89,7 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
 }
 
 /// `2 deviations`, or that there is none.
-pub(super) fn deviations(plan: &Kept) -> String {
+pub(super) fn deviations(plan: &PlanCheck) -> String {
     match plan.deviations.len() {
         0 => "kept, no deviation".into(),
         n => spelling::count(n, "deviation"),

@@ -37,7 +37,7 @@ pub(crate) use crate::ap::{ImageBoxes, average_precision_as};
 pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
 pub(crate) use compare::{
-    ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, Kept, SEQUENTIAL_ROWS, Sequential,
+    ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, PlanCheck, SEQUENTIAL_ROWS, Sequential,
     SequentialFinding, SequentialPlan, compare_with, most_telling, paired, pairs_needed, places_needed, sequential,
     sequential_plan, smallest_drop_by_place,
 };

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ClusteredBy, Comparison, Course, Criteria, Kept, Protocol, ScoredPhoto, Scores};
+use super::{ClusteredBy, Comparison, Course, Criteria, PlanCheck, Protocol, ScoredPhoto, Scores};
 use crate::detect::{Manifest, ManifestError};
 use crate::files::{self, FileError};
 use crate::scene::{Bin, Classes};
@@ -131,7 +131,7 @@ impl SealedPlan {
     }
 
     /// Reads a plan; the seal is that of its content, and a sentence says when the file states another.
-    pub(crate) fn read(path: &Path) -> Result<(SealedPlan, Kept), SealError> {
+    pub(crate) fn read(path: &Path) -> Result<(SealedPlan, PlanCheck), SealError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let file: SealedFile = serde_json::from_slice(&bytes).map_err(|e| SealError::Syntax {
             path: path.display().to_string(),
@@ -150,7 +150,7 @@ impl SealedPlan {
                 vec!["the plan was changed after it was sealed: the seal in its file is not that of its content".into()]
             }
         };
-        Ok((file.plan, Kept { seal, deviations }))
+        Ok((file.plan, PlanCheck { seal, deviations }))
     }
 
     /// In what a comparison differs from the plan, as sentences.

@@ -108,10 +108,16 @@ fn asked(path: &[String]) -> Option<(Command, BTreeSet<String>)> {
         let mut words = line.split_whitespace().peekable();
         match words.peek() {
             Some(first) if first.starts_with('-') => {
+                // A value that may be left out stands behind the name: `--sequential[=<AFTER>]`.
+                let name = |word: &str| {
+                    word.split('[')
+                        .next()
+                        .unwrap_or_default()
+                        .trim_end_matches([',', '.'])
+                        .to_owned()
+                };
                 let own = words.take_while(|word| word.starts_with('-'));
-                command
-                    .options
-                    .extend(own.map(|word| word.trim_end_matches([',', '.']).to_owned()));
+                command.options.extend(own.map(name));
             }
             // A name stands at two blanks; further lines of its text stand deeper.
             Some(first) if line.starts_with("  ") && !line.starts_with("   ") && is_word(first) && *first != "help" => {

@@ -17,7 +17,8 @@ pub(crate) use plan::pairs_needed;
 pub(crate) use plan::power;
 pub use result::Comparison;
 pub(crate) use result::{
-    BinHits, ClusteredBy, Compared, Course, Decision, Difference, Finding, Hits, Kept, Sequential, SequentialFinding,
+    BinHits, ClusteredBy, Compared, Course, Decision, Difference, Finding, Hits, PlanCheck, Sequential,
+    SequentialFinding,
 };
 pub(crate) use sequential::{most_telling, sequential};
 pub(crate) use sequential_plan::{Expected, SEQUENTIAL_ROWS, SequentialPlan, sequential_plan};

@@ -143,7 +143,7 @@ pub struct Sequential {
 
 /// Which plan a comparison was held against, and in what it differs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Kept {
+pub struct PlanCheck {
     /// SHA-256 of the plan; what was published of it must be the same.
     pub seal: String,
     /// Sentences.
@@ -155,7 +155,7 @@ pub struct Kept {
 pub struct Comparison {
     /// The plan that was fixed before the photos, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub plan: Option<Kept>,
+    pub plan: Option<PlanCheck>,
     /// The variant that the others are compared with.
     pub base: String,
     /// Name of the definition of average precision.

@@ -4,7 +4,7 @@ mod result;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(crate) use result::{InBothOrders, Ranking, RankingFinding, RankingRow};
+pub(crate) use result::{RankedVariant, Ranking, RankingFinding, RankingRow};
 
 use super::summary::{boxes, variants};
 use super::{EvaluatedDetector, GroupBy, MATCH_IOU, ScoredPhoto, Scores};
@@ -36,8 +36,8 @@ pub(crate) fn ranking(scores: &Scores, other: &Scores) -> Ranking {
             continue;
         };
         for group in groups(scores) {
-            let here = Looked::new(scores, index, group.as_ref());
-            let there = Looked::new(other, other_index, group.as_ref());
+            let here = CellPhotos::new(scores, index, group.as_ref());
+            let there = CellPhotos::new(other, other_index, group.as_ref());
             let title = group.map_or("all".to_owned(), |(by, value)| format!("{} {value}", by.condition));
             match row((name, &title), &here, &there, scores.criteria.ap) {
                 Ok(row) => rows.push(row),
@@ -62,14 +62,14 @@ fn groups(scores: &Scores) -> Vec<Option<(&GroupBy, String)>> {
 }
 
 /// The photos of one detector in a group, by place and bin and then by variant.
-struct Looked<'a> {
+struct CellPhotos<'a> {
     detector: (usize, &'a EvaluatedDetector),
     cells: BTreeMap<(&'a str, Bin), BTreeMap<&'a str, Vec<&'a ScoredPhoto>>>,
     variants: Vec<String>,
 }
 
-impl<'a> Looked<'a> {
-    fn new(scores: &'a Scores, detector: usize, group: Option<&(&GroupBy, String)>) -> Looked<'a> {
+impl<'a> CellPhotos<'a> {
+    fn new(scores: &'a Scores, detector: usize, group: Option<&(&GroupBy, String)>) -> CellPhotos<'a> {
         let is_own = |photo: &&ScoredPhoto| group.is_none_or(|(by, value)| by.of(photo).as_ref() == Some(value));
         let mut cells: BTreeMap<_, BTreeMap<_, Vec<_>>> = BTreeMap::new();
         for photo in scores.photos.iter().filter(is_own) {
@@ -79,7 +79,7 @@ impl<'a> Looked<'a> {
                 of_cell.entry(photo.variant.as_str()).or_default().push(photo);
             }
         }
-        Looked {
+        CellPhotos {
             detector: (detector, &scores.detectors[detector]),
             cells,
             variants: variants(&scores.photos, &scores.base),
@@ -87,7 +87,7 @@ impl<'a> Looked<'a> {
     }
 
     /// With photos of these variants in each cell, and the cluster that each cell is in: its place where there are six places or more.
-    fn of(&self, all: &[&str], definition: ApDefinition) -> Ordered {
+    fn of(&self, all: &[&str], definition: ApDefinition) -> VariantAps {
         let whole: Vec<_> = self
             .cells
             .iter()
@@ -110,7 +110,7 @@ impl<'a> Looked<'a> {
             }
             (Ranked::new(&images, MATCH_IOU), cluster_of)
         });
-        Ordered {
+        VariantAps {
             variants: variants.collect(),
             cells: whole.len(),
             clusters: if by_place { places.len() } else { whole.len() },
@@ -120,7 +120,7 @@ impl<'a> Looked<'a> {
 }
 
 /// Variants whose APs can be drawn.
-struct Ordered {
+struct VariantAps {
     /// Ranked detections, and the cluster of each image.
     variants: Vec<(Ranked, Vec<usize>)>,
     cells: usize,
@@ -128,7 +128,7 @@ struct Ordered {
     definition: ApDefinition,
 }
 
-impl Ordered {
+impl VariantAps {
     /// AP of each variant, when each cluster counts so many times.
     fn aps(&self, drawn: &[u32]) -> Vec<f64> {
         let ap = |(ranked, cluster_of): &(Ranked, Vec<usize>)| {
@@ -141,8 +141,8 @@ impl Ordered {
 
 fn row(
     (detector, photos): (&str, &str),
-    here: &Looked,
-    there: &Looked,
+    here: &CellPhotos,
+    there: &CellPhotos,
     definition: ApDefinition,
 ) -> Result<RankingRow, String> {
     let common: Vec<&str> = here
@@ -171,10 +171,10 @@ fn row(
     let of_draws = |a: &[u32], b: &[u32]| kendall_tau_b(&own.aps(a), &others.aps(b), ALIKE).unwrap_or(0.0);
     let clusters = [own.clusters, others.clusters];
     let interval_95 = interval_95_of_two(clusters, of_draws);
-    let mut variants: Vec<InBothOrders> = common
+    let mut variants: Vec<RankedVariant> = common
         .iter()
         .zip(ap.iter().zip(&other_ap))
-        .map(|(variant, (ap50, other_ap50))| InBothOrders {
+        .map(|(variant, (ap50, other_ap50))| RankedVariant {
             variant: (*variant).to_owned(),
             ap50: *ap50,
             other_ap50: *other_ap50,

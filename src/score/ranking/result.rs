@@ -18,7 +18,7 @@ pub(crate) enum RankingFinding {
 
 /// A variant in both orders.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct InBothOrders {
+pub(crate) struct RankedVariant {
     pub variant: String,
     pub ap50: f64,
     pub other_ap50: f64,
@@ -31,7 +31,7 @@ pub(crate) struct RankingRow {
     /// `all`, or a condition and its value, as in `distance 850`.
     pub photos: String,
     /// From the highest AP to the lowest.
-    pub variants: Vec<InBothOrders>,
+    pub variants: Vec<RankedVariant>,
     /// Places and bins that have photos of all these variants, here and in the other sessions.
     pub cells: [usize; 2],
     /// What is resampled as a whole, here and in the other sessions.
