@@ -10,7 +10,7 @@ mod scatter;
 
 pub(crate) use axis::{PlotAxis, Scale, tick_label};
 pub(crate) use drawing::{Drawing, Explained, figure};
-pub(crate) use page::plain_page;
+pub(crate) use page::{html_page, plain_page};
 pub(crate) use panels::{PlotLine, PlotPanel, panels};
 pub(crate) use scatter::{Cloud, Dot, scatter};
 

@@ -1,5 +1,6 @@
 //! A comparison look by look, in words.
 
+use super::p_value;
 use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
 use crate::spelling::{self, digits};
 
@@ -31,7 +32,7 @@ pub(super) fn lines(sequential: &Sequential, base: &str) -> Vec<String> {
             lines.push(format!(
                 "  {name:<24} {}; p {} however often one looks; {}",
                 found(decision, sequential, course.looks),
-                p(decision),
+                p_value(decision.p_always_valid),
                 interval(decision, unit)
             ));
         }
@@ -47,7 +48,7 @@ pub(crate) fn standing(sequential: &Sequential) -> String {
             "{}: {}, p {}",
             course.detector,
             found(decision, sequential, looks),
-            p(decision)
+            p_value(decision.p_always_valid)
         )
     });
     each.collect::<Vec<_>>().join("; ")
@@ -83,14 +84,6 @@ pub(super) fn found(decision: &Decision, sequential: &Sequential, looks: usize) 
     match decision.decided_after {
         Some(after) => format!("{what}, shown after {after} of {all}"),
         None => format!("{what} after {all}"),
-    }
-}
-
-/// The p with as many digits as it needs.
-pub(super) fn p(decision: &Decision) -> String {
-    match decision.p_always_valid < 0.0005 {
-        true => "< 0.001".into(),
-        false => format!("= {}", digits(decision.p_always_valid, 3)),
     }
 }
 

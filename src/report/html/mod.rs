@@ -19,9 +19,10 @@ mod sequential;
 mod shade;
 pub(super) mod speed;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use crate::detect::{ForeignKind, Speeds};
+use crate::plot::html_page;
 use crate::report::counted;
 use crate::score::{EvaluatedDetector, Scores, Summary};
 use crate::spelling::{self, digits};
@@ -43,28 +44,17 @@ type Section = (&'static str, &'static str, Markup);
 
 fn shell(scores: &Scores, lead: &str, sections: &[Section], tail: Markup) -> String {
     let title = title(scores);
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) " · scaleproof" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                header {
-                    h1 { (title) }
-                    p.lead { (lead) }
-                    (recorded_banner(scores))
-                    nav { @for (id, title, _) in sections { a href=(format!("#{id}")) { (title) } } }
-                }
-                main { @for (id, title, content) in sections { section id=(id) { h2 { (title) } (content) } } }
-                (tail)
-            }
+    let body = html! {
+        header {
+            h1 { (title) }
+            p.lead { (lead) }
+            (recorded_banner(scores))
+            nav { @for (id, title, _) in sections { a href=(format!("#{id}")) { (title) } } }
         }
-    }
-    .into_string()
+        main { @for (id, title, content) in sections { section id=(id) { h2 { (title) } (content) } } }
+        (tail)
+    };
+    html_page(&title, STYLE, &body)
 }
 
 fn sections(scores: &Scores, speeds: Option<&Speeds>) -> Vec<Section> {

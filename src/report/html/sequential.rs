@@ -4,7 +4,8 @@ use maud::{Markup, html};
 
 use super::{colour, number, round};
 use crate::plot::Drawing;
-use crate::report::sequential::{SHOWN_FROM, figures, found, note, p, repeats, rounds, unit};
+use crate::report::p_value;
+use crate::report::sequential::{SHOWN_FROM, figures, found, note, repeats, rounds, unit};
 use crate::score::{Comparison, Course, Decision, Scores, Sequential};
 
 const SIDE: [f64; 2] = [220.0, 120.0];
@@ -23,7 +24,7 @@ pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup
                         @for (name, decision) in figures(course) {
                             tr {
                                 td { (scores.title(&course.detector)) } td.text { (course.variant) } td.text { (name) }
-                                td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p(decision).trim_start_matches("= ")) }
+                                td.text { (found(decision, sequential, course.looks)) (repeats(course)) } td.text { (p_value(decision.p_always_valid).trim_start_matches("= ")) }
                                 td.text { (cell(decision, unit(sequential))) }
                             }
                         }
