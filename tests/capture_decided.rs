@@ -1,8 +1,9 @@
 //! `capture --until-decided`: the capture ends with the pair that decides, asks for telling views, and says what `compare --sequential` says of the same session.
 
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
+use crate::tests::capture_page::{http, running::Running};
 use crate::tests::common;
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
@@ -75,6 +76,10 @@ impl Desk {
     }
 
     fn capture(&self, variant: &str, place: &str, more: &[&str]) -> Output {
+        self.command(variant, place, more).output().unwrap()
+    }
+
+    fn command(&self, variant: &str, place: &str, more: &[&str]) -> Command {
         let mut command = program();
         command.args([
             "capture",
@@ -91,7 +96,8 @@ impl Desk {
             .arg(skyline().join("scene.toml"))
             .arg("--camera")
             .arg(skyline().join("camera.yaml"));
-        command.arg("-o").arg(self.at("session")).args(more).output().unwrap()
+        command.arg("-o").arg(self.at("session")).args(more);
+        command
     }
 
     /// The patterned model, until it is decided.
@@ -241,7 +247,6 @@ fn what_cannot_be_decided_is_one_sentence() {
         &desk.until_decided("meadow", &["--least", "2"]),
         &["above 0 and below 1"],
     );
-    assert_refused(&desk.until_decided("meadow", &["--page"]), &["--page"]);
     assert_refused(&desk.capture("random", "meadow", &["--until-decided"]), &["--detector"]);
     assert_refused(
         &desk.capture("random", "meadow", &["--detector", "yolox_nano"]),
@@ -250,4 +255,79 @@ fn what_cannot_be_decided_is_one_sentence() {
     let own = desk.capture("normal", "meadow", &["--until-decided", "--detector", &desk.detector()]);
     assert_refused(&own, &["`normal`", "held against"]);
     assert_eq!(photos(&desk.at("session"), "random"), 0);
+}
+
+/// The same in a browser: the page says what the pairs say and which view tells most, takes no photo that is not needed, and goes on when one is taken back.
+#[test]
+fn a_page_takes_photos_until_it_is_decided() {
+    let desk = Desk::with_plain_photos();
+    assert!(desk.until_decided("meadow", &[]).status.success());
+    let (detector, cache) = (desk.detector(), desk.at("cache"));
+    let page = [
+        "--page",
+        "--port",
+        "0",
+        "--until-decided",
+        "--detector",
+        &detector,
+        "--cache",
+        cache.to_str().unwrap(),
+    ];
+    let command = desk.command("random", "garage", &page);
+    let mut running = Running::of(command, tempfile::tempdir().unwrap());
+    let mut client = running.client();
+    let mut wait_for = |wished: &dyn Fn(&Value) -> bool| {
+        let mut seen = 0;
+        loop {
+            let state = client.get(&format!("/state/{seen}")).json();
+            seen = state["revision"].as_u64().unwrap();
+            // What tells most is what is wanted next.
+            if state["pairs"]["is_decided"] == false && state["filled"] == 0 {
+                assert!(state["next"].is_number(), "{state}");
+            }
+            if wished(&state) {
+                return state;
+            }
+        }
+    };
+    let is_decided = |state: &Value| state["pairs"]["is_decided"] == true;
+    let state = wait_for(&is_decided);
+    assert_eq!(state["filled"], 2);
+    let said = state["pairs"]["sentence"].as_str().unwrap();
+    assert!(said.contains("fake: a drop, shown after 10 of 10 pairs"), "{said}");
+    assert!(state["next"].is_null() && state["ended"].is_null());
+    let mut hand = running.client();
+    let refused = hand.send(&http::post("/shoot"));
+    assert_eq!(refused.status, 409);
+    assert!(refused.json()["sentence"].as_str().unwrap().contains("press Finish"));
+    let photo = std::fs::read(desk.at("garage").join("random_010.jpg")).unwrap();
+    assert_eq!(hand.send(&http::upload("image/jpeg", &photo)).status, 409);
+    // The source waits, too.
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    assert_eq!(photos(&desk.at("session"), "random"), 10);
+
+    // Without the last pair it is open again, and the next photo decides it.
+    assert_eq!(hand.send(&http::post("/undo")).status, 200);
+    let state = wait_for(&is_decided);
+    assert_eq!(state["filled"], 2);
+    assert_eq!(hand.send(&http::post("/finish")).status, 202);
+    let state = wait_for(&|state: &Value| !state["ended"].is_null());
+    assert!(
+        state["ended"].as_str().unwrap().starts_with("Decided: 2 of 8 views"),
+        "{state}"
+    );
+    let (code, lines) = running.ended();
+    assert_eq!(code, Some(0));
+    assert_eq!(
+        lines.last().unwrap(),
+        &json!({"targets": 8, "filled": 2, "decided": true})
+    );
+    let standings: Vec<&Value> = lines.iter().filter_map(|line| line.get("decided")).collect();
+    assert_eq!(
+        standings[..5],
+        [false, false, true, false, true]
+            .map(Value::from)
+            .iter()
+            .collect::<Vec<_>>()[..]
+    );
 }

@@ -4,6 +4,7 @@
 mod common;
 
 mod advise;
+mod advise_regret;
 mod architecture;
 #[cfg(feature = "attack")]
 mod attack_dtn;

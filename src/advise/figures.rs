@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::score::{ApDefinition, CompareError, Finding, Scores, compare};
+use crate::score::{ApDefinition, CompareError, Finding, Scores, compare, moved_drops};
 use crate::statistics::Interval;
 
 /// The drop of AP of one detector and texture, by one definition and envelope.
@@ -19,6 +19,9 @@ pub(crate) struct FigureRow {
     pub drop: f64,
     pub drop_95: Option<Interval>,
     pub finding: Finding,
+    /// The drop minus that of the usual way, on the same photos; absent for the usual way.
+    pub moved_by: Option<f64>,
+    pub moved_by_95: Option<Interval>,
 }
 
 /// What figures depend on, and whether the findings do.
@@ -55,19 +58,18 @@ pub(crate) fn advise_figures(
     base: &str,
 ) -> Result<FigureAdvice, CompareError> {
     let envelope = scores.sessions[0].scene.model.envelope.name();
-    let mut rows = Vec::new();
-    // The usual one first.
-    let others = ApDefinition::ALL
-        .into_iter()
-        .filter(|definition| *definition != scores.criteria.ap);
-    for definition in std::iter::once(scores.criteria.ap).chain(others) {
-        rows.extend(rows_of(scores, base, definition, envelope)?);
+    let usual_way = (scores, scores.criteria.ap);
+    let mut rows = rows_of(usual_way, None, base, envelope)?;
+    for definition in ApDefinition::ALL {
+        if definition != scores.criteria.ap {
+            rows.extend(rows_of((scores, definition), Some(usual_way), base, envelope)?);
+        }
     }
     let usual = of(&rows, scores.criteria.ap.name());
     let same = |own: &[&FigureRow]| own.iter().zip(&usual).all(|(a, b)| a.finding == b.finding);
     let moves = |own: &[&FigureRow]| {
-        let moved = own.iter().zip(&usual).map(|(a, b)| (a.drop - b.drop).abs());
-        moved.fold(0.0, f64::max)
+        let moved = own.iter().filter_map(|row| row.moved_by);
+        moved.map(f64::abs).fold(0.0, f64::max)
     };
     let by_definition: Vec<(&'static str, Vec<&FigureRow>)> = ApDefinition::ALL
         .iter()
@@ -80,7 +82,7 @@ pub(crate) fn advise_figures(
         .collect();
     let definition_moves = by_definition.iter().map(|(_, own)| moves(own)).fold(0.0, f64::max);
     let by_box = by_box
-        .map(|scores| rows_of(scores, base, scores.criteria.ap, "box"))
+        .map(|scores| rows_of((scores, scores.criteria.ap), Some(usual_way), base, "box"))
         .transpose()?;
     let of_box = by_box.as_ref().map(|rows| {
         let own: Vec<&FigureRow> = rows.iter().collect();
@@ -100,23 +102,38 @@ fn of<'a>(rows: &'a [FigureRow], definition: &str) -> Vec<&'a FigureRow> {
     rows.iter().filter(|row| row.definition == definition).collect()
 }
 
+/// The rows of a way to measure: of these scores, by a definition of AP. `usual`: what they are held against.
 fn rows_of(
-    scores: &Scores,
+    (scores, definition): (&Scores, ApDefinition),
+    usual: Option<(&Scores, ApDefinition)>,
     base: &str,
-    definition: ApDefinition,
     envelope: &'static str,
 ) -> Result<Vec<FigureRow>, CompareError> {
     let compared = compare(scores, base, definition)?;
-    let rows = compared.results.into_iter().map(|r| FigureRow {
-        detector: r.detector,
-        variant: r.variant,
-        definition: definition.name(),
-        envelope,
-        base_ap50: r.ap50.base,
-        ap50: r.ap50.other,
-        drop: r.ap50.drop,
-        drop_95: r.ap50.interval_95,
-        finding: r.ap50.finding,
-    });
-    Ok(rows.collect())
+    let mut rows: Vec<FigureRow> = compared
+        .results
+        .into_iter()
+        .map(|r| FigureRow {
+            detector: r.detector,
+            variant: r.variant,
+            definition: definition.name(),
+            envelope,
+            base_ap50: r.ap50.base,
+            ap50: r.ap50.other,
+            drop: r.ap50.drop,
+            drop_95: r.ap50.interval_95,
+            finding: r.ap50.finding,
+            moved_by: None,
+            moved_by_95: None,
+        })
+        .collect();
+    // The detectors of one variant after the other, as they were compared.
+    for of_variant in rows.chunk_by_mut(|a, b| a.variant == b.variant) {
+        let variant = of_variant[0].variant.clone();
+        let moved = usual.map(|usual| moved_drops(usual, (scores, definition), (base, &variant)));
+        for (row, moved) in of_variant.iter_mut().zip(moved.into_iter().flatten()) {
+            (row.moved_by, row.moved_by_95) = (Some(moved.by), moved.interval_95);
+        }
+    }
+    Ok(rows)
 }

@@ -38,6 +38,17 @@ pub(super) struct FoundTags {
     size: (u32, u32),
 }
 
+impl FoundTags {
+    /// Tags that were found already; how long that took is not asked.
+    pub(super) fn at_full_size(tags: Vec<SeenTag>, sample: &Sample) -> FoundTags {
+        FoundTags {
+            tags,
+            ms: 0.0,
+            size: sample.luma.dimensions(),
+        }
+    }
+}
+
 /// Finds the tags of a photo that is reduced first, and how long that takes.
 pub(super) fn find(
     sample: &Sample,

@@ -3,8 +3,9 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::figures::FigureAdvice;
-use super::table::{findings, in_words};
-use super::{Advice, Choice, PoseAdvice, Question, Verdict};
+use super::result::{Advice, Choice, PoseAdvice, Verdict};
+use super::table::{camera, findings, in_words};
+use super::way::Question;
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use crate::score::Finding;
 use crate::spelling::{count, digits};
@@ -16,10 +17,16 @@ pub(crate) fn page(all: &Advice) -> String {
         (count(advice.photos, "photo")) ", " (advice.located) " of them located; a tag could be left out and predicted in " (advice.held_out_photos) "."
     };
     let content = html! {
-        @for why in &advice.abstentions { p.banner { "No advice on " (why) "." } }
-        section { (advised(advice)) }
-        @for question in Question::ALL { section { h2 { (capital(question.title())) } (section(advice, question)) } }
-        p.note { (HOW) }
+        @if let Some(check) = advice.camera_check.as_ref().filter(|check| !check.file_fits) { p.banner { (capital(&camera(check))) "." } }
+        @match &advice.abstention {
+            Some(why) => { p.banner { "No advice on poses: " (why) "." } }
+            None => {
+                section { (advised(advice)) }
+                @for question in Question::ALL { section { h2 { (capital(question.title())) } (section(advice, question)) } }
+                @if let Some(check) = advice.camera_check.as_ref().filter(|check| check.file_fits) { section { h2 { "Camera file" } p { (capital(&camera(check))) "." } } }
+                p.note { (HOW) }
+            }
+        }
         @if let Some(figures) = &all.figures { section { h2 { "Figures" } (of_figures(figures)) } }
     };
     plain_page(
@@ -32,7 +39,7 @@ pub(crate) fn page(all: &Advice) -> String {
 
 const HOW: &str = "Held out: a tag is left out, the pose is made of the others, and its corners are predicted; the error is the root mean square of the four, as an angle, and its mean over tags and photos. \
     “More than the best”: the difference from the most accurate way that locates as many photos, on the same photos, with its 95 % interval (2,000 resamples of the photos). Advised is the smallest way that \
-    loses no photo, moves none to another bin, is not shown worse, and whose error is within a twentieth of the smallest. Moved: how far the viewpoints are from the usual ones, middle photo.";
+    loses no photo, moves none to another bin and none by more than five standard deviations of its usual pose, is not shown worse, and whose error is within a twentieth of the smallest. Moved: how far the viewpoints are from the usual ones, middle photo.";
 
 /// As a heading begins.
 fn capital(title: &str) -> String {
@@ -48,7 +55,7 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
         @for sentence in findings(figures) { p { (sentence) "." } }
         div.scroll {
             table {
-                thead { tr { th { "detector" } @for head in ["texture", "definition of AP", "truth boxes", "AP@0.5", "drop, 95 %", ""] { th { (head) } } } }
+                thead { tr { th { "detector" } @for head in ["texture", "definition of AP", "truth boxes", "AP@0.5", "drop, 95 %", "", "moves the drop by, 95 %"] { th { (head) } } } }
                 tbody {
                     @for row in &figures.rows {
                         tr {
@@ -56,6 +63,10 @@ fn of_figures(figures: &FigureAdvice) -> Markup {
                             td { (digits(row.base_ap50, 3)) " → " (digits(row.ap50, 3)) }
                             td { (digits(row.drop, 3)) @if let Some(i) = row.drop_95 { " [" (digits(i.low, 3)) ", " (digits(i.high, 3)) "]" } }
                             td { (in_words_of(row.finding)) }
+                            td {
+                                (row.moved_by.map_or("–".to_owned(), |by| digits(by, 3)))
+                                @if let Some(i) = row.moved_by_95 { " [" (digits(i.low, 3)) ", " (digits(i.high, 3)) "]" }
+                            }
                         }
                     }
                 }

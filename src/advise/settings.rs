@@ -1,6 +1,7 @@
 //! The advice as a file that `score --settings` takes.
 
-use super::{Advice, Question};
+use super::result::Advice;
+use super::way::Question;
 
 /// The whole file: what is absent is as usual.
 pub(crate) fn settings(advice: &Advice) -> String {
@@ -22,6 +23,11 @@ pub(crate) fn settings(advice: &Advice) -> String {
         ),
         None => lines.push("# lens_terms: the session cannot tell".to_owned()),
     }
+    let box_is_enough = advice.figures.as_ref().and_then(|figures| figures.box_is_enough);
+    lines.extend(box_is_enough.map(|enough| match enough {
+        true => "envelope = \"box\"".to_owned(),
+        false => "# envelope: the scene's outline is needed".to_owned(),
+    }));
     let ap = advice.figures.as_ref().and_then(|figures| figures.rows.first());
     lines.extend(ap.map(|row| format!("ap = {:?}", row.definition)));
     lines.join("\n") + "\n"

@@ -1,7 +1,8 @@
 //! The advice as text.
 
 use super::figures::{BOX_MARGIN, FigureAdvice};
-use super::{Advice, Choice, Question, Verdict};
+use super::result::{Advice, CameraCheck, Choice, Verdict};
+use super::way::Question;
 use crate::spelling::{count, digits};
 
 /// A table for each question, the answers from small to large as they were measured.
@@ -13,7 +14,8 @@ pub(crate) fn table(all: &Advice) -> String {
         advice.located,
         advice.held_out_photos
     )];
-    for question in Question::ALL {
+    let asked = Question::ALL.into_iter().filter(|_| !advice.choices.is_empty());
+    for question in asked {
         lines.push(String::new());
         lines.push(format!(
             "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  ",
@@ -28,12 +30,18 @@ pub(crate) fn table(all: &Advice) -> String {
         let own = advice.choices.iter().filter(|choice| choice.question == question);
         lines.extend(own.map(line));
     }
+    lines.extend(advice.camera_check.iter().map(|check| format!("\n{}", camera(check))));
     lines.extend(
         all.figures
             .iter()
             .flat_map(|figures| findings(figures).into_iter().map(|line| format!("\n{line}"))),
     );
-    lines.extend(advice.abstentions.iter().map(|why| format!("\nno advice on {why}")));
+    lines.extend(
+        advice
+            .abstention
+            .iter()
+            .map(|why| format!("\nno advice on poses: {why}")),
+    );
     lines.join("\n")
 }
 
@@ -64,10 +72,39 @@ pub(super) fn in_words(choice: &Choice) -> String {
         Verdict::Enough => "enough".to_owned(),
         Verdict::LosesPhotos => format!("loses {}", count(choice.lost, "photo")),
         Verdict::OtherBins => format!("other bin in {}", count(choice.other_bin, "photo")),
+        Verdict::OtherPoses => format!("another pose in {}", count(choice.other_pose, "photo")),
         Verdict::Worse => "worse".to_owned(),
         Verdict::Larger => "over a twentieth worse, not shown".to_owned(),
+        Verdict::LessCertain => format!(
+            "{} % less certain",
+            digits(100.0 * choice.less_certain_by.unwrap_or(0.0), 0)
+        ),
         Verdict::CannotTell => "cannot tell".to_owned(),
     }
+}
+
+/// Whether the camera file is that of the photos, as a sentence.
+pub(super) fn camera(check: &CameraCheck) -> String {
+    let errors = format!(
+        "{}° by the file, {}° by cameras refitted to the other half of the photos",
+        digits(check.held_out_deg, 4),
+        digits(check.refitted_deg, 4)
+    );
+    let by = check.better_by_95.map_or(String::new(), |i| {
+        let [by, low, high] = [check.better_by_deg, i.low, i.high].map(|value| digits(value, 4));
+        format!("; difference {by} [{low}, {high}]")
+    });
+    if check.file_fits {
+        return format!("camera file: it fits the photos ({errors}{by})");
+    }
+    let [a, b] = check.refitted_focal_px.map(|focal| digits(focal, 0));
+    format!(
+        "camera file: it does not fit the photos ({errors}{by}); with a focal length of {a} or {b} px instead of {}, viewpoints move by {}° and {} mm. \
+         Calibrate again with the lens, zoom and focus of these photos, or check the scene's tag sizes",
+        digits(check.focal_px, 0),
+        digits(check.moved_deg, 3),
+        digits(check.moved_mm, 1)
+    )
 }
 
 /// What the findings depend on, as sentences.

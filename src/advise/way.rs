@@ -116,6 +116,15 @@ impl Way {
         *self == usual(self.question)
     }
 
+    /// Whether both do the same, whichever question they answer.
+    pub(super) fn is_same(&self, other: &Way) -> bool {
+        *self
+            == Way {
+                question: self.question,
+                ..*other
+            }
+    }
+
     /// As tables and settings name it.
     pub(super) fn name(&self) -> String {
         match self.question {

@@ -4,7 +4,7 @@ use super::fit::CameraFit;
 use super::ladder::{CandidateModel, normal};
 use super::model::LensModel;
 use super::sharpness::BLURRED_PX;
-use super::view::BoardView;
+use super::view::View;
 use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
 use crate::statistics::upper_median;
 
@@ -117,11 +117,7 @@ pub(super) fn seen_from_several_sides(fit: &CameraFit) -> Result<(), Calibration
 }
 
 /// Refuses photos whose focal length is known only because the principal point is held, or not even then.
-pub(super) fn determined(
-    models: &[CandidateModel],
-    chosen: usize,
-    views: &[BoardView],
-) -> Result<(), CalibrationError> {
+pub(super) fn determined(models: &[CandidateModel], chosen: usize, views: &[View]) -> Result<(), CalibrationError> {
     let fit = &models[chosen].fit;
     let model = fit.model.max(LensModel::FC);
     let open = |percent: &str| CalibrationError::FocalOpen {
@@ -136,7 +132,7 @@ pub(super) fn determined(
 }
 
 /// Refuses a camera that does not explain its own photos.
-pub(super) fn fits(fit: &CameraFit, views: &[BoardView], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
+pub(super) fn fits(fit: &CameraFit, views: &[View], (width, height): (u32, u32)) -> Result<(), CalibrationError> {
     let rms_px = super::rms_px(fit, views);
     let limit_px = MOST_RMS_SHARE * f64::from(width).hypot(f64::from(height));
     if rms_px > limit_px {

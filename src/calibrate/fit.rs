@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector, Matrix6, Point3, SMatrix, SVector, Vector2, Vector6};
 
 use super::model::{self, ALL, LensModel};
-use super::view::BoardView;
+use super::view::View;
 use crate::camera::projection::{by_step, project_unchecked};
 use crate::geometry::{Rigid, rigid::stepped};
 use crate::least_squares::{LeastSquares, Limits, minimise};
@@ -35,7 +35,7 @@ pub(crate) struct CameraFit {
 }
 
 /// Fits a model from a start. `None` when the start has no finite residuals.
-pub(super) fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
+pub(super) fn fit(model: LensModel, views: &[View], camera: [f64; ALL], poses: Vec<Rigid>) -> Option<CameraFit> {
     let start = CameraFit {
         model,
         camera,
@@ -46,13 +46,13 @@ pub(super) fn fit(model: LensModel, views: &[BoardView], camera: [f64; ALL], pos
 }
 
 /// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
-pub(super) fn pose(view: &BoardView, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
+pub(super) fn pose(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<(Rigid, f64)> {
     let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
     Some((found.pose, found.block.cost))
 }
 
 /// The best fit of the smallest model over starting focal lengths from wide angle to telephoto.
-pub(super) fn first(size: (u32, u32), views: &[BoardView]) -> Option<CameraFit> {
+pub(super) fn first(size: (u32, u32), views: &[View]) -> Option<CameraFit> {
     const BY_LONGER_SIDE: [f64; 7] = [0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
     let longer = f64::from(size.0.max(size.1));
     let start = |share: &f64| {
@@ -70,7 +70,7 @@ pub(super) fn first(size: (u32, u32), views: &[BoardView]) -> Option<CameraFit> 
 }
 
 /// The better branch of a planar view, refined.
-fn best_start(view: &BoardView, camera: &[f64; ALL]) -> Option<Rigid> {
+fn best_start(view: &View, camera: &[f64; ALL]) -> Option<Rigid> {
     let starts = view.starting_poses(camera).into_iter();
     let refined = starts.filter_map(|start| pose(view, camera, start));
     refined.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(pose, _)| pose)
@@ -78,14 +78,14 @@ fn best_start(view: &BoardView, camera: &[f64; ALL]) -> Option<Rigid> {
 
 impl CameraFit {
     /// Seen minus projected, px, of each corner of each view.
-    pub(crate) fn residuals(&self, views: &[BoardView]) -> Vec<Vec<[f64; 2]>> {
+    pub(crate) fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
         let of = |(view, pose)| residuals(view, &self.camera, pose).collect();
         views.iter().zip(&self.poses).map(of).collect()
     }
 
     /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
-    pub(crate) fn covariance(&self, model: LensModel, views: &[BoardView]) -> Option<DMatrix<f64>> {
+    pub(crate) fn covariance(&self, model: LensModel, views: &[View]) -> Option<DMatrix<f64>> {
         let seen_as = CameraFit { model, ..self.clone() };
         let (reduced, _) = CameraEquations::at(seen_as, views)?.reduced(0.0)?;
         let numbers: usize = views.iter().map(|v| 2 * v.seen_px.len()).sum();
@@ -119,7 +119,7 @@ struct Block {
 
 impl Block {
     /// `None` when the residuals are not finite.
-    fn at(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
+    fn at(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<Block> {
         let mut block = Block {
             camera: SMatrix::zeros(),
             by_camera: SVector::zeros(),
@@ -128,7 +128,7 @@ impl Block {
             by_pose: Vector6::zeros(),
             cost: 0.0,
         };
-        for (point, [u, v]) in view.points().zip(&view.seen_px) {
+        for (point, [u, v]) in view.points_mm.iter().zip(&view.seen_px) {
             let p = pose * point;
             let at = project_unchecked(camera, &p);
             let residual = Vector2::new(u - at.pixel[0], v - at.pixel[1]);
@@ -154,12 +154,12 @@ impl Block {
 struct PoseEquations<'a> {
     pose: Rigid,
     block: Block,
-    view: &'a BoardView,
+    view: &'a View,
     camera: &'a [f64; ALL],
 }
 
 impl<'a> PoseEquations<'a> {
-    fn at(pose: Rigid, view: &'a BoardView, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
+    fn at(pose: Rigid, view: &'a View, camera: &'a [f64; ALL]) -> Option<PoseEquations<'a>> {
         Some(PoseEquations {
             pose,
             block: Block::at(view, camera, &pose)?,
@@ -188,11 +188,11 @@ struct CameraEquations<'a> {
     blocks: Vec<Block>,
     /// From the parameters of the model to the numbers they set.
     parameters: DMatrix<f64>,
-    views: &'a [BoardView],
+    views: &'a [View],
 }
 
 impl<'a> CameraEquations<'a> {
-    fn at(fit: CameraFit, views: &'a [BoardView]) -> Option<CameraEquations<'a>> {
+    fn at(fit: CameraFit, views: &'a [View]) -> Option<CameraEquations<'a>> {
         let parameters = fit.model.parameters_to_numbers();
         let of = |(view, pose)| Block::at(view, &fit.camera, pose);
         let blocks: Vec<Block> = views.iter().zip(&fit.poses).map(of).collect::<Option<_>>()?;
@@ -256,20 +256,20 @@ impl LeastSquares for CameraEquations<'_> {
 }
 
 /// Seen minus projected, px, of each corner.
-fn residuals(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
-    let of = move |(point, seen): (Point3<f64>, &[f64; 2])| {
+fn residuals(view: &View, camera: &[f64; ALL], pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
+    let of = move |(point, seen): (&Point3<f64>, &[f64; 2])| {
         let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
         [seen[0] - x, seen[1] - y]
     };
-    view.points().zip(&view.seen_px).map(of)
+    view.points_mm.iter().zip(&view.seen_px).map(of)
 }
 
 /// Sum of squared distances of one view, px².
-pub(super) fn squared(view: &BoardView, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
+pub(super) fn squared(view: &View, camera: &[f64; ALL], pose: &Rigid) -> Option<f64> {
     let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
     sum.is_finite().then_some(sum)
 }
 
-fn cost(views: &[BoardView], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
+fn cost(views: &[View], camera: &[f64; ALL], poses: &[Rigid]) -> Option<f64> {
     views.iter().zip(poses).map(|(v, p)| squared(v, camera, p)).sum()
 }

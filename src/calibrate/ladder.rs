@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::fit::{self, CameraFit};
 use super::model::{ALL, LensModel};
-use super::view::BoardView;
+use super::view::View;
 use crate::geometry::Rigid;
 
 /// At most so many folds; each leaves whole photos out.
@@ -40,7 +40,7 @@ pub(crate) struct ModelDifference {
 /// The held-out error of a model: it is fitted without the photos of a fold; in each of these the pose is found from every other corner
 /// with the camera held, and the remaining corners are predicted from it; then the halves change roles. So no corner that is
 /// judged had a part in the camera or in the pose it is judged by.
-pub(super) fn fit_ladder(first: CameraFit, views: &[BoardView]) -> Vec<CandidateModel> {
+pub(super) fn fit_ladder(first: CameraFit, views: &[View]) -> Vec<CandidateModel> {
     let mut models: Vec<CandidateModel> = Vec::new();
     let mut start = first;
     for model in LensModel::LADDER {
@@ -70,13 +70,13 @@ pub(super) fn choose(models: &[CandidateModel]) -> Option<usize> {
 }
 
 /// Mean squared error of each photo, px², from fits that have not seen it.
-fn held_out(whole: &CameraFit, views: &[BoardView]) -> Option<Vec<f64>> {
+fn held_out(whole: &CameraFit, views: &[View]) -> Option<Vec<f64>> {
     let folds = views.len().min(MOST_FOLDS);
     let mut errors = vec![0.0; views.len()];
     for fold in 0..folds {
         let stays = |i: &usize| i % folds != fold;
         let kept: Vec<usize> = (0..views.len()).filter(stays).collect();
-        let seen: Vec<BoardView> = kept.iter().map(|i| views[*i].clone()).collect();
+        let seen: Vec<View> = kept.iter().map(|i| views[*i].clone()).collect();
         let poses = kept.iter().map(|i| whole.poses[*i]).collect();
         let without = fit::fit(whole.model, &seen, whole.camera, poses)?;
         for i in (0..views.len()).filter(|i| !stays(i)) {
@@ -86,7 +86,7 @@ fn held_out(whole: &CameraFit, views: &[BoardView]) -> Option<Vec<f64>> {
     Some(errors)
 }
 
-fn cross_validated(view: &BoardView, camera: &[f64; ALL], start: Rigid) -> Option<f64> {
+fn cross_validated(view: &View, camera: &[f64; ALL], start: Rigid) -> Option<f64> {
     let (even, odd) = (view.half(0), view.half(1));
     let mut sum = 0.0;
     for (known, judged) in [(&even, &odd), (&odd, &even)] {

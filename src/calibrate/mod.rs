@@ -8,6 +8,7 @@ mod ladder;
 mod model;
 mod outliers;
 mod page;
+mod refit;
 mod sharpness;
 mod summary;
 mod uncertainty;
@@ -15,7 +16,7 @@ mod view;
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Point3};
 
 use crate::board::Definition;
 use crate::camera::Camera;
@@ -26,13 +27,13 @@ pub(crate) use choice_text::{choice_lines, numbers};
 pub(crate) use detect::check;
 pub(crate) use doubt::{CalibrationCaution, CalibrationError};
 pub(crate) use ladder::CandidateModel;
-#[cfg(test)]
 pub(crate) use model::LensModel;
 pub(crate) use page::page;
+pub(crate) use refit::{KnownPoints, refit};
 pub(crate) use summary::json;
 pub(crate) use uncertainty::UncertaintyMap;
 
-use view::BoardView;
+use view::View;
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,9 +63,13 @@ pub(crate) struct BoardPhoto {
 }
 
 impl BoardPhoto {
-    fn view(&self, places: &[[f64; 2]]) -> BoardView {
-        BoardView {
-            board_mm: self.corners.iter().map(|c| places[c.id]).collect(),
+    fn view(&self, places: &[[f64; 2]]) -> View {
+        View {
+            points_mm: self
+                .corners
+                .iter()
+                .map(|c| Point3::new(places[c.id][0], places[c.id][1], 0.0))
+                .collect(),
             seen_px: self.corners.iter().map(|c| c.px).collect(),
         }
     }
@@ -194,7 +199,7 @@ pub(crate) fn calibrate(
         file: board_photo.file,
         reason,
     }));
-    let views: Vec<BoardView> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
+    let views: Vec<View> = cleaned.board_photos.iter().map(|s| s.view(&places)).collect();
     doubt::seen_from_several_sides(&cleaned.first)?;
     let mut models = ladder::fit_ladder(cleaned.first, &views);
     let chosen = ladder::choose(&models).ok_or(CalibrationError::NoFit)?;
@@ -229,7 +234,7 @@ pub(crate) fn calibrate(
     Ok(result)
 }
 
-fn rms_px(fit: &fit::CameraFit, views: &[BoardView]) -> f64 {
+fn rms_px(fit: &fit::CameraFit, views: &[View]) -> f64 {
     let corners: usize = views.iter().map(|v| v.seen_px.len()).sum();
     (fit.cost / corners as f64).sqrt()
 }
@@ -243,7 +248,7 @@ fn sigmas(fit: &fit::CameraFit, covariance: &DMatrix<f64>) -> [f64; model::ALL] 
 fn photo_results(
     board_photos: &[BoardPhoto],
     fit: &fit::CameraFit,
-    views: &[BoardView],
+    views: &[View],
     middle_mm: [f64; 2],
 ) -> Vec<PhotoResult> {
     let residuals = fit.residuals(views);

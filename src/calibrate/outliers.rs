@@ -3,7 +3,7 @@
 use super::BoardPhoto;
 use super::fit::{self, CameraFit};
 use super::model::LensModel;
-use super::view::BoardView;
+use super::view::View;
 use crate::statistics::upper_median;
 
 /// Judged by a model rich enough that a lens is no outlier.
@@ -31,7 +31,7 @@ pub(super) struct Cleaned {
 pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places: &[[f64; 2]]) -> Option<Cleaned> {
     let (mut dropped, mut lost_corners) = (Vec::new(), 0);
     loop {
-        let views: Vec<BoardView> = board_photos.iter().map(|s| s.view(places)).collect();
+        let views: Vec<View> = board_photos.iter().map(|s| s.view(places)).collect();
         let first = fit::first(size, &views)?;
         let Some(judge) = judge(&first, &views) else {
             return Some(Cleaned {
@@ -63,7 +63,7 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
     }
 }
 
-fn judge(first: &CameraFit, views: &[BoardView]) -> Option<CameraFit> {
+fn judge(first: &CameraFit, views: &[View]) -> Option<CameraFit> {
     JUDGE.into_iter().try_fold(first.clone(), |start, model| {
         fit::fit(model, views, start.camera, start.poses)
     })

@@ -212,14 +212,17 @@ fn guide(
                 is_paired: wanted.pair_with.is_some(),
             };
             page::introduce(&page, args.json, out)?;
-            page::follow(
+            let is_decided = page::follow(
                 page,
-                &mut capture,
-                &scene,
+                (&mut capture, &scene),
                 source,
                 &about,
+                question.as_ref(),
                 TerminalLog::new(args.json, is_stream, out),
             )?;
+            if is_decided {
+                return enough(&capture, args.json, out);
+            }
         }
         (None, Some(source)) => {
             let terminal = TerminalLog::new(args.json, is_stream, out);

@@ -54,7 +54,7 @@ pub(super) struct Args {
     /// Say whether the order of the textures is the same in these sessions, which the same detectors look at: Kendall's τ with its interval, for each detector, and for each group of --group-by.
     #[arg(long, value_name = "SESSION", num_args = 1.., conflicts_with = "results")]
     ranking: Vec<PathBuf>,
-    /// What `advise` found to be enough for these photos: a TOML file with the tag detector, the lens model's terms and the definition of AP.
+    /// What `advise` found to be enough for these photos: a TOML file with the tag detector, the lens model's terms, the truth boxes and the definition of AP.
     #[arg(long, value_name = "TOML")]
     settings: Option<PathBuf>,
     /// Score one part of the photos and write a file for `merge` instead of the report: `2/3` is the second of three, `slurm`

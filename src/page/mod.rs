@@ -33,8 +33,8 @@ use routes::PageContext;
 use server::Server;
 use worker::{CaptureWorker, Published, WorkerEvent};
 
-pub(crate) use state::CaptureInfo;
-pub(crate) use worker::CaptureNotice;
+pub(crate) use state::{CaptureInfo, PairsSoFar};
+pub(crate) use worker::{AskPairs, CaptureNotice};
 
 /// What keeps the page, or the capture behind it, from going on.
 #[derive(Debug, thiserror::Error)]
@@ -50,6 +50,9 @@ pub(crate) enum PageError {
     Store(#[from] StoreError),
     #[error(transparent)]
     Source(#[from] SourceError),
+    /// What keeps the pairs from being looked at.
+    #[error("{0}")]
+    Pairs(String),
     #[error(transparent)]
     Output(io::Error),
 }
@@ -133,7 +136,8 @@ impl Page {
     }
 
     /// Captures from a source and from what browsers send, until somebody finishes on the page or with Ctrl-C. The page stays when all
-    /// views are there or the source has ended: photos may still be taken back.
+    /// views are there or the source has ended: photos may still be taken back. `ask` says after each photo what the pairs say so far; when they
+    /// decide, no further photo is taken.
     ///
     /// # Errors
     /// A photo that cannot be written, a source that is gone, an output that cannot be written; browsers are shown the sentence, and the server
@@ -144,10 +148,11 @@ impl Page {
         scene: &Scene,
         source: Option<Box<dyn FrameSource + Send>>,
         about: &CaptureInfo,
+        ask: Option<AskPairs>,
         notify: &mut dyn FnMut(CaptureNotice) -> io::Result<()>,
     ) -> Result<(), PageError> {
-        let worked =
-            CaptureWorker::new(capture, scene, about, &self.published, notify).work(&self.events, self.own, source);
+        let worker = CaptureWorker::new(capture, scene, about, &self.published, notify);
+        let worked = worker.asking(ask).work(&self.events, self.own, source);
         self.server.end();
         worked
     }

@@ -239,7 +239,15 @@ function show(state) {
   $("file").hidden = $("send").hidden = about.is_stream || Boolean(state.ended);
   $("undo").disabled = $("finish").disabled = Boolean(state.ended);
   // By hand, whatever its light, focus and steadiness.
-  $("shoot").disabled = Boolean(state.ended) || !frame || !frame.viewpoint || Boolean(frame.photo);
+  const is_decided = Boolean(state.pairs && state.pairs.is_decided);
+  $("file").disabled = is_decided;
+  $("shoot").disabled = Boolean(state.ended) || is_decided || !frame || !frame.viewpoint || Boolean(frame.photo);
+  $("pairs").hidden = !state.pairs;
+  if (state.pairs) {
+    const to_tell = next ? `; tells most next: ${next.name}` : "";
+    $("pairs").textContent = state.pairs.is_decided ? `Decided: ${state.pairs.sentence}. No more photos are needed: press Finish`
+      : `${state.pairs.sentence}${to_tell}`;
+  }
   draw_dial(state, next);
   const is_new = frame && frame.number !== last_frame;
   // The newest photo is asked for before the small ones of the list.

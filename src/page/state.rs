@@ -23,6 +23,17 @@ pub(crate) struct CaptureInfo {
     pub is_paired: bool,
 }
 
+/// What the pairs of a session that grows say so far.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct PairsSoFar {
+    pub sentence: String,
+    /// No photo is needed any more.
+    pub is_decided: bool,
+    /// The view that would tell most.
+    #[serde(skip)]
+    pub next: Option<usize>,
+}
+
 /// All of it.
 #[derive(Debug, Serialize)]
 pub(super) struct PageState<'a> {
@@ -33,7 +44,9 @@ pub(super) struct PageState<'a> {
     pub views: Vec<ViewState<'a>>,
     pub filled: usize,
     pub frame: Option<&'a ShownFrame>,
-    /// The view that is required next, by where the camera was last.
+    /// Where pairs are looked at while they are taken.
+    pub pairs: Option<&'a PairsSoFar>,
+    /// The view that is required next: the one that would tell most, else by where the camera was last.
     pub next: Option<usize>,
     pub source_ended: bool,
     /// The last words: how the capture ended.

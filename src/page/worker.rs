@@ -11,7 +11,7 @@ use serde::Serialize;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::dial::DialRings;
-use super::state::{self, CaptureInfo, PageState, ShownFrame};
+use super::state::{self, CaptureInfo, PageState, PairsSoFar, ShownFrame};
 use super::{PageError, upload};
 use crate::capture::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame};
 use crate::scene::{Bin, Scene};
@@ -97,6 +97,9 @@ pub(crate) enum CaptureNotice<'a> {
     Set(&'a CameraSettings),
 }
 
+/// Asks what the pairs say so far; the sentence why it cannot be told ends the capture.
+pub(crate) type AskPairs<'a> = &'a dyn Fn(&Guidance) -> Result<PairsSoFar, String>;
+
 pub(super) struct CaptureWorker<'a> {
     capture: &'a mut Capture,
     scene: &'a Scene,
@@ -113,6 +116,8 @@ pub(super) struct CaptureWorker<'a> {
     uploads: u64,
     source_ended: bool,
     settings: Option<CameraSettings>,
+    ask: Option<AskPairs<'a>>,
+    pairs: Option<PairsSoFar>,
 }
 
 impl<'a> CaptureWorker<'a> {
@@ -139,7 +144,14 @@ impl<'a> CaptureWorker<'a> {
             uploads: 0,
             source_ended: false,
             settings: None,
+            ask: None,
+            pairs: None,
         }
+    }
+
+    /// With a question to the pairs, if any.
+    pub(super) fn asking(self, ask: Option<AskPairs<'a>>) -> CaptureWorker<'a> {
+        CaptureWorker { ask, ..self }
     }
 
     /// Works until somebody finishes, or what keeps the capture from going on.
@@ -154,8 +166,9 @@ impl<'a> CaptureWorker<'a> {
             Ok(()) => {
                 let targets = self.capture.guidance().targets();
                 let filled = targets.len() - self.capture.guidance().open().count();
+                let decided = if self.is_decided() { "Decided: " } else { "" };
                 format!(
-                    "{filled} of {} views are there. This page can be closed.",
+                    "{decided}{filled} of {} views are there. This page can be closed.",
                     targets.len()
                 )
             }
@@ -171,8 +184,11 @@ impl<'a> CaptureWorker<'a> {
         own: Sender<WorkerEvent>,
         source: Option<Box<dyn FrameSource + Send>>,
     ) -> Result<(), PageError> {
+        self.ask_pairs()?;
         self.publish(None);
         let mut wants_frame = source.map(|source| feed(source, own));
+        // A frame that nobody looks at as long as no photo is needed.
+        let mut held = None;
         while let Ok(event) = events.recv() {
             match event {
                 WorkerEvent::Finish => break,
@@ -182,19 +198,12 @@ impl<'a> CaptureWorker<'a> {
                     wants_frame = None;
                     self.publish(None);
                 }
-                WorkerEvent::Frame(Ok(Some((frame, settings)))) => {
-                    self.set(settings)?;
-                    self.judge(frame.into(), false)?;
-                    self.publish(None);
-                    // Asked for only now, so that none waits here and grows old.
-                    if let Some(more) = &wants_frame {
-                        let _ = more.try_send(()); // the source takes what is asked
-                    }
-                }
+                WorkerEvent::Frame(Ok(Some(frame))) => held = Some(frame),
                 WorkerEvent::Upload(bytes, _place, reply) => {
                     let answer = self.upload(bytes)?;
                     self.answer(reply, answer);
                 }
+                WorkerEvent::Shoot(reply) if self.is_decided() => self.answer(reply, not_needed()),
                 WorkerEvent::Shoot(reply) => {
                     let newest = self.newest.as_ref().map(|newest| newest.frame.clone());
                     let answer = match newest {
@@ -219,6 +228,15 @@ impl<'a> CaptureWorker<'a> {
                     self.answer(reply, answer);
                 }
             }
+            if let Some((frame, settings)) = held.take_if(|_| !self.is_decided()) {
+                self.set(settings)?;
+                self.judge(frame.into(), false)?;
+                self.publish(None);
+                // Asked for only now, so that none waits here and grows old.
+                if let Some(more) = &wants_frame {
+                    let _ = more.try_send(()); // the source takes what is asked
+                }
+            }
         }
         Ok(())
     }
@@ -228,6 +246,9 @@ impl<'a> CaptureWorker<'a> {
         if self.about.is_stream {
             let sentence = "The running camera takes the photos";
             return Ok(ActionReply::refused(StatusCode::CONFLICT, sentence));
+        }
+        if self.is_decided() {
+            return Ok(not_needed());
         }
         self.uploads += 1;
         self.judge(upload::frame(self.uploads, bytes).into(), false)
@@ -272,6 +293,9 @@ impl<'a> CaptureWorker<'a> {
         };
         (self.notify)(news).map_err(PageError::Output)?;
         self.redo.retain(|target| guidance.targets()[*target].photo.is_none());
+        if shown.photo.is_some() {
+            self.ask_pairs()?;
+        }
         let response = ActionReply {
             status: match shown.photo {
                 Some(_) => StatusCode::OK,
@@ -303,6 +327,7 @@ impl<'a> CaptureWorker<'a> {
             (self.notify)(CaptureNotice::TakenBack { photo }).map_err(PageError::Output)?;
         }
         self.redo.extend(before.difference(&self.filled()));
+        self.ask_pairs()?;
         let sentence = match photos.is_empty() {
             true => "There is no photo to take back".into(),
             false => format!("Taken back: {}", photos.join(", ")),
@@ -320,6 +345,30 @@ impl<'a> CaptureWorker<'a> {
         })
     }
 
+    /// Looks at the pairs that are there now.
+    fn ask_pairs(&mut self) -> Result<(), PageError> {
+        if let Some(ask) = self.ask {
+            self.pairs = Some(ask(self.capture.guidance()).map_err(PageError::Pairs)?);
+        }
+        Ok(())
+    }
+
+    fn is_decided(&self) -> bool {
+        self.pairs.as_ref().is_some_and(|pairs| pairs.is_decided)
+    }
+
+    /// The view that is required next.
+    fn next(&self) -> Option<usize> {
+        if self.is_decided() {
+            return None;
+        }
+        let tells_most = self.pairs.as_ref().and_then(|pairs| pairs.next);
+        tells_most.or_else(|| {
+            let shown = self.shown.as_ref()?;
+            self.capture.guidance().nearest_open(&shown.viewpoint?)
+        })
+    }
+
     fn publish(&self, ended: Option<&str>) {
         let guidance = self.capture.guidance();
         let revision = self.published.borrow().revision + 1;
@@ -332,10 +381,8 @@ impl<'a> CaptureWorker<'a> {
             filled: views.iter().filter(|view| view.photo.is_some()).count(),
             views,
             frame: self.shown.as_ref(),
-            next: self
-                .shown
-                .as_ref()
-                .and_then(|shown| guidance.nearest_open(&shown.viewpoint?)),
+            pairs: self.pairs.as_ref(),
+            next: self.next(),
             source_ended: self.source_ended,
             ended,
         };
@@ -349,6 +396,14 @@ impl<'a> CaptureWorker<'a> {
             has_ended: ended.is_some(),
         }));
     }
+}
+
+/// What a photo is answered when the pairs have decided.
+fn not_needed() -> ActionReply {
+    ActionReply::refused(
+        StatusCode::CONFLICT,
+        "It is decided, and no photo is needed: press Finish",
+    )
 }
 
 /// Gives frames of the source one by one, each when it is requested; the first at once. A source that waits for ever is left behind in its

@@ -38,8 +38,8 @@ pub(crate) use crate::ap::{average_precision, over_ious};
 pub use cache::Cache;
 pub(crate) use compare::{
     ClusteredBy, Compared, Course, Decision, Difference, Expected, Finding, PlanCheck, SEQUENTIAL_ROWS, Sequential,
-    SequentialFinding, SequentialPlan, compare_with, most_telling, paired, pairs_needed, places_needed, sequential,
-    sequential_plan, smallest_drop_by_place,
+    SequentialFinding, SequentialPlan, compare_with, most_telling, moved_drops, paired, pairs_needed, places_needed,
+    sequential, sequential_plan, smallest_drop_by_place,
 };
 pub use compare::{CompareError, Comparison, compare};
 #[cfg(test)]

@@ -130,7 +130,7 @@ impl Scores {
         );
         self.cautions.extend_from_slice(&self.causes);
         self.cautions
-            .extend(self.settings.as_ref().and_then(AppliedSettings::caution));
+            .extend(self.settings.iter().flat_map(AppliedSettings::cautions));
         self.paired = OnceLock::new();
     }
 

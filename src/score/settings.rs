@@ -5,7 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::ApDefinition;
+use crate::envelope::EnvelopeShape;
 use crate::files::{self, FileError};
+use crate::scene::Envelope;
 use crate::session::Session;
 use crate::spelling;
 use crate::tags::{StartError, TagDetectorChoice};
@@ -23,6 +25,9 @@ pub(crate) struct Settings {
     /// Name of a definition of AP.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ap: Option<String>,
+    /// `box`: truth boxes are those of the model's size, whichever outline the scene names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub envelope: Option<String>,
 }
 
 /// Settings that a run was made with.
@@ -37,17 +42,21 @@ pub(crate) struct AppliedSettings {
 }
 
 impl AppliedSettings {
-    /// What a reader must know of them: none where poses are those of the camera's file.
-    pub(super) fn caution(&self) -> Option<String> {
-        let terms = self.settings.lens_terms?;
-        let kept = match terms {
-            0 => "without its lens model".to_owned(),
-            terms => format!("with {} of its lens model", spelling::count(terms, "term")),
-        };
-        Some(format!(
-            "poses and truth boxes are by the camera {kept}, as {} says",
-            self.file
-        ))
+    /// What a reader must know of them: none where poses and truth boxes are by the files of the session.
+    pub(super) fn cautions(&self) -> Vec<String> {
+        let camera = self.settings.lens_terms.map(|terms| {
+            let kept = match terms {
+                0 => "without its lens model".to_owned(),
+                terms => format!("with {} of its lens model", spelling::count(terms, "term")),
+            };
+            format!("poses and truth boxes are by the camera {kept}, as {} says", self.file)
+        });
+        let envelope = self
+            .settings
+            .envelope
+            .as_ref()
+            .map(|_| format!("truth boxes are by the model's size, as {} says", self.file));
+        camera.into_iter().chain(envelope).collect()
     }
 }
 
@@ -86,6 +95,15 @@ impl Settings {
         if let Some(terms) = settings.lens_terms.filter(|terms| *terms > 8) {
             return Err(syntax(format!("`lens_terms` is {terms}: a lens model has 0 to 8")));
         }
+        if let Some(other) = settings
+            .envelope
+            .as_deref()
+            .filter(|name| *name != Envelope::Box.name())
+        {
+            return Err(syntax(format!(
+                "`envelope` is {other:?}: leave it out to take the scene's, or write \"box\""
+            )));
+        }
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(AppliedSettings { file, sha256, settings })
     }
@@ -103,13 +121,17 @@ impl Settings {
         named.map_err(|e| e.to_string())
     }
 
-    /// The session with the camera model that is named.
+    /// The session with the camera model and the truth boxes that are named.
     pub(crate) fn applied(&self, mut session: Session) -> Session {
         if let Some(terms) = self.lens_terms {
             session.camera = session.camera.map(|camera| {
                 let kept = camera.distortion()[..terms.min(8)].to_vec();
                 camera.with_distortion(&kept)
             });
+        }
+        if self.envelope.is_some() {
+            session.scene.model.envelope = Envelope::Box;
+            session.outline = EnvelopeShape::of_box(&session.scene.model);
         }
         session
     }

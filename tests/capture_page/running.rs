@@ -24,7 +24,12 @@ pub struct Running {
 impl Running {
     pub fn start(source: &str, more: &[&str]) -> Running {
         let folder = tempfile::tempdir().unwrap();
-        let mut command = capture(source, &folder.path().join("session"), more);
+        let command = capture(source, &folder.path().join("session"), more);
+        Running::of(command, folder)
+    }
+
+    /// A capture with `--page --json` that somebody else put together.
+    pub fn of(mut command: Command, folder: tempfile::TempDir) -> Running {
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut out = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();

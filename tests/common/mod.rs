@@ -1,6 +1,7 @@
 //! What several test files need: paths, the program, and bad input made from good.
 
 pub mod onnx;
+pub(crate) mod rendered;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -15,7 +15,7 @@ use crate::session::Session;
 pub(super) struct Args {
     /// End as soon as the hit rates differ, or a drop of --least is excluded, for every detector; the session has the photos of --base already. The test holds however often
     /// it is looked at (`compare --sequential`).
-    #[arg(long, requires_all = ["detectors", "source"], conflicts_with = "page")]
+    #[arg(long, requires_all = ["detectors", "source"])]
     pub(super) until_decided: bool,
     /// With --until-decided: a detector that looks at each pair; once for each, or a list with commas.
     #[arg(

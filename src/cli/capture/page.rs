@@ -1,12 +1,14 @@
 //! `scaleproof capture --page`: the same capture in a browser.
 
+use std::cell::{Cell, RefCell};
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
+use super::decided::{Question, Standing};
 use super::terminal::TerminalLog;
-use crate::capture::{Capture, FrameSource};
+use crate::capture::{Capture, FrameSource, Guidance};
 use crate::cli::Result;
-use crate::page::{CaptureInfo, CaptureNotice, Lan, Page, PageError};
+use crate::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError, PairsSoFar};
 use crate::scene::Scene;
 
 /// The page in a browser.
@@ -52,28 +54,53 @@ fn invite(lan: &Lan) {
     );
 }
 
-/// Shows the page until somebody finishes, and tells the terminal the same.
+/// Shows the page until somebody finishes, and tells the terminal the same. Whether the question is decided.
 pub(super) fn follow(
     page: Page,
-    capture: &mut Capture,
-    scene: &Scene,
+    (capture, scene): (&mut Capture, &Scene),
     source: Option<Box<dyn FrameSource + Send>>,
     about: &CaptureInfo,
-    mut terminal: TerminalLog,
-) -> Result<()> {
-    let followed = page.follow(capture, scene, source, about, &mut |news| match news {
+    question: Option<&Question>,
+    terminal: TerminalLog,
+) -> Result<bool> {
+    let terminal = RefCell::new(terminal);
+    let is_decided = Cell::new(false);
+    let asked = |question: &Question, guidance: &Guidance| -> Result<PairsSoFar> {
+        let standing = question.ask(guidance)?;
+        is_decided.set(standing.is_decided);
+        terminal.borrow_mut().standing(&standing)?;
+        Ok(shown(&standing, guidance))
+    };
+    let asking =
+        question.map(|question| move |guidance: &Guidance| asked(question, guidance).map_err(|e| e.to_string()));
+    let ask: Option<AskPairs> = asking.as_ref().map(|ask| ask as AskPairs);
+    let followed = page.follow(capture, scene, source, about, ask, &mut |news| match news {
         CaptureNotice::Seen {
             frame,
             answer,
             guidance,
-        } => terminal.seen(frame, answer, guidance),
-        CaptureNotice::TakenBack { photo } => terminal.taken_back(photo),
+        } => terminal.borrow_mut().seen(frame, answer, guidance),
+        CaptureNotice::TakenBack { photo } => terminal.borrow_mut().taken_back(photo),
         CaptureNotice::Set(settings) => {
-            terminal.set(settings);
+            terminal.borrow_mut().set(settings);
             Ok(())
         }
     });
-    followed.map_err(advised)
+    followed.map_err(advised)?;
+    Ok(is_decided.get())
+}
+
+/// What the page shows of the pairs.
+fn shown(standing: &Standing, guidance: &Guidance) -> PairsSoFar {
+    let is_next = |target: &crate::capture::Target| {
+        let next = standing.next.as_ref();
+        target.photo.is_none() && next.is_some_and(|next| next.viewpoint == target.viewpoint)
+    };
+    PairsSoFar {
+        sentence: standing.sentence.clone(),
+        is_decided: standing.is_decided,
+        next: guidance.targets().iter().position(is_next),
+    }
 }
 
 /// The error with the option that helps.

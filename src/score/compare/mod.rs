@@ -1,6 +1,7 @@
 //! Two textures against each other on paired photos: differences with intervals, exact tests, and "too few photos to tell".
 
 mod by_place;
+mod moved;
 mod pairs;
 mod plan;
 mod result;
@@ -12,6 +13,7 @@ use std::collections::BTreeSet;
 #[cfg(test)]
 pub(crate) use by_place::power_by_place;
 pub(crate) use by_place::{places_needed, smallest_drop_by_place};
+pub(crate) use moved::moved_drops;
 pub(crate) use plan::pairs_needed;
 #[cfg(test)]
 pub(crate) use plan::power;
@@ -250,29 +252,47 @@ fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Diffe
 }
 
 fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Difference {
-    let cluster_of: Vec<usize> = clusters
-        .iter()
-        .enumerate()
-        .flat_map(|(i, c)| std::iter::repeat_n(i, c.pairs.len()))
-        .collect();
-    let pairs = || clusters.iter().flat_map(|c| &c.pairs);
-    let ranked = |photos: Vec<&ScoredPhoto>| {
-        let images: Vec<_> = photos
-            .into_iter()
-            .map(|p| boxes(p, side.detector, side.counted))
-            .collect();
-        Ranked::new(&images, MATCH_IOU)
-    };
-    let base = ranked(pairs().map(|(base, _)| *base).collect());
-    let other = ranked(pairs().map(|(_, other)| *other).collect());
-    difference(clusters.len(), |drawn| {
-        // Every photo has its truth, so that every draw has a curve.
+    let ap = PairedAp::of(clusters, side);
+    difference(clusters.len(), |drawn| ap.of_both(drawn, definition))
+}
+
+/// The rankings behind the AP of both variants, whichever clusters are drawn.
+struct PairedAp {
+    base: Ranked,
+    other: Ranked,
+    /// The cluster of each pair.
+    cluster_of: Vec<usize>,
+}
+
+impl PairedAp {
+    fn of(clusters: &[Cluster], side: Side) -> PairedAp {
+        let pairs = || clusters.iter().flat_map(|c| &c.pairs);
+        let ranked = |photos: Vec<&ScoredPhoto>| {
+            let images: Vec<_> = photos
+                .into_iter()
+                .map(|p| boxes(p, side.detector, side.counted))
+                .collect();
+            Ranked::new(&images, MATCH_IOU)
+        };
+        PairedAp {
+            base: ranked(pairs().map(|(base, _)| *base).collect()),
+            other: ranked(pairs().map(|(_, other)| *other).collect()),
+            cluster_of: clusters
+                .iter()
+                .enumerate()
+                .flat_map(|(i, c)| std::iter::repeat_n(i, c.pairs.len()))
+                .collect(),
+        }
+    }
+
+    /// (base, other) when each cluster counts so many times. Every photo has its truth, so that every draw has a curve.
+    fn of_both(&self, drawn: &[u32], definition: ApDefinition) -> (f64, f64) {
         let ap = |side: &Ranked| {
-            side.curve(|image| drawn[cluster_of[image]])
+            side.curve(|image| drawn[self.cluster_of[image]])
                 .map_or(0.0, |c| definition.of_curve(&c))
         };
-        (ap(&base), ap(&other))
-    })
+        (ap(&self.base), ap(&self.other))
+    }
 }
 
 /// The difference of a figure, given as (base, other) when each cluster counts so many times.

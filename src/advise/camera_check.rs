@@ -1,0 +1,91 @@
+//! Whether the camera file is that of the photos: the photos are split in halves, a camera is refitted to the tags of each, and is judged on the other half.
+
+use nalgebra::{Rotation3, Vector3};
+
+use super::held_out::{Answer, Sample, answer};
+use super::measure::UsualPose;
+use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
+use super::result::CameraCheck;
+use super::way::{Question, usual};
+use crate::calibrate::{KnownPoints, LensModel, refit};
+use crate::camera::Camera;
+use crate::geometry::Rigid;
+use crate::scene::Scene;
+
+/// What is fitted again: what another focus, zoom or lens changes most; the other numbers of the file stay. More of them would fit the noise of half the photos.
+const REFITTED: LensModel = LensModel::K1;
+
+/// A photo that the usual way locates, and predicts a left-out tag in.
+pub(super) struct Judged<'a> {
+    pub sample: &'a Sample,
+    pub pose: &'a UsualPose,
+    pub by_file: &'a Answer,
+}
+
+/// Every other photo is in the other half, so that both go round the model. `None` where the photos are too few, or a half determines no camera.
+pub(super) fn check(photos: &[Judged], scene: &Scene, camera: &Camera) -> Option<CameraCheck> {
+    if photos.len() < FEWEST_PHOTOS {
+        return None;
+    }
+    let half = |which: usize| photos.iter().skip(which).step_by(2);
+    let points = |which: usize| {
+        half(which)
+            .map(|photo| known_points(photo.pose, scene, camera))
+            .collect::<Vec<_>>()
+    };
+    let cameras = [
+        refit(REFITTED, camera, &points(0))?,
+        refit(REFITTED, camera, &points(1))?,
+    ];
+    let refitted: Vec<Answer> = photos
+        .iter()
+        .enumerate()
+        .map(|(i, photo)| {
+            let of_other_half = &cameras[1 - i % 2];
+            let way = usual(Question::CameraModel);
+            answer(
+                &way,
+                photo.sample,
+                &photo.pose.seen,
+                &photo.pose.reference,
+                (scene, of_other_half),
+            )
+        })
+        .collect();
+    let pairs = || photos.iter().map(|photo| photo.by_file).zip(&refitted);
+    let paired = PairedErrors::of(pairs());
+    let [by_file, by_refitted] = paired.means();
+    let better_by_95 = paired.difference_95();
+    let moved = Moved::of(pairs());
+    let is_better = better_by_95.is_some_and(|interval| interval.low > 0.0) && by_file > (1.0 + MARGIN) * by_refitted;
+    (paired.photos() >= FEWEST_PHOTOS).then(|| CameraCheck {
+        photos: paired.photos(),
+        held_out_deg: by_file,
+        refitted_deg: by_refitted,
+        better_by_deg: by_file - by_refitted,
+        better_by_95,
+        focal_px: camera.fx,
+        refitted_focal_px: [cameras[0].fx, cameras[1].fx],
+        moved_deg: moved.deg.unwrap_or(0.0),
+        moved_mm: moved.mm.unwrap_or(0.0),
+        file_fits: !is_better,
+    })
+}
+
+/// The corners of the tags that the pose rests on, in the frame of the camera file's image, as which the photo was turned.
+fn known_points(pose: &UsualPose, scene: &Scene, camera: &Camera) -> KnownPoints {
+    let (mut points_mm, mut seen_px) = (Vec::new(), Vec::new());
+    for seen in &pose.reference {
+        if let Some(tag) = scene.tag(seen.family, seen.id) {
+            points_mm.extend(tag.corners_mm());
+            seen_px.extend(seen.corners_px.map(|at| camera.unfitted_px(&pose.fitted, at)));
+        }
+    }
+    // What was turned clockwise is turned back: x to the right becomes y upwards.
+    let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -f64::from(pose.fitted.turned_deg).to_radians());
+    KnownPoints {
+        points_mm,
+        seen_px,
+        pose: Rigid::from_parts(nalgebra::Translation3::identity(), back.into()) * pose.located.pose,
+    }
+}

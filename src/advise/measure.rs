@@ -1,0 +1,92 @@
+//! What one photo says of every way.
+
+use std::collections::BTreeMap;
+
+use super::error::AdviseError;
+use super::held_out::{Answer, FoundTags, Sample, answer, find};
+use super::way::Way;
+use crate::camera::{Camera, FittedCamera};
+use crate::locate::{Located, locate_luma};
+use crate::scene::Scene;
+use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
+
+/// The tag detectors of one thread.
+pub(super) type Opened = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
+
+/// What one photo says.
+pub(super) struct Measured {
+    /// By the ways, in their order.
+    pub answers: Vec<Answer>,
+    /// Absent where the usual way finds no pose.
+    pub usual: Option<UsualPose>,
+}
+
+/// What the usual way makes of a photo.
+pub(super) struct UsualPose {
+    /// The camera as it fits the photo.
+    pub fitted: FittedCamera,
+    pub located: Located,
+    /// Every tag that was found.
+    pub seen: FoundTags,
+    /// Those that the pose rests on: they are left out one by one.
+    pub reference: Vec<SeenTag>,
+}
+
+/// Measures every way on a photo; a way that several questions share, once.
+///
+/// # Errors
+/// A camera of another shape than the photo.
+pub(super) fn measure(
+    sample: &Sample,
+    ways: &[Way],
+    opened: &mut Opened,
+    (scene, camera): (&Scene, &Camera),
+) -> Result<Measured, AdviseError> {
+    let (width, height) = sample.luma.dimensions();
+    let fitted = camera
+        .for_photo(width, height, sample.turned_deg)
+        .map_err(|fault| AdviseError::Size {
+            file: sample.file.clone(),
+            fault,
+        })?;
+    let usual = opened
+        .get_mut(&TagDetectorChoice::default())
+        .and_then(|tags| usual(sample, (scene, camera), fitted, tags.as_mut()));
+    let reference = usual.as_ref().map_or(&[][..], |usual| &usual.reference);
+    let mut seen: BTreeMap<_, FoundTags> = BTreeMap::new();
+    let mut answers: Vec<Answer> = Vec::new();
+    for (i, way) in ways.iter().enumerate() {
+        if let Some(same) = ways[..i].iter().position(|before| before.is_same(way)) {
+            answers.push(answers[same].clone());
+            continue;
+        }
+        let key = (way.detector, way.reduced_by);
+        if !seen.contains_key(&key)
+            && let Some(tags) = opened.get_mut(&way.detector)
+        {
+            seen.insert(key, find(sample, key, (scene, camera), tags.as_mut()));
+        }
+        if let Some(seen) = seen.get(&key) {
+            answers.push(answer(way, sample, seen, reference, (scene, camera)));
+        }
+    }
+    Ok(Measured { answers, usual })
+}
+
+fn usual(
+    sample: &Sample,
+    (scene, camera): (&Scene, &Camera),
+    fitted: FittedCamera,
+    tags: &mut dyn TagDetector,
+) -> Option<UsualPose> {
+    let found = locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags);
+    let located = found.result.ok()?;
+    let is_used =
+        |tag: &&SeenTag| tag.is_whole && located.tags.contains(&tag.id) && scene.tag(tag.family, tag.id).is_some();
+    Some(UsualPose {
+        reference: found.seen.iter().filter(is_used).cloned().collect(),
+        seen: FoundTags::at_full_size(found.seen, sample),
+        located,
+        fitted,
+    })
+}
