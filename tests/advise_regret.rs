@@ -8,7 +8,7 @@ use common::{rendered, skyline};
 use image::{GrayImage, imageops};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof::advise::{Choice, PoseAdvice, Question, Sample, advise_poses};
+use scaleproof::advise::{CameraVerdict, Choice, PoseAdvice, Question, Sample, advise_poses};
 use scaleproof::camera::Camera;
 use scaleproof::chart::{Spoil, locate::is_silently_wrong, true_views};
 use scaleproof::photo::Photo;
@@ -264,17 +264,21 @@ fn what_is_advised_is_nearly_the_best_choice() {
             "{:<34} {}",
             known.name,
             check.map_or("camera file: cannot tell".to_owned(), |check| format!(
-                "camera file: {:.4}°, refitted {:.4}° {:?}, {:?} px for {:.1}, fits: {}",
+                "camera file: {:.4}°, refitted {:.4}° {:?}, {:?} px for {:.1}: {:?}",
                 check.held_out_deg,
                 check.refitted_deg,
                 check.better_by_95,
                 check.refitted_focal_px,
                 check.focal_px,
-                check.file_fits
+                check.verdict
             ))
         );
         // It is the true camera.
-        assert!(check.is_none_or(|check| check.file_fits), "{}", known.name);
+        assert!(
+            check.is_none_or(|check| check.verdict == CameraVerdict::Fits),
+            "{}",
+            known.name
+        );
         for question in Question::ALL {
             let Some(advised) = advice.advised(question) else {
                 println!("{:<34} {:<17} no advice", known.name, question.title());
@@ -342,7 +346,7 @@ fn the_file_of_another_camera_is_noticed() {
     let rendered = || USUAL.rendered("usual", |_| true);
     let known = rendered();
     let right = advice(&known).camera_check.unwrap();
-    assert!(right.file_fits, "{right:?}");
+    assert_eq!(right.verdict, CameraVerdict::Fits, "{right:?}");
     let wrong = |camera: Camera| {
         let known = Known { camera, ..rendered() };
         advice(&known).camera_check.unwrap()
@@ -354,12 +358,32 @@ fn the_file_of_another_camera_is_noticed() {
     for camera in [zoomed, other_lens] {
         let check = wrong(camera.clone());
         println!("{check:?}");
-        assert!(!check.file_fits, "{check:?}");
+        assert_eq!(check.verdict, CameraVerdict::OtherCamera, "{check:?}");
         // Both halves find the true focal length.
         for focal in check.refitted_focal_px {
             assert!((focal / known.camera.fx - 1.0).abs() < 0.01, "{check:?}");
         }
     }
+    // Every other photo was zoomed: no camera fits all, and no way is judged by such poses.
+    let other_zoom = Setup {
+        focal: 1.04 * USUAL.focal,
+        ..USUAL
+    }
+    .rendered("zoomed", |_| true);
+    let mut mixed = rendered();
+    for (own, other) in mixed.samples.iter_mut().zip(other_zoom.samples).step_by(2) {
+        *own = other;
+    }
+    let mixed = advice(&mixed);
+    assert!(mixed.disagreeing >= 3, "{mixed:?}");
+    assert_eq!(mixed.camera_check.unwrap().verdict, CameraVerdict::NoCameraFits);
+    assert!(mixed.choices.is_empty() && mixed.abstention.unwrap().contains("camera file does not fit"));
+    // A file that is too wrong for most photos to be located.
+    let mut far_off = known.camera.clone();
+    (far_off.fx, far_off.fy) = (1.3 * far_off.fx, 1.3 * far_off.fy);
+    let far_off = advise_poses(&known.samples, &known.scene, &far_off, || {});
+    let why = far_off.map_or_else(|e| e.to_string(), |advice| advice.abstention.unwrap());
+    assert!(why.contains("disagree with scene and camera"), "{why}");
     let turned = Known {
         samples: known
             .samples
@@ -373,7 +397,7 @@ fn the_file_of_another_camera_is_noticed() {
         ..rendered()
     };
     let turned = advice(&turned).camera_check.unwrap();
-    assert!(turned.file_fits);
+    assert_eq!(turned.verdict, CameraVerdict::Fits);
     for (upright, turned) in right.refitted_focal_px.iter().zip(turned.refitted_focal_px) {
         assert!((upright / turned - 1.0).abs() < 2e-3, "{upright} {turned}");
     }

@@ -499,6 +499,21 @@ fn a_pattern_stays_near_another_where_it_is_asked_to() {
     assert!(offs[0] > offs[1] && offs[1] > offs[2] && offs[2] < 1e-3);
 }
 
+/// A coarse pattern that is refined starts as the same picture.
+#[test]
+fn a_coarse_pattern_is_the_same_in_finer_cells() {
+    let coarse = Pattern::random(4, 1).unwrap();
+    let fine = coarse.divided([12, 8]).unwrap();
+    assert_eq!(fine.dimensions(), (12, 8));
+    for (x, y, cell) in fine.enumerate_pixels() {
+        assert_eq!(cell, coarse.cells().get_pixel(x / 3, y / 2));
+    }
+    assert_eq!(coarse.divided([4, 4]).unwrap(), *coarse.cells());
+    for grid in [[6, 8], [8, 6], [2, 2]] {
+        assert!(coarse.divided(grid).is_none(), "{grid:?}");
+    }
+}
+
 #[test]
 fn all_boxes_count_by_the_sum_of_their_odds() {
     struct Said(Vec<Prediction>);
@@ -1273,6 +1288,17 @@ fn bad_arguments_are_one_sentence() {
     assert_refused(&run(&["run", "--hard", "1.5"]), &["--hard"]);
     let sides = ["run", "--laying", "sides", "--cells", "86"];
     assert_refused(&run(&sides), &["--cells is 86", "516 rows", "up to 85"]);
+    let near = home().join("print_templates/random16.png");
+    let near = [
+        "run",
+        "--cells",
+        "24",
+        "--near",
+        near.to_str().unwrap(),
+        "--near-weight",
+        "1",
+    ];
+    assert_refused(&run(&near), &["16×16 cells, and here are 24×24", "of a half, a third"]);
     assert_refused(&run(&["run", "--augment", "blurr"]), &["blurr", "blur"]);
     assert_refused(&run(&["run", "--augment", "none,blur"]), &["none"]);
     assert_refused(&run(&["run", "--against", "best"]), &["best", "worst"]);

@@ -257,6 +257,30 @@ fn what_cannot_be_decided_is_one_sentence() {
     assert_eq!(photos(&desk.at("session"), "random"), 0);
 }
 
+/// A program that does not answer alike each time is asked once of each photo: otherwise earlier pairs would be drawn anew at each look, until a drop is shown.
+#[test]
+fn a_program_is_asked_once_of_each_photo() {
+    let desk = Desk::with_plain_photos();
+    let (script, asked) = (desk.at("fake.sh"), desk.at("asked"));
+    let text = std::fs::read_to_string(&script).unwrap();
+    let text = text
+        .replace("\"deterministic\": true", "\"deterministic\": false")
+        .replace(
+            "name=${path##*/};",
+            &format!("name=${{path##*/}}; echo $name >> '{}';", asked.display()),
+        );
+    std::fs::write(&script, text).unwrap();
+    let output = desk.until_decided("meadow", &[]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(standings(&output).len(), 9);
+    let asked = std::fs::read_to_string(asked).unwrap();
+    let mut names: Vec<&str> = asked.lines().collect();
+    names.sort_unstable();
+    let all = names.len();
+    names.dedup();
+    assert_eq!((names.len(), all), (24, 24), "{asked}");
+}
+
 /// The same in a browser: the page says what the pairs say and which view tells most, takes no photo that is not needed, and goes on when one is taken back.
 #[test]
 fn a_page_takes_photos_until_it_is_decided() {

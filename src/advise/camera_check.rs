@@ -3,9 +3,9 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::held_out::{Answer, Sample, answer};
-use super::measure::UsualPose;
+use super::measure::{Fit, UsualPose};
 use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
-use super::result::CameraCheck;
+use super::result::{CameraCheck, CameraVerdict};
 use super::way::{Question, usual};
 use crate::calibrate::{KnownPoints, LensModel, refit};
 use crate::camera::Camera;
@@ -15,6 +15,9 @@ use crate::scene::Scene;
 /// What is fitted again: what another focus, zoom or lens changes most; the other numbers of the file stay. More of them would fit the noise of half the photos.
 const REFITTED: LensModel = LensModel::K1;
 
+/// Residuals of photos of one camera differ less than by this: the largest of the stored session is three times the smallest, and every other one zoomed by 3 % has 8 to 20 times its neighbours'.
+const TIMES_WORSE: f64 = 4.0;
+
 /// A photo that the usual way locates, and predicts a left-out tag in.
 pub(super) struct Judged<'a> {
     pub sample: &'a Sample,
@@ -23,7 +26,8 @@ pub(super) struct Judged<'a> {
 }
 
 /// Every other photo is in the other half, so that both go round the model. `None` where the photos are too few, or a half determines no camera.
-pub(super) fn check(photos: &[Judged], scene: &Scene, camera: &Camera) -> Option<CameraCheck> {
+/// `fits`: of all photos.
+pub(super) fn check(photos: &[Judged], fits: &[Fit], (scene, camera): (&Scene, &Camera)) -> Option<CameraCheck> {
     if photos.len() < FEWEST_PHOTOS {
         return None;
     }
@@ -58,6 +62,12 @@ pub(super) fn check(photos: &[Judged], scene: &Scene, camera: &Camera) -> Option
     let better_by_95 = paired.difference_95();
     let moved = Moved::of(pairs());
     let is_better = better_by_95.is_some_and(|interval| interval.low > 0.0) && by_file > (1.0 + MARGIN) * by_refitted;
+    let verdict = match () {
+        () if is_better => CameraVerdict::OtherCamera,
+        () if no_camera_fits(fits) => CameraVerdict::NoCameraFits,
+        () => CameraVerdict::Fits,
+    };
+    let k1 = |camera: &Camera| camera.distortion().first().copied().unwrap_or(0.0);
     (paired.photos() >= FEWEST_PHOTOS).then(|| CameraCheck {
         photos: paired.photos(),
         held_out_deg: by_file,
@@ -68,8 +78,23 @@ pub(super) fn check(photos: &[Judged], scene: &Scene, camera: &Camera) -> Option
         refitted_focal_px: [cameras[0].fx, cameras[1].fx],
         moved_deg: moved.deg.unwrap_or(0.0),
         moved_mm: moved.mm.unwrap_or(0.0),
-        file_fits: !is_better,
+        centre_moved_px: [0, 1].map(|i| (cameras[i].cx - camera.cx).hypot(cameras[i].cy - camera.cy)),
+        k1: k1(camera),
+        refitted_k1: [0, 1].map(|i| k1(&cameras[i])),
+        verdict,
     })
+}
+
+/// Whether tags disagree in a quarter of the photos or more, and fit so much worse there than in the best quarter that noise is no reason.
+fn no_camera_fits(fits: &[Fit]) -> bool {
+    let mut all: Vec<f64> = fits.iter().filter_map(|fit| fit.rms_px).collect();
+    all.sort_by(f64::total_cmp);
+    let Some(of_best) = all.get(all.len() / 4) else {
+        return false;
+    };
+    let worse = |fit: &&Fit| fit.disagrees && fit.rms_px.is_some_and(|rms| rms > TIMES_WORSE * of_best);
+    let outlying = fits.iter().filter(worse).count();
+    outlying >= 2 && 4 * outlying >= fits.len()
 }
 
 /// The corners of the tags that the pose rests on, in the frame of the camera file's image, as which the photo was turned.

@@ -3,28 +3,37 @@
 use super::error::AdviseError;
 use super::held_out::Answer;
 use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
-use super::result::{Choice, PoseAdvice, Verdict};
+use super::result::{CameraCheck, CameraVerdict, Choice, PoseAdvice, Verdict};
 use super::way::{Question, Way};
+use crate::spelling::count;
 
 /// Judges every way by the answers of each photo.
 ///
 /// # Errors
 /// No photo that is located.
-pub(super) fn put_together(ways: &[Way], answers: &[&[Answer]]) -> Result<PoseAdvice, AdviseError> {
+pub(super) fn put_together(
+    ways: &[Way],
+    answers: &[&[Answer]],
+    (disagreeing, camera_check): (usize, Option<CameraCheck>),
+) -> Result<PoseAdvice, AdviseError> {
     let of = |way: usize| -> Vec<&Answer> { answers.iter().map(|photo| &photo[way]).collect() };
     let usual = ways.iter().position(Way::is_usual).map(of).unwrap_or_default();
     let located = usual.iter().filter(|answer| answer.located.is_some()).count();
     if located == 0 {
-        return Err(AdviseError::NothingLocated);
+        return Err(AdviseError::NothingLocated { disagreeing });
     }
     let held_out_photos = usual.iter().filter(|answer| answer.held_out_deg.is_some()).count();
     let mut advice = PoseAdvice {
         photos: answers.len(),
         located,
         held_out_photos,
-        camera_check: None,
+        disagreeing,
         choices: Vec::new(),
-        abstention: abstention(answers.len(), held_out_photos),
+        abstention: match camera_check.as_ref().map(|check| check.verdict) {
+            None | Some(CameraVerdict::Fits) => abstention(answers.len(), held_out_photos, disagreeing),
+            _ => Some("the camera file does not fit the photos, and every way would be judged by its poses".to_owned()),
+        },
+        camera_check,
     };
     if advice.abstention.is_some() {
         return Ok(advice);
@@ -38,14 +47,19 @@ pub(super) fn put_together(ways: &[Way], answers: &[&[Answer]]) -> Result<PoseAd
 }
 
 /// Why the session cannot tell, if so, and what would help.
-fn abstention(photos: usize, held_out_photos: usize) -> Option<String> {
-    let remedy = match photos < FEWEST_PHOTOS {
-        true => "take more photos",
-        false => "print more tags, or take photos that show three of them",
+fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Option<String> {
+    let remedy = match () {
+        () if disagreeing > 0 && held_out_photos + disagreeing >= FEWEST_PHOTOS => format!(
+            "the tags disagree with scene and camera in {}: calibrate with the lens, zoom and focus of these photos, or check the scene's tags",
+            count(disagreeing, "photo")
+        ),
+        () if photos < FEWEST_PHOTOS => "take more photos".to_owned(),
+        () => "print more tags, or take photos that show three of them".to_owned(),
     };
     (held_out_photos < FEWEST_PHOTOS).then(|| {
         format!(
-            "a tag could be left out and predicted in {held_out_photos} photos, and at least {FEWEST_PHOTOS} are needed: {remedy}"
+            "a tag could be left out and predicted in {}, and at least {FEWEST_PHOTOS} are needed: {remedy}",
+            count(held_out_photos, "photo")
         )
     })
 }

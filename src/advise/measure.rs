@@ -6,7 +6,7 @@ use super::error::AdviseError;
 use super::held_out::{Answer, FoundTags, Sample, answer, find};
 use super::way::Way;
 use crate::camera::{Camera, FittedCamera};
-use crate::locate::{Located, locate_luma};
+use crate::locate::{Located, LocatedPhoto, Warning, locate_luma};
 use crate::scene::Scene;
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
 
@@ -19,6 +19,31 @@ pub(super) struct Measured {
     pub answers: Vec<Answer>,
     /// Absent where the usual way finds no pose.
     pub usual: Option<UsualPose>,
+    pub fit: Fit,
+}
+
+/// How well a photo's tags fit scene and camera, by the usual way.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Fit {
+    /// Whether they disagree: the photo is refused therefore, or fits poorly.
+    pub disagrees: bool,
+    /// Root mean square residual, px: infinite where it is refused therefore, absent where there is no pose for another reason.
+    pub rms_px: Option<f64>,
+}
+
+impl Fit {
+    fn of(found: &LocatedPhoto) -> Fit {
+        match &found.result {
+            Ok(located) => Fit {
+                disagrees: located.warnings.contains(&Warning::PoorFit),
+                rms_px: Some(located.rms_px),
+            },
+            Err(why) => Fit {
+                disagrees: why.is_disagreement(),
+                rms_px: why.is_disagreement().then_some(f64::INFINITY),
+            },
+        }
+    }
 }
 
 /// What the usual way makes of a photo.
@@ -49,9 +74,11 @@ pub(super) fn measure(
             file: sample.file.clone(),
             fault,
         })?;
-    let usual = opened
+    let found = opened
         .get_mut(&TagDetectorChoice::default())
-        .and_then(|tags| usual(sample, (scene, camera), fitted, tags.as_mut()));
+        .map(|tags| locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags.as_mut()));
+    let fit = found.as_ref().map(Fit::of).unwrap_or_default();
+    let usual = found.and_then(|found| usual(sample, found, scene, fitted));
     let reference = usual.as_ref().map_or(&[][..], |usual| &usual.reference);
     let mut seen: BTreeMap<_, FoundTags> = BTreeMap::new();
     let mut answers: Vec<Answer> = Vec::new();
@@ -70,16 +97,10 @@ pub(super) fn measure(
             answers.push(answer(way, sample, seen, reference, (scene, camera)));
         }
     }
-    Ok(Measured { answers, usual })
+    Ok(Measured { answers, usual, fit })
 }
 
-fn usual(
-    sample: &Sample,
-    (scene, camera): (&Scene, &Camera),
-    fitted: FittedCamera,
-    tags: &mut dyn TagDetector,
-) -> Option<UsualPose> {
-    let found = locate_luma(&sample.luma, sample.turned_deg, scene, camera, tags);
+fn usual(sample: &Sample, found: LocatedPhoto, scene: &Scene, fitted: FittedCamera) -> Option<UsualPose> {
     let located = found.result.ok()?;
     let is_used =
         |tag: &&SeenTag| tag.is_whole && located.tags.contains(&tag.id) && scene.tag(tag.family, tag.id).is_some();

@@ -25,11 +25,11 @@ pub(crate) use error::AdviseError;
 pub(crate) use figures::{FigureAdvice, advise_figures};
 use held_out::Answer;
 pub(crate) use held_out::Sample;
-use measure::{Measured, Opened, measure};
+use measure::{Fit, Measured, Opened, measure};
 pub(crate) use page::page;
-#[cfg(test)]
-pub(crate) use result::Choice;
 pub(crate) use result::{Advice, PoseAdvice};
+#[cfg(test)]
+pub(crate) use result::{CameraVerdict, Choice};
 pub(crate) use settings::settings;
 pub(crate) use table::table;
 pub(crate) use way::Question;
@@ -77,11 +77,11 @@ pub(crate) fn advise_poses(
         &on_photo,
     )?;
     let answers: Vec<&[Answer]> = measured.iter().map(|photo| photo.answers.as_slice()).collect();
-    let advice = judge::put_together(&ways, &answers)?;
-    Ok(PoseAdvice {
-        camera_check: camera_check::check(&judged(samples, &ways, &measured), scene, camera),
-        ..advice
-    })
+    let fits: Vec<Fit> = measured.iter().map(|photo| photo.fit).collect();
+    let disagreeing = fits.iter().filter(|fit| fit.disagrees).count();
+    let photos = judged(samples, &ways, &measured);
+    let camera_check = camera_check::check(&photos, &fits, (scene, camera));
+    judge::put_together(&ways, &answers, (disagreeing, camera_check))
 }
 
 /// The photos that the camera file can be judged by.

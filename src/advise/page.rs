@@ -3,8 +3,8 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::figures::FigureAdvice;
-use super::result::{Advice, Choice, PoseAdvice, Verdict};
-use super::table::{camera, findings, in_words};
+use super::result::{Advice, CameraVerdict, Choice, PoseAdvice, Verdict};
+use super::table::{camera, findings, in_words, unreadable};
 use super::way::Question;
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
 use crate::score::Finding;
@@ -14,16 +14,16 @@ use crate::spelling::{count, digits};
 pub(crate) fn page(all: &Advice) -> String {
     let advice = &all.poses;
     let lead = html! {
-        (count(advice.photos, "photo")) ", " (advice.located) " of them located; a tag could be left out and predicted in " (advice.held_out_photos) "."
+        (capital(&unreadable(all))) (count(advice.photos, "photo")) ", " (advice.located) " of them located; a tag could be left out and predicted in " (advice.held_out_photos) "."
     };
     let content = html! {
-        @if let Some(check) = advice.camera_check.as_ref().filter(|check| !check.file_fits) { p.banner { (capital(&camera(check))) "." } }
+        @if let Some(check) = advice.camera_check.as_ref().filter(|check| check.verdict != CameraVerdict::Fits) { p.banner { (capital(&camera(check))) "." } }
         @match &advice.abstention {
             Some(why) => { p.banner { "No advice on poses: " (why) "." } }
             None => {
                 section { (advised(advice)) }
                 @for question in Question::ALL { section { h2 { (capital(question.title())) } (section(advice, question)) } }
-                @if let Some(check) = advice.camera_check.as_ref().filter(|check| check.file_fits) { section { h2 { "Camera file" } p { (capital(&camera(check))) "." } } }
+                @if let Some(check) = advice.camera_check.as_ref().filter(|check| check.verdict == CameraVerdict::Fits) { section { h2 { "Camera file" } p { (capital(&camera(check))) "." } } }
                 p.note { (HOW) }
             }
         }
@@ -39,7 +39,7 @@ pub(crate) fn page(all: &Advice) -> String {
 
 const HOW: &str = "Held out: a tag is left out, the pose is made of the others, and its corners are predicted; the error is the root mean square of the four, as an angle, and its mean over tags and photos. \
     “More than the best”: the difference from the most accurate way that locates as many photos, on the same photos, with its 95 % interval (2,000 resamples of the photos). Advised is the smallest way that \
-    loses no photo, moves none to another bin and none by more than five standard deviations of its usual pose, is not shown worse, and whose error is within a twentieth of the smallest. Moved: how far the viewpoints are from the usual ones, middle photo.";
+    loses no photo, moves none to another bin and none by more than five standard deviations of its usual pose, is not shown worse, whose error is within a twentieth of the smallest, and, of tags, whose poses are at most a twentieth less certain. Moved: how far the viewpoints are from the usual ones, middle photo.";
 
 /// As a heading begins.
 fn capital(title: &str) -> String {
@@ -99,30 +99,32 @@ fn advised(advice: &PoseAdvice) -> Markup {
 
 fn section(advice: &PoseAdvice, question: Question) -> Markup {
     let own: Vec<&Choice> = advice.of(question).collect();
-    let number = |value: Option<f64>, places: usize| value.map_or("–".to_owned(), |value| digits(value, places));
+    let number = |value: Option<f64>, places: usize, unit: &str| {
+        value.map_or("–".to_owned(), |value| digits(value, places) + unit)
+    };
     html! {
         div.scroll {
             table {
                 thead {
                     tr {
-                        th { "way" }
-                        @for head in ["ms", "located", "held out", "more than the best", "direction moved", "distance moved", ""] { th { (head) } }
+                        th { "way" } th { "verdict" }
+                        @for head in ["ms", "located", "held out", "more than the best", "direction moved", "distance moved"] { th { (head) } }
                     }
                 }
                 tbody {
                     @for choice in &own {
                         tr.chosen[choice.verdict == Verdict::Advised] {
                             td { (choice.name) @if choice.is_usual { " (usual)" } }
+                            td.text { (in_words(choice)) }
                             td { (digits(choice.ms, 2)) }
                             td { (choice.located) }
-                            td { (number(choice.held_out_deg, 4)) "°" }
+                            td { (number(choice.held_out_deg, 4, "°")) }
                             td {
-                                (number(choice.worse_by_deg, 4)) "°"
+                                (number(choice.worse_by_deg, 4, "°"))
                                 @if let Some(i) = choice.worse_by_95 { " [" (digits(i.low, 4)) ", " (digits(i.high, 4)) "]" }
                             }
-                            td { (number(choice.moved_deg, 4)) "°" }
-                            td { (number(choice.moved_mm, 2)) " mm" }
-                            td.text { (in_words(choice)) }
+                            td { (number(choice.moved_deg, 4, "°")) }
+                            td { (number(choice.moved_mm, 2, " mm")) }
                         }
                     }
                 }

@@ -72,6 +72,8 @@ pub(crate) enum Verdict {
 pub(crate) struct Advice {
     /// Name of its folder.
     pub session: String,
+    /// Photos that could not be read, which nothing here is of.
+    pub unreadable: usize,
     pub poses: PoseAdvice,
     /// Absent where no detector looked.
     pub figures: Option<FigureAdvice>,
@@ -84,6 +86,8 @@ pub(crate) struct PoseAdvice {
     /// Photos that the usual way locates, and in which it can predict a left-out tag.
     pub located: usize,
     pub held_out_photos: usize,
+    /// Photos whose tags disagree with scene and camera: refused therefore, or fitted poorly.
+    pub disagreeing: usize,
     /// Whether the camera file is that of these photos; absent where they cannot tell.
     pub camera_check: Option<CameraCheck>,
     /// None where the session cannot tell.
@@ -106,11 +110,27 @@ pub(crate) struct CameraCheck {
     /// fx of the file, and of the two halves, px.
     pub focal_px: f64,
     pub refitted_focal_px: [f64; 2],
+    /// How far the halves' image centres are from that of the file, px.
+    pub centre_moved_px: [f64; 2],
+    /// Of the file, and of the two halves.
+    pub k1: f64,
+    pub refitted_k1: [f64; 2],
     /// How far a viewpoint moves with the refitted camera, middle photo.
     pub moved_deg: f64,
     pub moved_mm: f64,
-    /// Whether the refitted camera is not shown better, or by no more than a twentieth.
-    pub file_fits: bool,
+    pub verdict: CameraVerdict,
+}
+
+/// What the photos say of the camera file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum CameraVerdict {
+    /// The refitted camera is not shown better, or by no more than a twentieth.
+    Fits,
+    /// It is.
+    OtherCamera,
+    /// It is not, but tags disagree with the file in a quarter of the photos or more, and fit four times worse there than elsewhere.
+    NoCameraFits,
 }
 
 impl PoseAdvice {

@@ -1,7 +1,7 @@
 //! The advice as text.
 
 use super::figures::{BOX_MARGIN, FigureAdvice};
-use super::result::{Advice, CameraCheck, Choice, Verdict};
+use super::result::{Advice, CameraCheck, CameraVerdict, Choice, Verdict};
 use super::way::Question;
 use crate::spelling::{count, digits};
 
@@ -9,7 +9,8 @@ use crate::spelling::{count, digits};
 pub(crate) fn table(all: &Advice) -> String {
     let advice = &all.poses;
     let mut lines = vec![format!(
-        "{}, {} of them located; a tag could be left out and predicted in {}",
+        "{}{}, {} of them located; a tag could be left out and predicted in {}",
+        unreadable(all),
         count(advice.photos, "photo"),
         advice.located,
         advice.held_out_photos
@@ -45,6 +46,14 @@ pub(crate) fn table(all: &Advice) -> String {
     lines.join("\n")
 }
 
+/// What the photos that could not be read are said to be.
+pub(super) fn unreadable(all: &Advice) -> String {
+    match all.unreadable {
+        0 => String::new(),
+        unreadable => format!("without {} that could not be read: ", count(unreadable, "photo")),
+    }
+}
+
 fn line(choice: &Choice) -> String {
     let number = |value: Option<f64>, digits_: usize| value.map_or("–".to_owned(), |value| digits(value, digits_));
     let worse = match (choice.worse_by_deg, choice.worse_by_95) {
@@ -52,8 +61,9 @@ fn line(choice: &Choice) -> String {
         (by, _) => number(by, 4),
     };
     let usual = if choice.is_usual { " (usual)" } else { "" };
+    let arrow = if choice.verdict == Verdict::Advised { "← " } else { "" };
     format!(
-        "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  {}{usual}",
+        "{:<18} {:>8} {:>8} {:>10} {:>26} {:>9} {:>9}  {arrow}{}{usual}",
         choice.name,
         digits(choice.ms, 2),
         choice.located,
@@ -68,7 +78,7 @@ fn line(choice: &Choice) -> String {
 /// What speaks against a way, or that it is advised.
 pub(super) fn in_words(choice: &Choice) -> String {
     match choice.verdict {
-        Verdict::Advised => "← advised".to_owned(),
+        Verdict::Advised => "advised".to_owned(),
         Verdict::Enough => "enough".to_owned(),
         Verdict::LosesPhotos => format!("loses {}", count(choice.lost, "photo")),
         Verdict::OtherBins => format!("other bin in {}", count(choice.other_bin, "photo")),
@@ -94,16 +104,35 @@ pub(super) fn camera(check: &CameraCheck) -> String {
         let [by, low, high] = [check.better_by_deg, i.low, i.high].map(|value| digits(value, 4));
         format!("; difference {by} [{low}, {high}]")
     });
-    if check.file_fits {
-        return format!("camera file: it fits the photos ({errors}{by})");
+    match check.verdict {
+        CameraVerdict::Fits => format!("camera file: it fits the photos ({errors}{by})"),
+        CameraVerdict::OtherCamera => format!(
+            "camera file: it does not fit the photos ({errors}{by}). Refitted: {}; viewpoints move by {}° and {} mm. Calibrate again with the lens, zoom and focus of these photos, or check the \
+             scene's tag sizes",
+            refitted(check),
+            digits(check.moved_deg, 3),
+            digits(check.moved_mm, 1)
+        ),
+        CameraVerdict::NoCameraFits => format!(
+            "camera file: cannot tell ({errors}{by}). In a quarter of the photos or more tags disagree with it, and fit four times worse than in the others; no other camera is shown better: were all photos taken with one lens, zoom, \
+             focus and orientation, and was no card moved?"
+        ),
     }
-    let [a, b] = check.refitted_focal_px.map(|focal| digits(focal, 0));
+}
+
+/// In what the refitted cameras differ from the file.
+fn refitted(check: &CameraCheck) -> String {
+    let two = |values: [f64; 2], places: usize| {
+        let [a, b] = values.map(|value| digits(value, places));
+        format!("{a} and {b}")
+    };
     format!(
-        "camera file: it does not fit the photos ({errors}{by}); with a focal length of {a} or {b} px instead of {}, viewpoints move by {}° and {} mm. \
-         Calibrate again with the lens, zoom and focus of these photos, or check the scene's tag sizes",
+        "a focal length of {} px (file: {}), a centre {} px off, a k1 of {} (file: {})",
+        two(check.refitted_focal_px, 0),
         digits(check.focal_px, 0),
-        digits(check.moved_deg, 3),
-        digits(check.moved_mm, 1)
+        two(check.centre_moved_px, 1),
+        two(check.refitted_k1, 3),
+        digits(check.k1, 3)
     )
 }
 
@@ -120,9 +149,9 @@ pub(super) fn findings(figures: &FigureAdvice) -> Vec<String> {
     };
     let moves = digits(figures.definition_moves, 3);
     let of_box = match (figures.box_moves, figures.box_is_enough) {
-        (Some(moves), Some(true)) => format!("truth boxes: the model's size is enough; it moves drops by {} at most, and no finding", digits(moves, 3)),
+        (Some(moves), Some(true)) => format!("truth boxes: the model's size is enough for AP@0.5; it moves its drops by {} at most, and no finding", digits(moves, 3)),
         (Some(moves), _) => format!(
-            "truth boxes: the model's outline is needed; its size moves drops by up to {} (at most {BOX_MARGIN} is allowed), or a finding",
+            "truth boxes: the model's outline is needed; its size moves drops of AP@0.5 by up to {} (at most {BOX_MARGIN} is allowed), or a finding",
             digits(moves, 3)
         ),
         _ => "no advice on truth boxes: the scene has the model's size alone; name its mesh or hull in the scene, and whether the size is enough can be told".to_owned(),

@@ -47,10 +47,13 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let session = sessions::session(&args.session)?;
     check(args, &session)?;
     files::check_writable(&args.output)?;
-    let poses = poses(&session)?;
+    let samples = samples(&session)?;
+    let unreadable = session.photos.len() - samples.len();
+    let poses = poses(&session, &samples)?;
     let figures = figures(args, &session)?;
     let advice = Advice {
         session: session.name.clone(),
+        unreadable,
         poses,
         figures,
     };
@@ -85,6 +88,7 @@ fn check(args: &Args, session: &Session) -> Result<()> {
         )
         .into());
     }
+    session.known_camera()?;
     if !looks(args) {
         return Ok(());
     }
@@ -105,11 +109,10 @@ fn looks(args: &Args) -> bool {
     !args.detectors.is_empty() || args.recorded || args.results.are_given()
 }
 
-fn poses(session: &Session) -> Result<advise::PoseAdvice> {
+fn poses(session: &Session, samples: &[Sample]) -> Result<advise::PoseAdvice> {
     let camera = session.known_camera()?;
-    let samples = samples(session)?;
     let bar = progress::photos("measuring", samples.len());
-    let advice = advise::advise_poses(&samples, &session.scene, camera, || bar.inc(1))?;
+    let advice = advise::advise_poses(samples, &session.scene, camera, || bar.inc(1))?;
     bar.finish_and_clear();
     Ok(advice)
 }

@@ -69,6 +69,11 @@ impl Abstention {
         edge_deg: 0.0,
     };
 
+    /// Whether tags disagree with each other, the scene or the camera, rather than being too few.
+    pub(crate) fn is_disagreement(&self) -> bool {
+        self.code() == "high_residual"
+    }
+
     /// A stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {

@@ -170,10 +170,11 @@ fn results_name(detector: &str) -> String {
 
 /// A p value with its sign, as behind `p`.
 fn p_value(p: f64) -> String {
-    if p < 0.001 {
-        "< 0.001".to_owned()
-    } else {
-        format!("= {}", digits(p, 3))
+    match digits(p, 3) {
+        _ if p < 0.001 => "< 0.001".to_owned(),
+        // Rounded it would look like a difference that is shown.
+        shown if shown == "0.050" && p > 0.05 => "> 0.050".to_owned(),
+        shown => format!("= {shown}"),
     }
 }
 

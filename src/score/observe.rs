@@ -356,15 +356,19 @@ impl<'a> Observer<'a> {
         })
     }
 
-    /// What a program answers is kept only when it says that it always answers alike.
+    /// What a program answers is kept for later runs only when it says that it always answers alike.
     fn by_program(
         &mut self,
         program: &ProgramDetector,
         job: &ScoringJob,
         decoded: &mut DecodedPhoto,
     ) -> Result<Vec<Detection>, Stop> {
-        let key = self.key(&["program", &decoded.file.sha256, &program.card().sha256()]);
-        self.kept(key.filter(|_| program.is_deterministic()), |_| {
+        let sha256 = decoded.file.sha256.clone();
+        if let Some(found) = program.answered(&sha256) {
+            return Ok(found);
+        }
+        let key = self.key(&["program", &sha256, &program.card().sha256()]);
+        let found = self.kept(key.filter(|_| program.is_deterministic()), |_| {
             let size = [decoded.file.width, decoded.file.height];
             let pixels = program.takes_pixels().then(|| decoded.at_least(size)).transpose()?;
             let found = program.detect(&ProgramPhoto {
@@ -374,7 +378,9 @@ impl<'a> Observer<'a> {
                 pixels,
             });
             found.map_err(Stop::of_program)
-        })
+        })?;
+        program.remember(&sha256, &found);
+        Ok(found)
     }
 
     /// What a detector finds in an image of a part of a photo, in the photo's pixels, or why it says nothing of it. `image` is called where nothing is

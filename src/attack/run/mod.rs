@@ -536,7 +536,7 @@ pub(crate) fn of_pattern(pattern: &Pattern) -> Vec<Rgb> {
 }
 
 /// Pixels as sRGB of 0 to 1, row by row.
-fn of_image(image: &RgbImage) -> Vec<Rgb> {
+pub(crate) fn of_image(image: &RgbImage) -> Vec<Rgb> {
     image.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect()
 }
 

@@ -12,10 +12,11 @@ use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
 use crate::attack::run::printer::PrinterMap;
 use crate::attack::run::weights::Against;
-use crate::attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_pattern};
+use crate::attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_image};
 use crate::attack::setup::Setup;
 use crate::cli::choice::one_of;
 use crate::files;
+use crate::pattern::Pattern;
 use crate::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 use crate::print::printer::PrinterFile;
 use crate::whitebox::Boxes;
@@ -61,7 +62,7 @@ pub(super) struct RunArgs {
     /// Optimise the pattern as this printer prints it: the file that `colour read` put the printer's colours in
     #[arg(long, value_name = "TOML", conflicts_with = "palette")]
     printer: Option<PathBuf>,
-    /// Keep the pattern near this one: a PNG file of as many cells
+    /// Keep the pattern near this one: a PNG file of as many cells, or of a half, a third, …: a coarse pattern to be refined
     #[arg(long, value_name = "PNG", requires = "near_weight")]
     near: Option<PathBuf>,
     /// How strongly: the weight of the mean squared distance
@@ -208,10 +209,22 @@ impl RunArgs {
         let (Some(path), Some(weight)) = (&self.near, self.near_weight) else {
             return Ok(None);
         };
-        let pattern = self.on.pattern(path)?;
+        let pattern = Pattern::load(path)?;
+        crate::cli::enlarged::note_enlarged(path, &pattern);
+        let grid = self.on.mapping.grid(self.on.cells);
+        let cells = pattern.divided(grid).ok_or_else(|| {
+            format!(
+                "{} has {}×{} cells, and here are {}×{}: give one of as many, or of a half, a third, …",
+                path.display(),
+                pattern.columns(),
+                pattern.rows(),
+                grid[0],
+                grid[1]
+            )
+        })?;
         Ok(Some(Near {
             weight,
-            cells: of_pattern(&pattern),
+            cells: of_image(&cells),
         }))
     }
 

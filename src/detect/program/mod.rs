@@ -8,6 +8,7 @@ mod groups;
 mod hello;
 mod spec;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
@@ -113,6 +114,8 @@ pub struct ProgramDetector {
     limit: Duration,
     pool: Mutex<Pool>,
     freed: Condvar,
+    /// Answers of this run, by the SHA-256 of the photo.
+    answers: Mutex<BTreeMap<String, Vec<Detection>>>,
 }
 
 /// Why an answer is not taken.
@@ -148,6 +151,7 @@ impl ProgramDetector {
             limit,
             pool: Mutex::new(pool),
             freed: Condvar::new(),
+            answers: Mutex::default(),
         })
     }
 
@@ -188,6 +192,21 @@ impl ProgramDetector {
             Verdict::Detections(found) => Ok(found),
             Verdict::Declined(sentence) => Err(self.declined(sentence)),
         }
+    }
+
+    /// What it answered for a photo in this run, by the SHA-256 of its file: a session that is scored again after each photo keeps earlier answers, whatever the program
+    /// would say now.
+    pub(crate) fn answered(&self, sha256: &str) -> Option<Vec<Detection>> {
+        self.answers().get(sha256).cloned()
+    }
+
+    /// Remembers an answer for [`ProgramDetector::answered`].
+    pub(crate) fn remember(&self, sha256: &str, found: &[Detection]) {
+        self.answers().insert(sha256.to_owned(), found.to_vec());
+    }
+
+    fn answers(&self) -> MutexGuard<'_, BTreeMap<String, Vec<Detection>>> {
+        self.answers.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// The loss `−ln(1 − C)` of the surest box that meets the model in an image, and its derivative; `None` where none meets it.

@@ -31,10 +31,13 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
         all.extend(missing(texture, &planned, &photos, scores, comparison));
     }
     let repeated = photos.values().filter(|photos| **photos > 1).count();
+    let contents: BTreeSet<&str> = scores.photos.iter().map(|photo| photo.sha256.as_str()).collect();
+    let copies = scores.photos.len() - contents.len();
     let given = scores.photos.iter().filter(|photo| photo.truth_given).count();
     let counted = [
         (repeated, "view", "with more photos than the one that was planned"),
         (elsewhere, "photo", "of views that are not in the plan"),
+        (copies, "photo", "with the same content as another"),
         (given, "photo", "with a truth box that the session gives, not the pose"),
         (scores.not_scored.len(), "photo", "left out, with reasons"),
     ];
