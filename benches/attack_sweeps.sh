@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Where patterns fail: the stored patterns of 118 mm and random on the model, re-rendered at one elevation, distance and light after the other, under a glossier
-# coat, printed too large, too small, in a printer's colours and beside their place, on a part of the model, and on photos made worse. FOLDER/*/score/figures.csv
-# has AP for each pitch, distance and place, FOLDER/*/differences.csv each pair of patterns with its interval. Steps go on where they were stopped. Half an hour
-# on two cores.
+# coat, printed too large, too small, in a printer's colours and beside their place, on a part of the model, and on photos made worse. FOLDER/table.md has AP and
+# the drop from random with its interval, FOLDER/*/differences.csv each pair of patterns. Steps go on where they were stopped. Three quarters of an hour on two
+# cores.
 #
 #   PYTHON=venv/bin/python benches/attack_sweeps.sh MESH FOLDER
 #
@@ -35,8 +35,12 @@ as_sides() {
     done
     evaluate "$1" --texture "${textures[@]}" "${usual[@]}"
 }
-worn elevation 118 --light courtyard sunrise@60 --pitch-deg 0 15 30 45 60 75 --distance-mm 1200
-worn distance 118 --light courtyard sunrise@60 --pitch-deg 15 --distance-mm 800 1100 1500 2000 2800
+for pitch_deg in 0 15 30 45 60 75; do
+    worn "pitch_$pitch_deg" 118 --light courtyard sunrise@60 --pitch-deg $pitch_deg --distance-mm 1200
+done
+for distance_mm in 800 1100 1500 2000 2800; do
+    worn "distance_$distance_mm" 118 --light courtyard sunrise@60 --pitch-deg 15 --distance-mm $distance_mm
+done
 worn light 118 --light courtyard sunrise@60 city forest interior night studio sunset --pitch-deg 15 --distance-mm 1200
 for roughness in 0.25 0.1 0.03; do
     worn "roughness_$roughness" 118 "${usual[@]}" --roughness $roughness
@@ -61,3 +65,4 @@ done
 evaluate printed/evaluation --pattern "${printed[@]}" --tile-mm 118 "${usual[@]}"
 # Blur, JPEG and the like, on the photos of all lights: FOLDER/corrupted/robustness.csv.
 "$home/run" score "$folder/light/session" --detector yolox_nano --corrupt blur,noise,jpeg,exposure,haze,scale,crop -o "$folder/corrupted"
+"$python" "$home/benches/sweep_table.py" "$folder" | tee "$folder/table.md"
