@@ -1,6 +1,6 @@
 //! `cargo bench --features attack --bench whitebox_speed -- WEIGHTS [NAME…]`: milliseconds a picture through the detectors of an attack, beside ONNX Runtime.
 //!
-//! ONNX Runtime's forward pass on one thread, ours, and ours with the way back, on one thread and on two; the median of some rounds in which they
+//! ONNX Runtime's forward pass on one thread, ours, and ours with the backward pass, on one thread and on two; the median of some rounds in which they
 //! take turns, and ratios to ONNX Runtime. WEIGHTS is a folder with the weights; without names all known detectors that are there.
 
 use std::path::{Path, PathBuf};

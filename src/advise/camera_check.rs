@@ -7,7 +7,7 @@ use super::measure::{Fit, UsualPose};
 use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
 use super::result::{CameraCheck, CameraVerdict};
 use super::way::{Question, usual};
-use crate::calibrate::{KnownPoints, LensModel, refit};
+use crate::calibrate::{LensModel, View, refit};
 use crate::camera::Camera;
 use crate::geometry::Rigid;
 use crate::scene::Scene;
@@ -31,31 +31,13 @@ pub(super) fn check(photos: &[Judged], fits: &[Fit], (scene, camera): (&Scene, &
     if photos.len() < FEWEST_PHOTOS {
         return None;
     }
-    let half = |which: usize| photos.iter().skip(which).step_by(2);
-    let points = |which: usize| {
-        half(which)
-            .map(|photo| known_points(photo.pose, scene, camera))
-            .collect::<Vec<_>>()
+    let cameras = [refitted(photos, 0, scene, camera)?, refitted(photos, 1, scene, camera)?];
+    let way = usual(Question::CameraModel);
+    let by_other_half = |(i, photo): (usize, &Judged)| {
+        let (seen, reference) = (&photo.pose.seen, &photo.pose.reference);
+        answer(&way, photo.sample, seen, reference, (scene, &cameras[1 - i % 2]))
     };
-    let cameras = [
-        refit(REFITTED, camera, &points(0))?,
-        refit(REFITTED, camera, &points(1))?,
-    ];
-    let refitted: Vec<Answer> = photos
-        .iter()
-        .enumerate()
-        .map(|(i, photo)| {
-            let of_other_half = &cameras[1 - i % 2];
-            let way = usual(Question::CameraModel);
-            answer(
-                &way,
-                photo.sample,
-                &photo.pose.seen,
-                &photo.pose.reference,
-                (scene, of_other_half),
-            )
-        })
-        .collect();
+    let refitted: Vec<Answer> = photos.iter().enumerate().map(by_other_half).collect();
     let pairs = || photos.iter().map(|photo| photo.by_file).zip(&refitted);
     let paired = PairedErrors::of(pairs());
     let [by_file, by_refitted] = paired.means();
@@ -97,8 +79,15 @@ fn no_camera_fits(fits: &[Fit]) -> bool {
     outlying >= 2 && 4 * outlying >= fits.len()
 }
 
-/// The corners of the tags that the pose rests on, in the frame of the camera file's image, as which the photo was turned.
-fn known_points(pose: &UsualPose, scene: &Scene, camera: &Camera) -> KnownPoints {
+/// The camera of every other photo, from the first or the second on.
+fn refitted(photos: &[Judged], first: usize, scene: &Scene, camera: &Camera) -> Option<Camera> {
+    let half = photos.iter().skip(first).step_by(2);
+    let (views, poses): (Vec<View>, Vec<Rigid>) = half.map(|photo| known_points(photo.pose, scene, camera)).unzip();
+    refit(REFITTED, camera, &views, poses)
+}
+
+/// The corners of the tags that the pose rests on, in the frame of the camera file's image, as which the photo was turned, and the pose in that frame.
+fn known_points(pose: &UsualPose, scene: &Scene, camera: &Camera) -> (View, Rigid) {
     let (mut points_mm, mut seen_px) = (Vec::new(), Vec::new());
     for seen in &pose.reference {
         if let Some(tag) = scene.tag(seen.family, seen.id) {
@@ -108,9 +97,6 @@ fn known_points(pose: &UsualPose, scene: &Scene, camera: &Camera) -> KnownPoints
     }
     // What was turned clockwise is turned back: x to the right becomes y upwards.
     let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -f64::from(pose.fitted.turned_deg).to_radians());
-    KnownPoints {
-        points_mm,
-        seen_px,
-        pose: Rigid::from_parts(nalgebra::Translation3::identity(), back.into()) * pose.located.pose,
-    }
+    let turned = Rigid::from_parts(nalgebra::Translation3::identity(), back.into()) * pose.located.pose;
+    (View { points_mm, seen_px }, turned)
 }

@@ -29,11 +29,10 @@ pub(crate) use doubt::{CalibrationCaution, CalibrationError};
 pub(crate) use ladder::CandidateModel;
 pub(crate) use model::LensModel;
 pub(crate) use page::page;
-pub(crate) use refit::{KnownPoints, refit};
+pub(crate) use refit::refit;
 pub(crate) use summary::json;
 pub(crate) use uncertainty::UncertaintyMap;
-
-use view::View;
+pub(crate) use view::View;
 
 /// A corner of the board where a photo shows it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -137,7 +137,7 @@ impl Page {
 
     /// Captures from a source and from what browsers send, until somebody finishes on the page or with Ctrl-C. The page stays when all
     /// views are there or the source has ended: photos may still be taken back. `ask` says after each photo what the pairs say so far; when they
-    /// decide, no further photo is taken.
+    /// decide, no further photo is taken. Whether they have decided.
     ///
     /// # Errors
     /// A photo that cannot be written, a source that is gone, an output that cannot be written; browsers are shown the sentence, and the server
@@ -150,7 +150,7 @@ impl Page {
         about: &CaptureInfo,
         ask: Option<AskPairs>,
         notify: &mut dyn FnMut(CaptureNotice) -> io::Result<()>,
-    ) -> Result<(), PageError> {
+    ) -> Result<bool, PageError> {
         let worker = CaptureWorker::new(capture, scene, about, &self.published, notify);
         let worked = worker.asking(ask).work(&self.events, self.own, source);
         self.server.end();

@@ -154,13 +154,13 @@ impl<'a> CaptureWorker<'a> {
         CaptureWorker { ask, ..self }
     }
 
-    /// Works until somebody finishes, or what keeps the capture from going on.
+    /// Works until somebody finishes, or what keeps the capture from going on. Whether the pairs have decided.
     pub(super) fn work(
         &mut self,
         events: &Receiver<WorkerEvent>,
         own: Sender<WorkerEvent>,
         source: Option<Box<dyn FrameSource + Send>>,
-    ) -> Result<(), PageError> {
+    ) -> Result<bool, PageError> {
         let worked = self.work_through(events, own, source);
         let last_words = match &worked {
             Ok(()) => {
@@ -175,7 +175,7 @@ impl<'a> CaptureWorker<'a> {
             Err(e) => format!("The capture has ended: {e}"),
         };
         self.publish(Some(&last_words));
-        worked
+        worked.map(|()| self.is_decided())
     }
 
     fn work_through(

@@ -189,10 +189,7 @@ fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
 
 /// Copies are scored, but a copy is no second observation.
 fn copies(photos: &[ScoredPhoto]) -> Option<String> {
-    let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
-    let mut copies = photos
-        .iter()
-        .filter_map(|p| seen.insert(&p.sha256, p).map(|first| (first, p)));
+    let mut copies = byte_for_byte(photos);
     let (first, copy) = copies.next()?;
     let count = 1 + copies.count();
     Some(format!(
@@ -207,6 +204,14 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
         first.file,
         spelling::choose(count, "it", "them")
     ))
+}
+
+/// Photos with the content of an earlier one: that one, and the copy.
+pub(super) fn byte_for_byte(photos: &[ScoredPhoto]) -> impl Iterator<Item = (&ScoredPhoto, &ScoredPhoto)> {
+    let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
+    photos
+        .iter()
+        .filter_map(move |p| seen.insert(&p.sha256, p).map(|first| (first, p)))
 }
 
 /// A drop between textures that were not photographed from the same directions mixes texture with direction.

@@ -1,6 +1,6 @@
 //! `scaleproof capture --page`: the same capture in a browser.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::error::Error;
 use std::io::{IsTerminal, Write};
 
@@ -64,10 +64,8 @@ pub(super) fn follow(
     terminal: TerminalLog,
 ) -> Result<bool> {
     let terminal = RefCell::new(terminal);
-    let is_decided = Cell::new(false);
     let asked = |question: &Question, guidance: &Guidance| -> Result<PairsSoFar> {
         let standing = question.ask(guidance)?;
-        is_decided.set(standing.is_decided);
         terminal.borrow_mut().standing(&standing)?;
         Ok(shown(&standing, guidance))
     };
@@ -86,8 +84,7 @@ pub(super) fn follow(
             Ok(())
         }
     });
-    followed.map_err(advised)?;
-    Ok(is_decided.get())
+    followed.map_err(advised)
 }
 
 /// What the page shows of the pairs.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::plan::SealedPlan;
 use crate::scene::Bin;
+use crate::score::caution::byte_for_byte;
 use crate::score::{Comparison, Course, Scores};
 use crate::spelling::count;
 
@@ -31,8 +32,7 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
         all.extend(missing(texture, &planned, &photos, scores, comparison));
     }
     let repeated = photos.values().filter(|photos| **photos > 1).count();
-    let contents: BTreeSet<&str> = scores.photos.iter().map(|photo| photo.sha256.as_str()).collect();
-    let copies = scores.photos.len() - contents.len();
+    let copies = byte_for_byte(&scores.photos).count();
     let given = scores.photos.iter().filter(|photo| photo.truth_given).count();
     let counted = [
         (repeated, "view", "with more photos than the one that was planned"),
