@@ -319,6 +319,75 @@ fn an_evaluation_goes_on_where_it_stopped_and_takes_further_patterns() {
     assert_eq!(Session::open(&bench.at("out/session")).unwrap().photos.len(), 8);
 }
 
+/// A run's folder: a pattern of the bench, and that it took so many seconds.
+fn write_run(bench: &Bench, (name, pattern): (&str, &str), (tile_mm, wall_s): (f64, f64)) {
+    let folder = bench.at(name);
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::copy(bench.at(pattern), folder.join("pattern.png")).unwrap();
+    let judged = serde_json::json!({"views": 4, "ap50": 0.9, "hit_rate": 0.8, "mean_confidence": 0.6});
+    let entry = serde_json::json!({"step": 9, "queries": 72, "wall_s": wall_s, "loss": 4.1, "confidence": 0.1, "held_out": judged});
+    let history = serde_json::json!({
+        "scaleproof": "0.1.0", "method": "dta", "seed": 1, "tile_mm": tile_mm, "frames_sha256": "0", "detectors": ["made 0"], "entries": [entry],
+    });
+    std::fs::write(folder.join("history.json"), history.to_string()).unwrap();
+}
+
+#[test]
+fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
+    let bench = Bench::new(seen_px(400.0));
+    assert!(bench.run(&[]).status.success());
+    write_run(&bench, ("quick", "p2.png"), (60.0, 5.0));
+    write_run(&bench, ("slow", "p1.png"), (60.0, 50.0));
+    let history = |runs: &[&str]| {
+        let mut command = program();
+        command
+            .current_dir(bench.folder.path())
+            .args(["attack", "history"])
+            .args(runs);
+        command.args(["--evaluation", "out", "-o", "chart"]).output().unwrap()
+    };
+    let drawn = history(&["quick", "slow", "--json"]);
+    assert!(drawn.status.success(), "{}", stderr(&drawn));
+    let json: serde_json::Value = serde_json::from_slice(&drawn.stdout).unwrap();
+    for (run, seconds) in json["rendered"].as_array().unwrap().iter().zip([5.0, 50.0]) {
+        assert_eq!(
+            (run["wall_s"].as_f64(), run["queries"].as_u64()),
+            (Some(seconds), Some(72))
+        );
+        for (figures, detector) in run["rendered"].as_array().unwrap().iter().zip(["made", "other"]) {
+            // As in the tables above, and not the 0.9 that was predicted.
+            assert_eq!(figures["detector"], detector);
+            assert_eq!(
+                (figures["photos"].as_u64(), figures["hit_rate"].as_f64()),
+                (Some(2), Some(0.5))
+            );
+            assert!(
+                (figures["ap50"].as_f64().unwrap() - 51.0 / 101.0).abs() < 1e-12,
+                "{figures}"
+            );
+        }
+    }
+    assert_eq!(read_json(&bench.at("chart/rendered.json")), json["rendered"]);
+    let chart = std::fs::read_to_string(bench.at("chart/rendered.svg")).unwrap();
+    // Both patterns do the same: of each detector's two marks the quicker one is ringed. One ring more explains it.
+    assert_eq!(chart.matches("r=\"10.5\"").count(), 2, "{chart}");
+    assert!(stdout(&history(&["slow"])).contains("rendered:"));
+
+    write_run(&bench, ("wide", "p1.png"), (80.0, 5.0));
+    assert_refused(
+        &history(&["wide"]),
+        &["out has no photos of wide/pattern.png repeated every 80 mm"],
+    );
+    std::fs::write(bench.at("p3.png"), Pattern::random(4, 3).unwrap().to_png().unwrap()).unwrap();
+    write_run(&bench, ("new", "p3.png"), (60.0, 5.0));
+    assert_refused(&history(&["quick", "new"]), &["out has no photos of new/pattern.png"]);
+    std::fs::write(bench.at("out/score/summary.json"), "{}").unwrap();
+    assert_refused(
+        &history(&["quick"]),
+        &["summary.json is not of a finished evaluation", "missing field"],
+    );
+}
+
 /// The same box with texture coordinates, whose image has these pixels.
 fn write_textured(bench: &Bench, pixels: [[u8; 3]; 2]) {
     let mut text = String::from("mtllib worn.mtl\nusemtl worn\n");

@@ -4,8 +4,10 @@
 //! denoised, so that few light paths do: nothing has to add up here. Each paint's photos lie in a folder of their own, so that a paint may be
 //! added later, and one that is done is not rendered again.
 
+pub(crate) mod finished;
 mod photos;
 mod scene;
+pub(crate) mod time_chart;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -42,6 +44,17 @@ pub(crate) enum EvaluateError {
     OtherPaint { folder: PathBuf, variant: String },
     #[error("{path} is damaged ({reason}): remove it, and the same command renders it again", path = path.display())]
     Damaged { path: PathBuf, reason: String },
+    #[error("{path} is not of a finished evaluation ({reason})", path = path.display())]
+    NotFinished { path: PathBuf, reason: String },
+    #[error(
+        "{evaluation} has no photos of {pattern} repeated every {tile_mm} mm: add the pattern to the evaluation first",
+        evaluation = evaluation.display(), pattern = pattern.display()
+    )]
+    NotRendered {
+        evaluation: PathBuf,
+        pattern: PathBuf,
+        tile_mm: f64,
+    },
 }
 
 /// A rendered photo and the truth about it.

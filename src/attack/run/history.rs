@@ -71,6 +71,11 @@ impl History {
         self.entries.last().map_or(0, |e| e.queries)
     }
 
+    /// Seconds that it took in all.
+    pub(crate) fn wall_s(&self) -> f64 {
+        self.entries.last().map_or(0.0, |e| e.wall_s)
+    }
+
     pub(crate) fn last_judged(&self) -> Option<(&Entry, HeldOutFigures)> {
         self.entries.iter().rev().find_map(|e| Some((e, e.held_out?)))
     }

@@ -4,6 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{CommandResult, Outcome};
+use crate::attack::evaluate::EvaluateError;
+use crate::attack::evaluate::finished::figures_of;
+use crate::attack::evaluate::time_chart::{self, RenderedRun};
+use crate::attack::result;
 use crate::attack::run::history::{History, draw};
 use crate::files;
 
@@ -13,7 +17,10 @@ pub(super) struct HistoryArgs {
     /// Folders of results
     #[arg(value_name = "DIR", required = true)]
     results: Vec<PathBuf>,
-    /// Folder for the chart (SVG) and its numbers (JSON)
+    /// What `attack evaluate` wrote of the same patterns: a second chart has AP@0.5 in its photos against the time of each run
+    #[arg(long, value_name = "DIR")]
+    evaluation: Option<PathBuf>,
+    /// Folder for the charts (SVG) and their numbers (JSON)
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// The histories as one JSON object instead of the table
@@ -38,21 +45,27 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         )
         .into());
     }
+    let rendered = args.rendered(&histories)?;
     files::check_writable(&args.output)?;
     if !args.json {
         table(&histories, out)?;
+        rendered_table(&rendered, out)?;
     }
-    let new = [
-        (
-            args.output.join("attack.json"),
-            serde_json::to_string_pretty(&histories)?.into_bytes(),
-        ),
-        (args.output.join("attack.svg"), draw(&histories).into_bytes()),
+    let at = |name: &str| args.output.join(name);
+    let mut new = vec![
+        (at("attack.json"), serde_json::to_vec_pretty(&histories)?),
+        (at("attack.svg"), draw(&histories).into_bytes()),
     ];
+    if !rendered.is_empty() {
+        new.push((at("rendered.json"), serde_json::to_vec_pretty(&rendered)?));
+        new.push((at("rendered.svg"), time_chart::draw(&rendered).into_bytes()));
+    }
     files::replace_all_atomically(&new)?;
     if args.json {
-        let [numbers, chart] = new.map(|(path, _)| path);
-        let line = serde_json::json!({ "histories": histories, "numbers": numbers, "chart": chart });
+        let path = |i: usize| new.get(i).map(|(path, _)| path);
+        let line = serde_json::json!({
+            "histories": histories, "numbers": path(0), "chart": path(1), "rendered": rendered, "rendered_chart": path(3),
+        });
         writeln!(out, "{line}")?;
         return Ok(Outcome::Done);
     }
@@ -60,6 +73,21 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         writeln!(out, "{}", path.display())?;
     }
     Ok(Outcome::Done)
+}
+
+impl HistoryArgs {
+    /// What the evaluation says of each run's pattern; nothing without one.
+    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, EvaluateError> {
+        let Some(evaluation) = &self.evaluation else {
+            return Ok(Vec::new());
+        };
+        let runs = self.results.iter().zip(histories);
+        runs.map(|(folder, history)| {
+            let figures = figures_of(evaluation, &folder.join(result::PATTERN), history.tile_mm)?;
+            Ok(RenderedRun::new(history, figures))
+        })
+        .collect()
+    }
 }
 
 fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
@@ -81,6 +109,26 @@ fn table(histories: &[History], out: &mut dyn Write) -> std::io::Result<()> {
                 judged.ap50,
                 judged.hit_rate,
                 judged.mean_confidence
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn rendered_table(runs: &[RenderedRun], out: &mut dyn Write) -> std::io::Result<()> {
+    if !runs.is_empty() {
+        writeln!(
+            out,
+            "\nrendered:\n{:<10} {:>5} {:>9} {:>8}  {:<15} {:>6} {:>7} {:>9}",
+            "method", "seed", "images", "seconds", "detector", "photos", "AP@0.5", "hit rate"
+        )?;
+    }
+    for run in runs {
+        for of in &run.rendered {
+            writeln!(
+                out,
+                "{:<10} {:>5} {:>9} {:>8.0}  {:<15} {:>6} {:>7.2} {:>9.2}",
+                run.method, run.seed, run.queries, run.wall_s, of.detector, of.photos, of.ap50, of.hit_rate
             )?;
         }
     }
