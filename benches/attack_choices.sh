@@ -5,8 +5,8 @@
 #   benches/attack_choices.sh MESH FRAMES OTHER FOLDER [STEPS]
 #
 # MESH: skyline_r32_lowpoly_ccby4.glb (low-poly Nissan Skyline R32 by W1ZZERZ, CC BY 4.0); FRAMES: those of benches/attack_frames.sh; OTHER: a folder with
-# model_save.obj and exterior_face.txt (SeRAlab/Robust-and-Accurate-UV-map-based-Camouflage-Attack). FOLDER/model and FOLDER/other have the tables;
-# differences.csv each pair of patterns with its interval. Names are CHOICE_SEED; `usual` is the default.
+# model_save.obj and exterior_face.txt (SeRAlab/Robust-and-Accurate-UV-map-based-Camouflage-Attack). FOLDER/table.md has the mean of the seeds and what each choice
+# adds to the usual one; FOLDER/model_SEED and FOLDER/other_SEED have each seed's photos and tables.
 set -euo pipefail
 if [ $# -lt 4 ]; then
     echo "usage: $0 MESH FRAMES OTHER FOLDER [STEPS]" >&2
@@ -21,17 +21,18 @@ declare -A options=(
 for kind in brightness contrast far noise white-balance blur jpeg background tone renderer shift size turn pose; do
     options[$kind]="--augment $kind"
 done
-patterns=()
 for seed in 1 2 3; do
+    patterns=()
     for choice in "${!options[@]}"; do
         out=$folder/${choice}_$seed
         # shellcheck disable=SC2086  # two words
         "$run" attack run "${frames[@]}" --detector yolox_nano --steps "$steps" --seed $seed ${options[$choice]} -o "$out"
-        patterns+=("${choice}_$seed=$out/pattern.png")
+        patterns+=("$choice=$out/pattern.png")
     done
+    judged=(--normal 808080 --target yolox_nano --light courtyard sunrise@60 --azimuth-deg every30 --field-of-view-deg 40 --pattern "${patterns[@]}")
+    "$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 "${judged[@]}" --pitch-deg 0 15 30 --distance-mm 1200 \
+        --detector yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto -o "$folder/model_$seed"
+    "$run" attack evaluate --mesh "$other/model_save.obj" --faces "$other/exterior_face.txt" --length-mm 490 "${judged[@]}" --pitch-deg 5 20 \
+        --distance-mm 1200 --size-px 256x192 --detector yolox_nano -o "$folder/other_$seed"
 done
-judged=(--normal 808080 --target yolox_nano --light courtyard sunrise@60 --azimuth-deg every30 --field-of-view-deg 40 --pattern "${patterns[@]}")
-"$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 "${judged[@]}" --pitch-deg 0 15 30 --distance-mm 1200 \
-    --detector yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto -o "$folder/model"
-"$run" attack evaluate --mesh "$other/model_save.obj" --faces "$other/exterior_face.txt" --length-mm 490 "${judged[@]}" --pitch-deg 5 20 \
-    --distance-mm 1200 --size-px 256x192 --detector yolox_nano -o "$folder/other"
+"${PYTHON:-python3}" "$(dirname "$0")/choices_table.py" "$folder" | tee "$folder/table.md"
