@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # AP@0.5 on the model against the time of making the pattern: the attack with six budgets, ER and CAMOU with two each, random; two seeds, re-rendered at 72 views.
-# Each step goes on where it was stopped, but times count only on a quiet machine and in one go. An hour on two cores.
+# Each step goes on where it was stopped, but times count only on a quiet machine and in one go. Three quarters of an hour on two cores.
 #
 #   benches/attack_time.sh MESH FRAMES FOLDER
 #
