@@ -6,7 +6,6 @@ A freedom is LAYING_CELLS_TILE_COLOURS; its AP@0.5 is that of the weaker of its 
 best freedom where the paired 95 % interval of `attack evaluate` excludes 0.
 """
 
-import csv
 import sys
 from pathlib import Path
 
@@ -15,22 +14,15 @@ import matplotlib
 matplotlib.use("svg")
 matplotlib.rcParams.update({"svg.hashsalt": "scaleproof", "svg.fonttype": "none"})
 import matplotlib.pyplot as plt
+from differences import read
 
 LABELS = {
-    ("world", 118): "repeated every 118 mm",
-    ("world", 240): "repeated every 240 mm",
-    ("world", 480): "once (480 mm)",
-    ("sides", 118): "each side its own, every 118 mm",
-    ("sides", 480): "each side its own, once (480 mm)",
+    ("world", "118"): "repeated every 118 mm",
+    ("world", "240"): "repeated every 240 mm",
+    ("world", "480"): "once (480 mm)",
+    ("sides", "118"): "each side its own, every 118 mm",
+    ("sides", "480"): "each side its own, once (480 mm)",
 }
-
-
-def read(folder):
-    """AP@0.5 of each pattern, and the rows of each pair of patterns."""
-    with (folder / "evaluation" / "differences.csv").open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["figure"] == "ap50"]
-    ap = {row["base"]: float(row["of_base"]) for row in rows} | {row["pattern"]: float(row["of_pattern"]) for row in rows}
-    return ap, {(row["base"], row["pattern"]): row for row in rows}
 
 
 def seeds(ap):
@@ -38,7 +30,7 @@ def seeds(ap):
     found = {}
     for name, value in ap.items():
         freedom, _, seed = name.rpartition("_")
-        if seed.isdigit() and freedom.count("_") == 3:
+        if seed.isdigit():
             found.setdefault(freedom, []).append((value, name))
     return {freedom: sorted(values) for freedom, values in found.items()}
 
@@ -66,9 +58,7 @@ def table(freedoms, pairs):
 
 def line(axes, freedoms, where, label):
     """The seeds as dots, a line through the weaker ones; where: (x, name of the freedom)."""
-    where = [(x, freedoms[name]) for x, name in sorted(where) if name in freedoms]
-    if not where:
-        return
+    where = [(x, freedoms[name]) for x, name in sorted(where)]
     (drawn,) = axes.plot([x for x, _ in where], [found[-1][0] for _, found in where], marker="o", label=label)
     for x, found in where:
         axes.plot([x] * len(found), [value for value, _ in found], marker="o", markersize=4, color=drawn.get_color(), linewidth=0.8)
@@ -78,7 +68,7 @@ def chart(freedoms, ap, path):
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True, width_ratios=(2, 1), layout="constrained")
     split = {name: name.split("_") for name in freedoms}
     for (laying, tile), label in LABELS.items():
-        own = [(int(parts[1]), name) for name, parts in split.items() if (parts[0], parts[2], parts[3]) == (laying, str(tile), "free")]
+        own = [(int(parts[1]), name) for name, parts in split.items() if (parts[0], parts[2], parts[3]) == (laying, tile, "free")]
         line(left, freedoms, own, label)
     colours = [(int(parts[3]), name) for name, parts in split.items() if parts[3] != "free"]
     line(right, freedoms, [*colours, (16, "world_16_118_free")], "16×16 cells every 118 mm")
@@ -100,7 +90,7 @@ def chart(freedoms, ap, path):
 
 
 folder = Path(sys.argv[1])
-ap, pairs = read(folder)
+_, ap, pairs = read(folder / "evaluation" / "differences.csv")
 freedoms = seeds(ap)
 table(freedoms, pairs)
 chart(freedoms, ap, folder / "chart.svg")

@@ -3,16 +3,10 @@
     python sweep_table.py FOLDER
 """
 
-import csv
 import sys
 from pathlib import Path
 
-
-def read(path):
-    with path.open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["figure"] == "ap50"]
-    ap = {row["base"]: float(row["of_base"]) for row in rows} | {row["pattern"]: float(row["of_pattern"]) for row in rows}
-    return int(rows[0]["pairs"]), ap, {(row["base"], row["pattern"]): row for row in rows}
+from differences import read
 
 
 def drop(rows, pattern):
