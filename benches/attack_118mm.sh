@@ -16,10 +16,10 @@ folder=$2
 model=(--mesh "$1" --material Material.001 --length-mm 455)
 "$home/benches/attack_frames.sh" "$folder/frames" "${model[@]}"
 for seed in 1 2; do
-    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --steps 1600 --seed $seed \
+    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --cells 16 --steps 1600 --seed $seed \
         -o "$folder/attack_$seed"
 done
-"$home/run" attack baseline random "$folder/frames/0" --detector yolox_nano -o "$folder/random"
+"$home/run" attack baseline random "$folder/frames/0" --detector yolox_nano --cells 16 -o "$folder/random"
 patterns=(random="$folder/random/pattern.png" attack_1="$folder/attack_1/pattern.png" attack_2="$folder/attack_2/pattern.png")
 judged=(--normal 808080 --target yolox_nano --light courtyard sunrise@60 --azimuth-deg every30 --field-of-view-deg 40 --pattern "${patterns[@]}")
 "$home/run" attack evaluate "${model[@]}" "${judged[@]}" --detector yolox_nano,nanodet_m,fastestdet,deimv2_femto,deimv2_atto \

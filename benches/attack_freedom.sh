@@ -28,7 +28,7 @@ for freedom in world_{4,8,16,24,32,64}_118_free world_16_118_{2,4,8,12} world_{1
         fi
     done
 done
-"$run" attack baseline random "$frames" --detector yolox_nano -o "$folder/random"
+"$run" attack baseline random "$frames" --detector yolox_nano --cells 16 -o "$folder/random"
 patterns+=(random="$folder/random/pattern.png")
 "$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --light courtyard sunrise@60 --azimuth-deg every30 \
     --pitch-deg 0 15 30 --distance-mm 1200 --field-of-view-deg 40 --detector yolox_nano -o "$folder/evaluation" \

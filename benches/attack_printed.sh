@@ -16,7 +16,7 @@ run=$home/run mesh=$1 frames=("$2"/{0,1,2,3,4,5,6,7,8,9,10,11}) folder=$3 steps=
 paints=$home/print_templates/paints12.toml printer=$home/print_templates/printer_plain_paper.toml
 patterns=()
 for seed in 1 2; do
-    made=(attack run "${frames[@]}" --detector yolox_nano --steps "$steps" --seed $seed)
+    made=(attack run "${frames[@]}" --detector yolox_nano --cells 16 --steps "$steps" --seed $seed)
     "$run" "${made[@]}" -o "$folder/free_$seed"
     "$run" "${made[@]}" --palette "$paints" -o "$folder/paints_$seed"
     "$run" "${made[@]}" --printer "$printer" -o "$folder/printer_$seed"

@@ -14,7 +14,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
 export PYTHONPATH="$home/python"
-attack() { "$program" --quiet attack run "$home/captures/skyline_attack" --steps 4 "$@" >/dev/null; }
+attack() { "$program" --quiet attack run "$home/captures/skyline_attack" --cells 16 --steps 4 "$@" >/dev/null; }
 attack --detector yolox_nano --detectors "$(dirname "$weights")" -o "$out/own"
 attack --detector "exec:$python $home/python/examples/jax_yolox.py $weights" -o "$out/jax"
 "$python" - "$out" <<'PYTHON'

@@ -17,16 +17,16 @@ made=() patterns=()
 add() { made+=("$folder/$1") patterns+=("$1=$folder/$1/pattern.png"); }
 for seed in 1 2; do
     for steps in 20 40 75 150 300 600; do
-        "$run" attack run "${frames[@]}" --detector yolox_nano --steps $steps --seed $seed -o "$folder/attack_${steps}_$seed"
+        "$run" attack run "${frames[@]}" --detector yolox_nano --cells 16 --steps $steps --seed $seed -o "$folder/attack_${steps}_$seed"
         add "attack_${steps}_$seed"
     done
     for method in er camou; do
         for queries in 600 2400; do
-            "$run" attack baseline $method "${frames[@]}" --detector yolox_nano --queries $queries --seed $seed -o "$folder/${method}_${queries}_$seed"
+            "$run" attack baseline $method "${frames[@]}" --detector yolox_nano --cells 16 --queries $queries --seed $seed -o "$folder/${method}_${queries}_$seed"
             add "${method}_${queries}_$seed"
         done
     done
-    "$run" attack baseline random "${frames[@]}" --detector yolox_nano --seed $seed -o "$folder/random_$seed"
+    "$run" attack baseline random "${frames[@]}" --detector yolox_nano --cells 16 --seed $seed -o "$folder/random_$seed"
     add random_$seed
 done
 "$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --light courtyard sunrise@60 --azimuth-deg every30 \

@@ -17,12 +17,12 @@ frames=$folder/frames
 "$run" attack render "${model[@]}" --light forest sunset@120 city@60 --azimuth-deg 15 45 75 105 135 165 195 225 255 285 315 345 --pitch-deg 3 18 \
     --distance-mm 650 1100 --flat 000000 808080 ffffff --size-px 256 --field-of-view-deg 50 --samples 16 -o "$frames"
 for seed in 1 2; do
-    "$run" attack run "$frames" --detector yolox_nano --tile-mm 240 --rate 0.03 --floor 0.001 --hard 0 --seed $seed -o "$folder/attack_$seed"
+    "$run" attack run "$frames" --detector yolox_nano --cells 16 --tile-mm 240 --rate 0.03 --floor 0.001 --hard 0 --seed $seed -o "$folder/attack_$seed"
 done
 for method in er camou; do
-    "$run" attack baseline $method "$frames" --detector yolox_nano --tile-mm 240 --queries 2400 -o "$folder/$method"
+    "$run" attack baseline $method "$frames" --detector yolox_nano --cells 16 --tile-mm 240 --queries 2400 -o "$folder/$method"
 done
-"$run" attack baseline random "$frames" --detector yolox_nano --tile-mm 240 -o "$folder/random"
+"$run" attack baseline random "$frames" --detector yolox_nano --cells 16 --tile-mm 240 -o "$folder/random"
 "$run" attack history "$folder"/{attack_1,attack_2,er,camou,random} -o "$folder/history"
 "$run" attack evaluate "${model[@]}" --normal 808080 --tile-mm 240 --target yolox_nano --light courtyard sunrise@60 --azimuth-deg every30 \
     --pitch-deg 0 15 30 --distance-mm 900 1200 1500 --field-of-view-deg 40 -o "$folder/evaluation" \

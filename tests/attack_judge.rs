@@ -72,9 +72,16 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
     );
     // What cannot be judged.
     assert_refused(&judge(&["--pattern", "missing.png"]), &["missing.png"]);
+    let small = out.path().join("small.png");
+    Pattern::random(8, 1).unwrap().cells().save(&small).unwrap();
+    let small = format!("small={}", small.display());
     assert_refused(
-        &judge(&["--cells", "8", "--pattern", &patterns[0]]),
-        &["16 cells", "8×8", "--cells"],
+        &judge(&["--pattern", &patterns[0], &small]),
+        &["small.png has 8×8 cells", "16×16", "patterns of one size"],
+    );
+    assert_refused(
+        &judge(&["--laying", "sides", "--pattern", &small]),
+        &["small.png has 8×8 cells", "8×48", "--laying sides"],
     );
     assert_refused(
         &judge(&["--normal", "grey", "--pattern", &patterns[0]]),

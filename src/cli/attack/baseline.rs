@@ -121,7 +121,7 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
         Method::Import(args) => {
             let pattern = cells_of(&args.pattern)?;
             let mut on = args.on.clone();
-            on.looking.cells = pattern.columns();
+            on.cells = pattern.columns();
             finished("import", &on, &of_pattern(&pattern), out)
         }
         Method::Er(args) => searched("er", args, out),

@@ -44,12 +44,12 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
             folder: args.folder.clone(),
             programs: Programs::default(),
             class: "car".parse()?,
-            cells: CELLS,
             tile_mm: TILE_MM,
             mapping: TextureMapping::default(),
             device: OnDevice::default(),
             json: false,
         },
+        cells: CELLS,
         seed: 1,
         output: args.output.clone(),
     };

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::io::Write;
+use std::iter;
 
 use nalgebra::Point3;
 use serde::Serialize;
@@ -14,6 +15,8 @@ use crate::attack::run::augmentation::{Augmentation, Eot};
 use crate::attack::run::judge::{SeenByDetector, look};
 use crate::attack::run::{Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
+use crate::cli::enlarged::note_enlarged;
+use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
 use crate::spelling::count;
 use crate::statistics::intervals_95;
@@ -23,7 +26,7 @@ use crate::statistics::intervals_95;
 pub(super) struct JudgeArgs {
     #[command(flatten)]
     on: Looking,
-    /// Patterns and their names: square PNG files of as many cells as --cells says
+    /// Patterns and their names: PNG files of one size, square, or with --laying sides six squares below each other
     #[arg(long = "pattern", value_name = "NAME=PNG", num_args = 1.., required = true)]
     patterns: Vec<String>,
     /// What they are compared with: a flat colour as hex sRGB
@@ -41,8 +44,8 @@ struct Judged {
 }
 
 pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
-    let patterns = args.patterns()?;
-    let setup = args.on.open(false, &Eot::NONE)?;
+    let (columns, patterns) = args.patterns()?;
+    let setup = args.on.open(columns, false, &Eot::NONE)?;
     let views: Vec<usize> = (0..setup.view_set.views.len()).collect();
     let bar = progress::frames("looking", views.len() * patterns.len());
     let look = |(name, cells): NamedCells| {
@@ -73,15 +76,35 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 impl JudgeArgs {
-    fn patterns(&self) -> Result<Vec<NamedCells>, Box<dyn Error>> {
-        let [columns, rows] = self.on.mapping.grid(self.on.cells);
-        let normal = vec![hex(&self.normal)?; columns as usize * rows as usize];
-        let mut patterns = vec![(self.normal.clone(), srgb(&normal))];
+    /// How many cells the patterns have along each side, and the patterns, the plain colour first.
+    fn patterns(&self) -> Result<(u32, Vec<NamedCells>), Box<dyn Error>> {
+        let mut loaded = Vec::new();
         for text in &self.patterns {
             let (name, path) = named(text);
-            patterns.push((name, of_pattern(&self.on.pattern(path)?)));
+            let pattern = Pattern::load(&path)?;
+            note_enlarged(&path, &pattern);
+            loaded.push((name, path, pattern));
         }
-        Ok(patterns)
+        let columns = loaded.first().map_or(1, |(_, _, pattern)| pattern.columns());
+        let grid = self.on.mapping.grid(columns);
+        if let Some((_, path, pattern)) = loaded.iter().find(|(_, _, p)| [p.columns(), p.rows()] != grid) {
+            return Err(format!(
+                "{} has {}×{} cells, where {}×{} are needed with --laying {}: give patterns of one size",
+                path.display(),
+                pattern.columns(),
+                pattern.rows(),
+                grid[0],
+                grid[1],
+                self.on.mapping.name()
+            )
+            .into());
+        }
+        let normal = vec![hex(&self.normal)?; columns as usize * grid[1] as usize];
+        let normal = (self.normal.clone(), srgb(&normal));
+        let others = loaded
+            .into_iter()
+            .map(|(name, _, pattern)| (name, of_pattern(&pattern)));
+        Ok((columns, iter::once(normal).chain(others).collect()))
     }
 }
 

@@ -53,9 +53,6 @@ pub(super) struct Looking {
     /// The label that counts as the model, or several, as in car,truck
     #[arg(long, value_name = "LABEL,…", default_value = "car")]
     pub class: Classes,
-    /// Cells along each side
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
-    pub cells: u32,
     /// Width of one repeat on the model, in mm
     #[arg(long, value_name = "MM", default_value_t = 118.0, allow_negative_numbers = true)]
     pub tile_mm: f64,
@@ -75,6 +72,9 @@ pub(super) struct Looking {
 pub(super) struct OnFrames {
     #[command(flatten)]
     pub looking: Looking,
+    /// Cells along each side
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
+    pub cells: u32,
     /// The same seed gives the same pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -92,10 +92,9 @@ impl Deref for OnFrames {
 }
 
 impl Looking {
-    /// `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
-    pub(super) fn open(&self, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
+    pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm)?;
-        self.check_cells()?;
         let (networks, programs) = self.programs.among(&self.detector)?;
         let mut detectors = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
@@ -108,7 +107,7 @@ impl Looking {
         }
         let opened = self.frames.iter().map(|folder| FrameSet::open(folder));
         let frames = opened.collect::<Result<Vec<_>, _>>()?;
-        let texture = (self.cells, self.tile_mm, self.mapping);
+        let texture = (cells, self.tile_mm, self.mapping);
         let bar = progress::frames(
             "reading views",
             frames.iter().map(|set| views(&set.list.frames).len()).sum(),
@@ -119,7 +118,14 @@ impl Looking {
     }
 }
 
-impl Looking {
+impl OnFrames {
+    /// As [`Looking::open`], with a folder for what is made.
+    pub(super) fn open(&self, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+        self.check_cells()?;
+        files::check_writable(&self.output)?;
+        self.looking.open(self.cells, differentiates, eot)
+    }
+
     /// The sides' patterns lie below each other in one file.
     fn check_cells(&self) -> Result<(), String> {
         let [_, rows] = self.mapping.grid(self.cells);
@@ -132,31 +138,6 @@ impl Looking {
             )),
             false => Ok(()),
         }
-    }
-
-    /// A pattern of as many cells as these look at.
-    pub(super) fn pattern(&self, path: &Path) -> Result<Pattern, Box<dyn Error>> {
-        let pattern = Pattern::load(path)?;
-        crate::cli::enlarged::note_enlarged(path, &pattern);
-        let [columns, rows] = self.mapping.grid(self.cells);
-        match [pattern.columns(), pattern.rows()] == [columns, rows] {
-            true => Ok(pattern),
-            false => Err(format!(
-                "{} has {}×{} cells, and here are {columns}×{rows}: give patterns of one size, and their --cells",
-                path.display(),
-                pattern.columns(),
-                pattern.rows()
-            )
-            .into()),
-        }
-    }
-}
-
-impl OnFrames {
-    /// As [`Looking::open`], with a folder for what is made.
-    pub(super) fn open(&self, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
-        files::check_writable(&self.output)?;
-        self.looking.open(differentiates, eot)
     }
 
     /// Writes the result of a method, and says what it is.
