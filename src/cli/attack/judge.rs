@@ -81,8 +81,8 @@ impl JudgeArgs {
         let mut loaded = Vec::new();
         for text in &self.patterns {
             let (name, path) = named(text);
-            let pattern = Pattern::load(&path)?;
-            note_enlarged(&path, &pattern);
+            let pattern = Pattern::load(path)?;
+            note_enlarged(path, &pattern);
             loaded.push((name, path, pattern));
         }
         let columns = loaded.first().map_or(1, |(_, _, pattern)| pattern.columns());
