@@ -1,8 +1,8 @@
 //! ER: a genetic search over a small mosaic that is enlarged and repeated over the model (Wu et al. 2020,
 //! arXiv:2007.16118).
 //!
-//! The paper leaves its search open in detail. Here: tournaments of three, uniform crossover cell by cell, cells drawn
-//! anew, and the best handed on unchanged. All patterns of a generation are looked at in the same views.
+//! The paper leaves its search open in detail. Here: tournaments of three, uniform crossover cell by cell, cells replaced
+//! by random ones, and the best handed on unchanged. All patterns of a generation are looked at in the same views.
 
 use rand::{Rng, RngExt};
 

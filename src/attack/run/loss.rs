@@ -4,7 +4,7 @@
 pub(crate) const HIT_IOU: f64 = 0.5;
 pub(crate) const HIT_CONFIDENCE: f64 = 0.5;
 
-/// DTA's loss counted from another confidence than a half: `ln(1 + odds(C) / odds(floor))`, and its derivative with respect to
+/// DTA's loss with a floor other than a half: `ln(1 + odds(C) / odds(floor))`, and its derivative with respect to
 /// `loss`, which is `−ln(1 − C)`.
 ///
 /// By the logit of C it changes by σ(logit C − logit floor): the gradient fades at `floor`. With a half it is DTA's own, which ignores a box

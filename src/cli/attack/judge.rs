@@ -2,21 +2,18 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::iter;
 
 use nalgebra::Point3;
 use serde::Serialize;
 use serde_json::json;
 
-use super::on_frames::Looking;
+use super::on_frames::{Looking, pattern_of};
 use super::render::{hex, named};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::augmentation::{Augmentation, Eot};
 use crate::attack::run::judge::{SeenByDetector, look};
 use crate::attack::run::{Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
-use crate::cli::enlarged::note_enlarged;
-use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
 use crate::spelling::count;
 use crate::statistics::intervals_95;
@@ -81,30 +78,29 @@ impl JudgeArgs {
         let mut loaded = Vec::new();
         for text in &self.patterns {
             let (name, path) = named(text);
-            let pattern = Pattern::load(path)?;
-            note_enlarged(path, &pattern);
-            loaded.push((name, path, pattern));
+            loaded.push((name, path, pattern_of(path)?));
         }
         let columns = loaded.first().map_or(1, |(_, _, pattern)| pattern.columns());
         let grid = self.on.mapping.grid(columns);
-        if let Some((_, path, pattern)) = loaded.iter().find(|(_, _, p)| [p.columns(), p.rows()] != grid) {
-            return Err(format!(
-                "{} has {}×{} cells, where {}×{} are needed with --laying {}: give patterns of one size",
-                path.display(),
-                pattern.columns(),
-                pattern.rows(),
-                grid[0],
-                grid[1],
-                self.on.mapping.name()
-            )
-            .into());
-        }
         let normal = vec![hex(&self.normal)?; columns as usize * grid[1] as usize];
-        let normal = (self.normal.clone(), srgb(&normal));
-        let others = loaded
-            .into_iter()
-            .map(|(name, _, pattern)| (name, of_pattern(&pattern)));
-        Ok((columns, iter::once(normal).chain(others).collect()))
+        let mut patterns = vec![(self.normal.clone(), srgb(&normal))];
+        for (name, path, pattern) in loaded {
+            let size = [pattern.columns(), pattern.rows()];
+            if size != grid {
+                return Err(format!(
+                    "{} has {}×{} cells, where {}×{} are needed with --laying {}: give patterns of one size",
+                    path.display(),
+                    size[0],
+                    size[1],
+                    grid[0],
+                    grid[1],
+                    self.on.mapping.name()
+                )
+                .into());
+            }
+            patterns.push((name, of_pattern(&pattern)));
+        }
+        Ok((columns, patterns))
     }
 }
 

@@ -19,11 +19,12 @@ use crate::cli::choice::one_of;
 #[cfg(feature = "attack")]
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
+use crate::cli::enlarged::note_enlarged;
 use crate::cli::results::Programs;
 use crate::detect::{Manifest, ProgramDetector};
 use crate::files;
 use crate::frames::{FrameSet, views};
-use crate::pattern::{MAX_CELLS, Pattern};
+use crate::pattern::{MAX_CELLS, Pattern, PatternError};
 use crate::scene::Classes;
 use crate::spelling::count;
 use crate::whitebox::WhiteBox;
@@ -224,10 +225,16 @@ fn check_tile(tile_mm: f64) -> Result<(), String> {
     }
 }
 
-/// The cells of a pattern file, which must be square and of so many cells.
-pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+/// The pattern of a file, with a note where it is another one, enlarged.
+pub(super) fn pattern_of(path: &Path) -> Result<Pattern, PatternError> {
     let pattern = Pattern::load(path)?;
-    crate::cli::enlarged::note_enlarged(path, &pattern);
+    note_enlarged(path, &pattern);
+    Ok(pattern)
+}
+
+/// The pattern of a file, which must be square.
+pub(super) fn cells_of(path: &Path) -> Result<Pattern, Box<dyn Error>> {
+    let pattern = pattern_of(path)?;
     match pattern.columns() == pattern.rows() {
         true => Ok(pattern),
         false => Err(format!(

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 
-use super::on_frames::OnFrames;
+use super::on_frames::{OnFrames, pattern_of};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::run::augmentation::Eot;
 use crate::attack::run::history::Entry;
@@ -16,7 +16,6 @@ use crate::attack::run::{Attack, AttackConfig, CellColours, Near, Rgb, of_image}
 use crate::attack::setup::Setup;
 use crate::cli::choice::one_of;
 use crate::files;
-use crate::pattern::Pattern;
 use crate::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 use crate::print::printer::PrinterFile;
 use crate::whitebox::Boxes;
@@ -209,8 +208,7 @@ impl RunArgs {
         let (Some(path), Some(weight)) = (&self.near, self.near_weight) else {
             return Ok(None);
         };
-        let pattern = Pattern::load(path)?;
-        crate::cli::enlarged::note_enlarged(path, &pattern);
+        let pattern = pattern_of(path)?;
         let grid = self.on.mapping.grid(self.on.cells);
         let cells = pattern.divided(grid).ok_or_else(|| {
             format!(
