@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The figures of DTN in docs/guide/reference/measured.md: frames in twelve lights, every encoder at every depth, NTR, several references, and the closed forms, on one chart.
-# Hours on two cores; each step goes on where it was stopped.
+# DTN beside the closed forms, on one chart: trained for long on frames in twelve lights, at 128 px. Hours on two cores; each step goes on where it was stopped.
+# Its encoders, depths and references beside each other: dtn_choices.sh.
 #
 #   benches/train_dtn.sh MESH FOLDER
 #
@@ -25,15 +25,5 @@ render --light city city@150 night@60 studio@80 sunset@240 sunrise@200 forest@90
     "${flat[@]}" --size-px 128 --samples 48 -o "$folder/lights"
 render --light courtyard interior@45 --azimuth-deg 10 140 260 --pitch-deg 15 --distance-mm 700 "${flat[@]}" c83214 1e78c8 465a28 e6d23c --size-px 128 \
     --samples 64 -o "$folder/test"
-train() { # NAME EPOCHS OPTIONS…
-    "$run" attack train-dtn "$folder"/{two,more,lights} --width-px 128 --validation "$folder/test" --epochs "$2" -o "$folder/$1.dtn" "${@:3}"
-}
-train long 560
-for encoder in resnet densenet convnet; do
-    for depth in 2 3 4; do
-        train $encoder$depth 40 --encoder $encoder --depth $depth
-    done
-done
-train ntr 40 --transformer multiply-add
-train references 40 --reference 808080 000000 ffffff
-"$run" attack chart "$folder/test" --network "$folder"/*.dtn -o "$folder/chart"
+"$run" attack train-dtn "$folder"/{two,more,lights} --width-px 128 --validation "$folder/test" --epochs 560 -o "$folder/long.dtn"
+"$run" attack chart "$folder/test" --network "$folder/long.dtn" -o "$folder/chart"
