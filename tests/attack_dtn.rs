@@ -418,7 +418,16 @@ fn what_cannot_be_trained_is_refused() {
     let small = ["--depth", "2", "--epochs", "1"];
     let with = |more: &[&str]| command(&[&[frames][..], &small, more].concat(), &network);
 
-    assert_refused(&with(&["--width-px", "40"]), &["96", "40", "--width-px"]);
+    assert_refused(
+        &with(&["--width-px", "40"]),
+        &["96×64", "40", "96, 48, 24", "--width-px"],
+    );
+    // A third of 96, but 64 has none.
+    assert_refused(&with(&["--width-px", "32"]), &["96×64", "both sides"]);
+    assert_refused(
+        &with(&["--validation", frames]),
+        &["are the same frames", "name them once"],
+    );
     assert_refused(&with(&["--reference", "80808"]), &["80808"]);
     assert!(!network.exists(), "nothing half-written");
     let patterns_only = copy_of_frames(|list| {

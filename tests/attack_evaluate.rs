@@ -372,6 +372,12 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     // Both patterns do the same: of each detector's two marks the quicker one is ringed. One ring more explains it.
     assert_eq!(chart.matches("r=\"10.5\"").count(), 2, "{chart}");
     assert!(stdout(&history(&["slow"])).contains("rendered:"));
+    // What counted as the model must be the same.
+    let path = bench.folder.path().join("slow/history.json");
+    let mut of_trucks = read_json(&path);
+    of_trucks["classes"] = "truck".into();
+    std::fs::write(&path, of_trucks.to_string()).unwrap();
+    assert_refused(&history(&["quick", "slow"]), &["frames, detectors or classes"]);
 
     write_run(&bench, ("wide", "p1.png"), (80.0, 5.0));
     assert_refused(

@@ -36,6 +36,8 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["views"], 12);
+    // As its card says; the random one has no card, and is repeated as often.
+    assert_eq!(json["tile_mm"], 240.0);
     let rows = json["results"].as_array().unwrap();
     let of = |detector: &str, pattern: &str| {
         let found = rows
@@ -70,7 +72,33 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
         line.contains(&format!("{:.2} [{low:.2}, {high:.2}]", difference)),
         "{text}"
     );
+    assert!(text.contains("on 12 views, tile 240 mm"), "{text}");
     // What cannot be judged.
+    let other = home().join("print_templates/patterns/yolox_nano_118mm_1.png");
+    let other = format!("other={}", other.display());
+    assert_refused(
+        &judge(&["--pattern", &patterns[0], &other]),
+        &[
+            "attack_1.png repeats every 240 mm",
+            "118mm_1.png every 118 mm",
+            "--tile-mm",
+        ],
+    );
+    std::fs::write(random.with_extension("json"), "{").unwrap();
+    assert_refused(
+        &judge(&["--pattern", &patterns[1]]),
+        &["random.json is no card", "give --tile-mm"],
+    );
+    assert_refused(
+        &judge(&["--tile-mm", "118", "--pattern", &patterns[1], &patterns[1]]),
+        &["`random` is named twice"],
+    );
+    let frames = home().join("captures/skyline_attack");
+    let frames = frames.to_str().unwrap();
+    assert_refused(
+        &judge(&[frames, "--pattern", &patterns[0]]),
+        &["are the same frames", "name them once"],
+    );
     assert_refused(&judge(&["--pattern", "missing.png"]), &["missing.png"]);
     let small = out.path().join("small.png");
     Pattern::random(8, 1).unwrap().cells().save(&small).unwrap();
@@ -87,4 +115,24 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
         &judge(&["--normal", "grey", "--pattern", &patterns[0]]),
         &["grey", "808080"],
     );
+}
+
+#[test]
+fn a_finished_pattern_keeps_the_width_of_its_repeat() {
+    let Some(detectors) = shared("detectors") else { return };
+    let out = tempfile::tempdir().unwrap();
+    let import = |more: &[&str]| {
+        let mut command = program();
+        command.args(["attack", "baseline", "import"]);
+        command.arg(home().join("captures/skyline_attack")).arg("--pattern");
+        command.arg(home().join("print_templates/patterns/yolox_nano_er.png"));
+        command.arg("--detectors").arg(&detectors).args(more);
+        command.arg("-o").arg(out.path()).output().unwrap()
+    };
+    for (more, tile_mm) in [(&[][..], 240.0), (&["--tile-mm", "118"], 118.0)] {
+        let output = import(more);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let card = common::read_json(&out.path().join("pattern.json"));
+        assert_eq!((&card["tile_mm"], &card["classes"]), (&tile_mm.into(), &"car".into()));
+    }
 }

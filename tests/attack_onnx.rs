@@ -260,6 +260,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         range: [0, 255],
         frames_sha256: String::new(),
         detectors: Vec::new(),
+        classes: "car".parse().unwrap(),
     };
     let run = |threads: usize| {
         let folder = tempfile::tempdir().unwrap();

@@ -188,6 +188,7 @@ fn config(steps: u32) -> AttackConfig {
         range: [0, 255],
         frames_sha256: String::new(),
         detectors: vec!["weave".to_owned()],
+        classes: "car".parse().unwrap(),
     }
 }
 
@@ -756,6 +757,7 @@ fn search_config(queries: u64) -> baseline::SearchConfig {
         eot: Eot::USUAL,
         frames_sha256: String::new(),
         detectors: Vec::new(),
+        classes: "car".parse().unwrap(),
     }
 }
 
@@ -831,8 +833,21 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
         learning_rate: 0.01,
         ..config.clone()
     };
-    let refused = Attack::begin(&view_set, &good, &other, whole.path()).err().unwrap();
-    assert!(matches!(refused, RunError::OtherRun { .. }));
+    let of_trucks = AttackConfig {
+        classes: "truck".parse().unwrap(),
+        ..config.clone()
+    };
+    for other in [&other, &of_trucks] {
+        let refused = Attack::begin(&view_set, &good, other, whole.path()).err().unwrap();
+        assert!(matches!(refused, RunError::OtherRun { .. }));
+    }
+    // Nor do two runs that began together in one folder write over each other.
+    let shared = tempfile::tempdir().unwrap();
+    let [first, second] = [&config, &other].map(|c| Attack::begin(&view_set, &good, c, shared.path()).unwrap());
+    first.run(shared.path(), |_, _| {}).unwrap();
+    let refused = second.run(shared.path(), |_, _| {}).unwrap_err();
+    assert!(matches!(refused, RunError::OtherRun { .. }), "{refused}");
+    Attack::begin(&view_set, &good, &config, shared.path()).unwrap();
     // Half a file, and one with a single bit turned, wherever that is.
     let written = std::fs::read(whole.path().join("checkpoint")).unwrap();
     let mut damaged = vec![b"half a file".to_vec()];
@@ -882,6 +897,15 @@ fn a_search_that_goes_on_is_one_that_never_stopped_and_asks_nothing_twice() {
             .all(|(a, b)| (a.queries, a.held_out) == (b.queries, b.held_out))
     );
     assert_eq!(later.len(), entries.len());
+    let of_trucks = baseline::SearchConfig {
+        classes: "truck".parse().unwrap(),
+        ..config.clone()
+    };
+    let good = detectors(20.0, &view_set);
+    let refused = BlackBox::begin(&view_set, &good, &of_trucks, whole.path(), &|_| {})
+        .err()
+        .unwrap();
+    assert!(matches!(refused, RunError::OtherRun { .. }));
 }
 
 #[test]
@@ -1282,6 +1306,7 @@ fn bad_arguments_are_one_sentence() {
         assert_refused(&run(&["run", "--device", "cuda"]), &["without cuda", "--features cuda"]);
     }
     assert_refused(&run(&["run", "--rate", "0"]), &["--rate"]);
+    assert_refused(&run(&["run", "--rate", "1e-320"]), &["--rate", "0.000001"]);
     assert_refused(&run(&["run", "--floor", "0.7"]), &["--floor"]);
     assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
     assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
@@ -1332,7 +1357,8 @@ fn a_result_is_written_whole_with_its_settings_or_not_at_all() {
     use scaleproof::attack::result::{CONFIG, PATTERN, write};
     use scaleproof::attack::setup::Setup;
     let texture = (CELLS, 240.0, TextureMapping::World);
-    let setup = Setup::open(vec![stored()], texture, &Eot::NONE, Default::default(), || {}).unwrap();
+    let detectors = (Vec::new(), Vec::new(), "car".parse().unwrap());
+    let setup = Setup::open(vec![stored()], texture, &Eot::NONE, detectors, || {}).unwrap();
     let history = setup.history("dta", 1, Vec::new());
     let (cells, config) = (random_cells(1), config(2));
     let write = |folder: &Path, config| write(folder, (&cells, CELLS, TextureMapping::World), &history, config);

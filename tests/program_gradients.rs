@@ -182,6 +182,7 @@ fn a_pattern_is_made_against_a_program() {
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("nothing was searched"), "{}", stderr(&output));
 }
 
 #[test]

@@ -48,6 +48,7 @@ fn card(png: &[u8], (columns, mapping): (u32, TextureMapping), history: &History
         "cells": mapping.grid(columns),
         "seed": history.seed,
         "detectors": history.detectors,
+        "classes": history.classes,
         "frames_sha256": history.frames_sha256,
         "queries": history.queries(),
         "held_out_by_renderer_model": history.last_judged().map(|(_, figures)| figures),

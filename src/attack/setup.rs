@@ -6,6 +6,7 @@ use super::run::history::{Entry, History};
 use super::run::view_set::{TextureMapping, ViewSet};
 use crate::files;
 use crate::frames::FrameSet;
+use crate::scene::Classes;
 use crate::surrogate::projection::Grid;
 use crate::whitebox::WhiteBox;
 
@@ -19,6 +20,8 @@ pub(crate) struct Setup {
     pub detectors: Vec<Box<dyn WhiteBox>>,
     /// Names, with the beginning of the weights' hashes.
     pub detector_names: Vec<String>,
+    /// The labels that count as the model.
+    pub classes: Classes,
 }
 
 impl Setup {
@@ -30,7 +33,7 @@ impl Setup {
         frames: Vec<FrameSet>,
         (columns, tile_mm, mapping): (u32, f64, TextureMapping),
         eot: &Eot,
-        (detectors, detector_names): (Vec<Box<dyn WhiteBox>>, Vec<String>),
+        (detectors, detector_names, classes): (Vec<Box<dyn WhiteBox>>, Vec<String>, Classes),
         on_view: impl Fn() + Sync,
     ) -> Result<Self, RunError> {
         let [columns, rows] = mapping.grid(columns);
@@ -46,6 +49,7 @@ impl Setup {
             frames,
             detectors,
             detector_names,
+            classes,
         })
     }
 
@@ -58,6 +62,7 @@ impl Setup {
             tile_mm: self.tile_mm,
             frames_sha256: self.frames_sha256.clone(),
             detectors: self.detector_names.clone(),
+            classes: Some(self.classes.clone()),
             entries,
         }
     }

@@ -23,6 +23,8 @@ const FIRST: usize = 32;
 const ASKED: usize = 6;
 /// Views a pattern is looked at in.
 const VIEWS: u32 = 6;
+/// Images of the first round: with fewer nothing is searched.
+pub(crate) const FIRST_ROUND: u64 = FIRST as u64 * VIEWS as u64;
 /// Steps of training and of descent a round, and their rates.
 const TRAINING: usize = 40;
 const TRAINING_RATE: f64 = 1e-3;

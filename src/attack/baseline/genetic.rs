@@ -17,6 +17,8 @@ const TOURNAMENT: usize = 3;
 const MUTATED: f64 = 0.03;
 /// Views a generation is looked at in.
 const VIEWS: u32 = 6;
+/// Images of the first generation: with fewer nothing is searched.
+pub(crate) const FIRST_ROUND: u64 = POPULATION as u64 * VIEWS as u64;
 /// Between two judgements, in generations.
 const NOTED_EVERY: u32 = 4;
 

@@ -22,6 +22,7 @@ use super::run::history::Entry;
 use super::run::judge::{confidence, judge};
 use super::run::view_set::{TextureMapping, ViewSet};
 use super::run::{Rgb, RunError};
+use crate::scene::Classes;
 use crate::whitebox::{MEETS_IOU, WhiteBox};
 
 /// Everything a search depends on.
@@ -38,6 +39,8 @@ pub(crate) struct SearchConfig {
     pub eot: Eot,
     pub frames_sha256: String,
     pub detectors: Vec<String>,
+    /// The labels that count as the model.
+    pub classes: Classes,
 }
 
 /// Answers what a detector says of a pattern in a view, and no more: surrogate renderer and detector as one black box.

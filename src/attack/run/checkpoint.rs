@@ -69,11 +69,14 @@ impl Checkpoint {
         }
     }
 
-    /// Whole or not at all.
+    /// Whole or not at all. Another run may have begun in the folder meanwhile, and its checkpoint is not taken from it.
     ///
     /// # Errors
-    /// A folder that takes no files.
+    /// A folder that takes no files, or that has the checkpoint of another run.
     pub(crate) fn save(&self, folder: &Path) -> Result<(), RunError> {
+        if let Err(other @ RunError::OtherRun { .. }) = Self::load(folder, &self.key) {
+            return Err(other);
+        }
         let rest = postcard::to_allocvec(self).map_err(encode)?;
         let mut bytes = files::sha256_hex(&rest).into_bytes();
         bytes.extend(rest);

@@ -8,6 +8,7 @@ use super::RunError;
 use super::judge::HeldOutFigures;
 use crate::files;
 use crate::plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
+use crate::scene::Classes;
 
 /// The name of the file in the folder of a run.
 pub(crate) const FILE: &str = "history.json";
@@ -37,6 +38,9 @@ pub(crate) struct History {
     pub tile_mm: f64,
     pub frames_sha256: String,
     pub detectors: Vec<String>,
+    /// The labels that count as the model; none in histories of before they were noted.
+    #[serde(default)]
+    pub classes: Option<Classes>,
     pub entries: Vec<Entry>,
 }
 
@@ -61,9 +65,9 @@ impl History {
         Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
     }
 
-    /// Two histories stand on one chart only when both were made with the same frames and detectors.
+    /// Two histories stand on one chart only when both were made with the same frames, detectors and labels of the model.
     pub(crate) fn is_comparable(&self, other: &Self) -> bool {
-        self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors
+        self.frames_sha256 == other.frames_sha256 && self.detectors == other.detectors && self.classes == other.classes
     }
 
     /// Images looked at in all.

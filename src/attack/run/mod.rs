@@ -49,6 +49,7 @@ use crate::files::FileError;
 use crate::frames::FramesError;
 use crate::pattern::palette::Painted;
 use crate::pattern::{Pattern, PatternError};
+use crate::scene::Classes;
 use crate::surrogate::renderer::FitError;
 use crate::whitebox::{Boxes, WhiteBox, WhiteBoxError};
 use crate::workers;
@@ -89,7 +90,7 @@ pub enum RunError {
          what was reached is kept"
     )]
     NotANumber { detector: String, view: String, step: u32 },
-    #[error("{path} is the checkpoint of a run with other settings, frames or detectors: give another folder, or remove it", path = path.display())]
+    #[error("{path} is the checkpoint of a run with other settings, frames, detectors or classes: give another folder, or remove it", path = path.display())]
     OtherRun { path: PathBuf },
     #[error("{path} is damaged: remove it, and the run begins anew", path = path.display())]
     Damaged { path: PathBuf },
@@ -169,6 +170,8 @@ pub struct AttackConfig {
     pub frames_sha256: String,
     /// Names and hashes of weights.
     pub detectors: Vec<String>,
+    /// The labels that count as the model.
+    pub classes: Classes,
 }
 
 /// An attack under way.

@@ -122,6 +122,7 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
             let pattern = cells_of(&args.pattern)?;
             let mut on = args.on.clone();
             on.cells = pattern.columns();
+            on.looking.tile_mm = Some(on.tile_mm_of(&[(&args.pattern, &pattern)])?);
             finished("import", &on, &of_pattern(&pattern), out)
         }
         Method::Er(args) => searched("er", args, out),
@@ -170,13 +171,14 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     let config = baseline::SearchConfig {
         method,
         cells: on.cells,
-        tile_mm: on.tile_mm,
+        tile_mm: on.tile_mm(),
         queries: args.queries,
         seed: on.seed,
         mapping: on.mapping,
         eot,
         frames_sha256: setup.frames_sha256.clone(),
         detectors: setup.detector_names.clone(),
+        classes: setup.classes.clone(),
     };
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
     let on_query = |asked: u64| bar.set_position(asked);
@@ -190,6 +192,16 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     let cells = cells?;
     let entries = oracle.finish()?;
     on.write(&setup, (method, &cells, entries), None, out)?;
+    let first_round = match method {
+        #[cfg(feature = "attack")]
+        "camou" => baseline::camou::FIRST_ROUND,
+        _ => genetic::FIRST_ROUND,
+    };
+    if args.queries < first_round {
+        say!(
+            "note: nothing was searched: the first round of {method} takes {first_round} images, and the pattern is one of the random ones it begins with"
+        );
+    }
     Ok(Outcome::Done)
 }
 

@@ -44,7 +44,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
             folder: args.folder.clone(),
             programs: Programs::default(),
             class: "car".parse()?,
-            tile_mm: TILE_MM,
+            tile_mm: Some(TILE_MM),
             mapping: TextureMapping::default(),
             device: OnDevice::default(),
             json: false,

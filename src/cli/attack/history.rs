@@ -39,7 +39,7 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         .position(|history| !history.is_comparable(&histories[0]))
     {
         return Err(format!(
-            "{} and {} were made with other frames or detectors, so their figures cannot stand on one chart",
+            "{} and {} were made with other frames, detectors or classes, so their figures cannot stand on one chart",
             args.results[0].display(),
             args.results[other].display()
         )

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::io::Write;
+use std::path::Path;
 
 use nalgebra::Point3;
 use serde::Serialize;
@@ -14,6 +15,7 @@ use crate::attack::run::augmentation::{Augmentation, Eot};
 use crate::attack::run::judge::{SeenByDetector, look};
 use crate::attack::run::{Rgb, of_pattern, srgb};
 use crate::attack::setup::Setup;
+use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
 use crate::spelling::count;
 use crate::statistics::intervals_95;
@@ -34,6 +36,16 @@ pub(super) struct JudgeArgs {
 /// What a pattern is called, and its cells.
 type NamedCells = (String, Vec<Rgb>);
 
+/// What is to be judged.
+struct Asked {
+    /// How many cells the patterns have along each side.
+    columns: u32,
+    /// Width of one repeat of all of them.
+    tile_mm: f64,
+    /// The plain colour first.
+    patterns: Vec<NamedCells>,
+}
+
 /// A pattern seen by each detector.
 struct Judged {
     name: String,
@@ -41,8 +53,16 @@ struct Judged {
 }
 
 pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
-    let (columns, patterns) = args.patterns()?;
-    let setup = args.on.open(columns, false, &Eot::NONE)?;
+    let Asked {
+        columns,
+        tile_mm,
+        patterns,
+    } = args.patterns()?;
+    let on = Looking {
+        tile_mm: Some(tile_mm),
+        ..args.on.clone()
+    };
+    let setup = on.open(columns, false, &Eot::NONE)?;
     let views: Vec<usize> = (0..setup.view_set.views.len()).collect();
     let bar = progress::frames("looking", views.len() * patterns.len());
     let look = |(name, cells): NamedCells| {
@@ -64,7 +84,7 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
     let judged = judged?;
     let rows = rows(&setup, &judged);
     if args.on.json {
-        let answer = json!({ "views": views.len(), "classes": args.on.class, "results": rows });
+        let answer = json!({ "views": views.len(), "tile_mm": tile_mm, "classes": args.on.class, "results": rows });
         writeln!(out, "{answer}")?;
         return Ok(Outcome::Done);
     }
@@ -73,13 +93,24 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 impl JudgeArgs {
-    /// How many cells the patterns have along each side, and the patterns, the plain colour first.
-    fn patterns(&self) -> Result<(u32, Vec<NamedCells>), Box<dyn Error>> {
-        let mut loaded = Vec::new();
+    fn patterns(&self) -> Result<Asked, Box<dyn Error>> {
+        let mut loaded = Vec::<(String, &Path, Pattern)>::new();
         for text in &self.patterns {
             let (name, path) = named(text);
+            if name.is_empty() || name.chars().any(char::is_control) {
+                return Err(
+                    format!("the name of {path:?} is {name:?}: give one that can be read, as in NAME=FILE").into(),
+                );
+            }
+            if name == self.normal || loaded.iter().any(|(other, _, _)| *other == name) {
+                return Err(
+                    format!("`{name}` is named twice: give each pattern a name of its own, as in NAME=FILE").into(),
+                );
+            }
             loaded.push((name, path, pattern_of(path)?));
         }
+        let files: Vec<(&Path, &Pattern)> = loaded.iter().map(|(_, path, pattern)| (*path, pattern)).collect();
+        let tile_mm = self.on.tile_mm_of(&files)?;
         let columns = loaded.first().map_or(1, |(_, _, pattern)| pattern.columns());
         let grid = self.on.mapping.grid(columns);
         let normal = vec![hex(&self.normal)?; columns as usize * grid[1] as usize];
@@ -100,7 +131,11 @@ impl JudgeArgs {
             }
             patterns.push((name, of_pattern(&pattern)));
         }
-        Ok((columns, patterns))
+        Ok(Asked {
+            columns,
+            tile_mm,
+            patterns,
+        })
     }
 }
 
@@ -204,8 +239,9 @@ fn rows<'a>(setup: &'a Setup, judged: &'a [Judged]) -> Vec<Row<'a>> {
 fn table(setup: &Setup, rows: &[Row], out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     writeln!(
         out,
-        "predicted, not rendered, on {}; drop: of the mean confidence, with its 95 % interval over the views",
-        count(setup.view_set.views.len(), "view")
+        "predicted, not rendered, on {}, tile {} mm; drop: of the mean confidence, with its 95 % interval over the views",
+        count(setup.view_set.views.len(), "view"),
+        setup.tile_mm
     )?;
     writeln!(
         out,

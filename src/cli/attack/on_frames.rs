@@ -24,6 +24,7 @@ use crate::cli::results::Programs;
 use crate::detect::{Manifest, ProgramDetector};
 use crate::files;
 use crate::frames::{FrameSet, views};
+use crate::pattern::card::{self, CardError};
 use crate::pattern::{MAX_CELLS, Pattern, PatternError};
 use crate::scene::Classes;
 use crate::spelling::count;
@@ -32,6 +33,9 @@ use crate::whitebox::WhiteBox;
 use crate::whitebox::detector::OnnxDetector;
 use crate::whitebox::device::DeviceKind;
 use crate::whitebox::program::ProgramWhiteBox;
+
+/// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons.md).
+const TILE_MM: f64 = 118.0;
 
 /// What looks at what.
 #[derive(Debug, Clone, clap::Args)]
@@ -54,9 +58,9 @@ pub(super) struct Looking {
     /// The label that counts as the model, or several, as in car,truck
     #[arg(long, value_name = "LABEL,…", default_value = "car")]
     pub class: Classes,
-    /// Width of one repeat on the model, in mm
-    #[arg(long, value_name = "MM", default_value_t = 118.0, allow_negative_numbers = true)]
-    pub tile_mm: f64,
+    /// Width of one repeat on the model, in mm [default: as the card of a pattern says that is there already; else 118]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub tile_mm: Option<f64>,
     /// How the pattern lies on the model: as the printed panels do, or repeated over a plane that faces the camera
     /// (DTA)
     #[arg(long = "laying", default_value = "world", value_parser = one_of(TextureMapping::ALL.map(|mapping| (mapping, mapping.name()))))]
@@ -93,9 +97,43 @@ impl Deref for OnFrames {
 }
 
 impl Looking {
+    /// Width of one repeat on the model.
+    pub(super) fn tile_mm(&self) -> f64 {
+        self.tile_mm.unwrap_or(TILE_MM)
+    }
+
+    /// The same, of patterns that are there already: as asked for, else as their cards say. Those without a card are repeated as the others are.
+    ///
+    /// # Errors
+    /// Cards that say different widths; a damaged card, or one of another pattern.
+    pub(super) fn tile_mm_of(&self, patterns: &[(&Path, &Pattern)]) -> Result<f64, String> {
+        if let Some(given) = self.tile_mm {
+            return Ok(given);
+        }
+        let mut known: Option<(&Path, f64)> = None;
+        for (path, pattern) in patterns {
+            let tile_mm = match card::card(path, pattern) {
+                Ok(card) => card.tile_mm,
+                Err(CardError::None { .. }) => continue,
+                Err(e) => return Err(format!("{e}: give --tile-mm, or remove the file")),
+            };
+            match known {
+                Some((first, other)) if other != tile_mm => {
+                    return Err(format!(
+                        "{} repeats every {other} mm (so says its card) and {} every {tile_mm} mm: judge them apart, or give --tile-mm for both",
+                        first.display(),
+                        path.display()
+                    ));
+                }
+                _ => known = Some((path, tile_mm)),
+            }
+        }
+        Ok(known.map_or(TILE_MM, |(_, tile_mm)| tile_mm))
+    }
+
     /// `cells`: along each side of the pattern. `differentiates`: the detectors must give gradients. `eot`: what images will be augmented with.
     pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
-        check_tile(self.tile_mm)?;
+        check_tile(self.tile_mm())?;
         let (networks, programs) = self.programs.among(&self.detector)?;
         let mut detectors = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
@@ -106,13 +144,14 @@ impl Looking {
             detectors.0.push(detector);
             detectors.1.push(name);
         }
-        let opened = self.frames.iter().map(|folder| FrameSet::open(folder));
-        let frames = opened.collect::<Result<Vec<_>, _>>()?;
-        let texture = (cells, self.tile_mm, self.mapping);
+        let frames = open_frames(&self.frames)?;
+        let texture = (cells, self.tile_mm(), self.mapping);
         let bar = progress::frames(
             "reading views",
             frames.iter().map(|set| views(&set.list.frames).len()).sum(),
         );
+        let (boxes, names) = detectors;
+        let detectors = (boxes, names, self.class.clone());
         let setup = Setup::open(frames, texture, eot, detectors, || bar.inc(1));
         bar.finish_and_clear();
         Ok(setup?)
@@ -159,7 +198,7 @@ impl OnFrames {
             out,
             "{}: {columns} × {rows} cells, tile {} mm",
             path.display(),
-            self.tile_mm
+            self.tile_mm()
         )?;
         say_figures(setup, &history, &self.class, out)
     }
@@ -214,6 +253,25 @@ pub(super) fn say_figures(
         )?;
     }
     Ok(())
+}
+
+/// Opens folders of frames.
+///
+/// # Errors
+/// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
+pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<FrameSet>, Box<dyn Error>> {
+    let (mut opened, mut hashes) = (Vec::<FrameSet>::new(), Vec::new());
+    for folder in folders {
+        let set = FrameSet::open(folder)?;
+        let sha256 = set.sha256()?;
+        if let Some(same) = hashes.iter().position(|known| *known == sha256) {
+            let first = opened[same].folder.display();
+            return Err(format!("{first} and {} are the same frames: name them once", folder.display()).into());
+        }
+        opened.push(set);
+        hashes.push(sha256);
+    }
+    Ok(opened)
 }
 
 fn check_tile(tile_mm: f64) -> Result<(), String> {

@@ -126,7 +126,7 @@ impl Settings {
     pub(super) fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
         AttackConfig {
             cells: on.cells,
-            tile_mm: on.tile_mm,
+            tile_mm: on.tile_mm(),
             steps: self.steps,
             batch: self.batch,
             learning_rate: self.learning_rate,
@@ -144,14 +144,15 @@ impl Settings {
             range: self.range,
             frames_sha256: setup.frames_sha256.clone(),
             detectors: setup.detector_names.clone(),
+            classes: setup.classes.clone(),
         }
     }
 }
 
 impl RunArgs {
     fn settings(&self) -> Result<Settings, Box<dyn Error>> {
-        if !(self.rate > 0.0 && self.rate <= 1.0) {
-            return Err(format!("--rate is {}: give a number above 0 and up to 1", self.rate).into());
+        if !(1e-6..=1.0).contains(&self.rate) {
+            return Err(format!("--rate is {:e}: give a number from 0.000001 to 1", self.rate).into());
         }
         if !(1e-6..=0.5).contains(&self.floor) {
             return Err(format!("--floor is {:e}: give a confidence from 0.000001 to 0.5", self.floor).into());

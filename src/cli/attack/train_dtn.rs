@@ -7,13 +7,14 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::device::OnDevice;
+use super::on_frames::open_frames;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
-use crate::frames::{FrameSet, views};
+use crate::frames::views;
 use crate::surrogate::dtn::data::TrainingSet;
 use crate::surrogate::dtn::run::{TrainingBudget, train};
 use crate::surrogate::dtn::training::{Trainer, TrainingPlan};
-use crate::surrogate::dtn::{Architecture, Encoder, Transformer, file};
+use crate::surrogate::dtn::{Architecture, Encoder, LEAST_WIDTH_PX, Transformer, file};
 
 /// Train DTN (or NTR) on frames in flat colours; a file that is there already is trained further
 #[derive(clap::Args)]
@@ -37,7 +38,7 @@ pub(super) struct TrainArgs {
     #[arg(long, value_name = "HEX", num_args = 1..=16, default_values = ["808080"])]
     reference: Vec<String>,
     /// Reduce the frames to this width [default: the first folder's]
-    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(16..=4096))]
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(i64::from(LEAST_WIDTH_PX)..=4096))]
     width_px: Option<u32>,
     /// Times all training views, with those of earlier runs
     #[arg(long, value_name = "N", default_value_t = 25, conflicts_with = "seconds", value_parser = clap::value_parser!(u64).range(1..))]
@@ -70,16 +71,6 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     let set = frames(args)?;
     let plan = plan(args, &set)?;
     let mut trainer = Trainer::begin(plan, known, &args.output, device)?;
-    let mut nowhere = std::io::sink();
-    let text: &mut dyn Write = if args.json { &mut nowhere } else { &mut *out };
-    writeln!(
-        text,
-        "{}: {} views to learn from, {} to validate on ({})",
-        trainer.network().architecture.name(),
-        set.training.len(),
-        set.validation.len(),
-        set.split
-    )?;
     let (budget, length) = match args.seconds {
         Some(seconds) => (TrainingBudget::Seconds(seconds), seconds.ceil() as u64),
         None => (
@@ -103,7 +94,7 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     bar.finish_and_clear();
     match args.json {
         true => writeln!(out, "{}", summary(args, &trainer, &set))?,
-        false => table(args, &trainer, out)?,
+        false => table(args, &trainer, &set, out)?,
     }
     Ok(Outcome::Done)
 }
@@ -124,7 +115,15 @@ fn summary(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> serde_json
     })
 }
 
-fn table(args: &TrainArgs, trainer: &Trainer, out: &mut dyn Write) -> std::io::Result<()> {
+fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{}: {} views to learn from, {} to validate on ({})",
+        trainer.network().architecture.name(),
+        set.training.len(),
+        set.validation.len(),
+        set.split
+    )?;
     writeln!(
         out,
         "{:>8} {:>9} {:>8} {:>15}",
@@ -138,12 +137,8 @@ fn table(args: &TrainArgs, trainer: &Trainer, out: &mut dyn Write) -> std::io::R
 }
 
 fn frames(args: &TrainArgs) -> Result<TrainingSet, Box<dyn Error>> {
-    let folders = args
-        .frames
-        .iter()
-        .map(|f| FrameSet::open(f))
-        .collect::<Result<Vec<_>, _>>()?;
-    let validation = args.validation.as_deref().map(FrameSet::open).transpose()?;
+    let mut folders = open_frames(args.frames.iter().chain(&args.validation))?;
+    let validation = args.validation.as_ref().and_then(|_| folders.pop());
     let width = args.width_px.unwrap_or(folders[0].list.size_px[0]);
     let count: usize = folders
         .iter()

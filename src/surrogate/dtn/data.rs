@@ -298,9 +298,9 @@ fn read(
     references: &[[u8; 3]],
     on_view: impl Fn(),
 ) -> Result<Vec<TrainingView>, DtnError> {
-    let found = set.list.size_px[0];
-    let factor = found.checked_div(width_px).unwrap_or(0);
-    if factor == 0 || factor * width_px != found || !set.list.size_px[1].is_multiple_of(factor) {
+    let found = set.list.size_px;
+    let factor = found[0].checked_div(width_px).unwrap_or(0);
+    if factor == 0 || factor * width_px != found[0] || !found[1].is_multiple_of(factor) {
         return Err(DtnError::Width {
             folder: set.folder.clone(),
             found,

@@ -32,6 +32,16 @@ use crate::files::FileError;
 use crate::frames::FramesError;
 use crate::surrogate::additive::AdditiveError;
 
+/// The least width that networks are trained at.
+pub(crate) const LEAST_WIDTH_PX: u32 = 16;
+
+/// The widths that images of a size can be reduced to, for a sentence.
+fn widths([width, height]: [u32; 2]) -> String {
+    let factors = (1..=width / LEAST_WIDTH_PX).filter(|f| width.is_multiple_of(*f) && height.is_multiple_of(*f));
+    let widths: Vec<String> = factors.map(|factor| (width / factor).to_string()).collect();
+    widths.join(", ")
+}
+
 /// Why there is no network.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -48,9 +58,14 @@ pub(crate) enum DtnError {
     )]
     NoViews { folder: PathBuf, colour: String },
     #[error(
-        "{folder}: its images are {found} pixels wide, and {asked} is not a whole part of that; give another width", folder = folder.display()
+        "{folder}: images of {}×{} pixels cannot be reduced to a width of {asked} by a whole factor of both sides; widths that can be had: {}",
+        found[0], found[1], widths(*found), folder = folder.display()
     )]
-    Width { folder: PathBuf, found: u32, asked: u32 },
+    Width {
+        folder: PathBuf,
+        found: [u32; 2],
+        asked: u32,
+    },
     #[error("{path} is no network of this program; give a file that attack train-dtn wrote", path = path.display())]
     NotANetwork { path: PathBuf },
     #[error("{path} is damaged: delete it and train again", path = path.display())]
