@@ -11,21 +11,14 @@ if [ $# -lt 2 ]; then
     echo "usage: $0 MESH FOLDER [EPOCHS] [SEED…]" >&2
     exit 2
 fi
-here=$(dirname "$0") run="$(dirname "$0")/../run"
-mesh=$1 folder=$2 epochs=${3:-60}
+here=$(dirname "$0")
+run="$here/../run"
+# shellcheck source=benches/dtn_frames.sh
+. "$here/dtn_frames.sh"
+folder=$2 epochs=${3:-60}
 seeds=("${@:4}")
 [ ${#seeds[@]} -gt 0 ] || seeds=(1 2 3)
-flat=(--flat 000000 808080 ffffff)
-render() {
-    "$run" attack render --mesh "$mesh" --material Material.001 --length-mm 455 --field-of-view-deg 50 --size-px 64 "$@"
-}
-render --light forest sunset@120 --azimuth-deg 22.5 67.5 112.5 157.5 202.5 247.5 292.5 337.5 --pitch-deg 8 22 --distance-mm 650 1100 "${flat[@]}" --samples 48 \
-    -o "$folder/two"
-render --light studio@200 sunrise@90 forest@180 --azimuth-deg 0 55 125 180 235 310 --pitch-deg 15 --distance-mm 800 "${flat[@]}" --samples 48 -o "$folder/more"
-render --light city city@150 night@60 studio@80 sunset@240 sunrise@200 forest@90 --azimuth-deg 20 110 200 290 --pitch-deg 12 --distance-mm 750 "${flat[@]}" \
-    --samples 48 -o "$folder/lights"
-render --light courtyard interior@45 --azimuth-deg 10 140 260 --pitch-deg 15 --distance-mm 700 "${flat[@]}" c83214 1e78c8 465a28 e6d23c --samples 64 \
-    -o "$folder/test"
+dtn_frames "$1" "$folder" 64 64 48
 networks=()
 train() { # NAME SEED OPTIONS…
     local file=$folder/$1_$2.dtn

@@ -10,20 +10,11 @@ if [ $# -ne 2 ]; then
     echo "usage: $0 MESH FOLDER" >&2
     exit 2
 fi
-run="$(dirname "$0")/../run"
+here=$(dirname "$0")
+run="$here/../run"
+# shellcheck source=benches/dtn_frames.sh
+. "$here/dtn_frames.sh"
 folder=$2
-render() {
-    "$run" attack render --mesh "$mesh" --material Material.001 --length-mm 455 --field-of-view-deg 50 "$@"
-}
-mesh=$1
-flat=(--flat 000000 808080 ffffff)
-render --light forest sunset@120 --azimuth-deg 22.5 67.5 112.5 157.5 202.5 247.5 292.5 337.5 --pitch-deg 8 22 --distance-mm 650 1100 "${flat[@]}" \
-    --size-px 256 --samples 32 -o "$folder/two"
-render --light studio@200 sunrise@90 forest@180 --azimuth-deg 0 55 125 180 235 310 --pitch-deg 15 --distance-mm 800 "${flat[@]}" --size-px 128 \
-    --samples 48 -o "$folder/more"
-render --light city city@150 night@60 studio@80 sunset@240 sunrise@200 forest@90 --azimuth-deg 20 110 200 290 --pitch-deg 12 --distance-mm 750 \
-    "${flat[@]}" --size-px 128 --samples 48 -o "$folder/lights"
-render --light courtyard interior@45 --azimuth-deg 10 140 260 --pitch-deg 15 --distance-mm 700 "${flat[@]}" c83214 1e78c8 465a28 e6d23c --size-px 128 \
-    --samples 64 -o "$folder/test"
+dtn_frames "$1" "$folder" 128 256 32
 "$run" attack train-dtn "$folder"/{two,more,lights} --width-px 128 --validation "$folder/test" --epochs 560 -o "$folder/long.dtn"
 "$run" attack chart "$folder/test" --network "$folder/long.dtn" -o "$folder/chart"
