@@ -156,7 +156,44 @@ fn damaged_frames_are_refused_in_a_sentence() {
     assert_refused(&spoil(mask, &|_| coloured.clone()), &["paint mask must be 8-bit grey"]);
     let everywhere = png(image::GrayImage::from_pixel(96, 64, image::Luma([255])).into());
     assert_refused(&spoil(mask, &|_| everywhere.clone()), &["outside the object"]);
+    let empty = png(image::GrayImage::new(96, 64).into());
+    assert_refused(&spoil(mask, &|_| empty.clone()), &["_paint.png", "no paint is seen"]);
     assert_refused(&check(Path::new("/nowhere")), &["cannot read", "frames.json"]);
+}
+
+#[test]
+fn numbers_no_camera_can_have_are_refused() {
+    type Edit<'a> = &'a dyn Fn(&mut serde_json::Value);
+    let edit = |change: Edit| {
+        let folder = copy();
+        let list = folder.path().join("frames.json");
+        let mut frames = read_json(&list);
+        change(&mut frames);
+        std::fs::write(&list, frames.to_string()).unwrap();
+        check(folder.path())
+    };
+    for (change, words) in [
+        (
+            &(|f: &mut serde_json::Value| f["camera"]["focal_length_px"] = 1e300.into()) as Edit,
+            "focal_length_px must be above 0, and neither it nor its centre_px beyond 1000000",
+        ),
+        (
+            &|f| f["camera"]["centre_px"][1] = (-1e200).into(),
+            "its centre_px beyond",
+        ),
+        (
+            &|f| f["frames"][0]["T_camera_model"][2][3] = 1e300.into(),
+            "T_camera_model",
+        ),
+        (
+            &|f| f["frames"][0]["box_xyxy_px"] = serde_json::json!([2000.0, 10.0, 2040.0, 30.0]),
+            "lies outside the image",
+        ),
+    ] {
+        assert_refused(&edit(change), &["frames.json", words]);
+    }
+    let output = edit(&|_| ());
+    assert!(output.status.success(), "as it was: {output:?}");
 }
 
 fn request(mesh: Mesh, mesh_file: PathBuf) -> RenderRequest {

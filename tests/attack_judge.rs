@@ -135,4 +135,15 @@ fn a_finished_pattern_keeps_the_width_of_its_repeat() {
         let card = common::read_json(&out.path().join("pattern.json"));
         assert_eq!((&card["tile_mm"], &card["classes"]), (&tile_mm.into(), &"car".into()));
     }
+    // What another method found is not replaced.
+    let before = std::fs::read(out.path().join("pattern.png")).unwrap();
+    let mut flat = program();
+    flat.args(["attack", "baseline", "flat", "--flat", "808080"]);
+    flat.arg(home().join("captures/skyline_attack"));
+    flat.arg("--detectors").arg(&detectors).arg("-o").arg(out.path());
+    assert_refused(
+        &flat.output().unwrap(),
+        &["holds what import made", "another folder for flat"],
+    );
+    assert_eq!(std::fs::read(out.path().join("pattern.png")).unwrap(), before);
 }

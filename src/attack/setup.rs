@@ -45,7 +45,7 @@ impl Setup {
         Ok(Self {
             tile_mm,
             view_set: ViewSet::open(&frames, grid, (mapping, eot), on_view)?,
-            frames_sha256: sha256(&frames)?,
+            frames_sha256: sha256(&frames),
             frames,
             detectors,
             detector_names,
@@ -69,10 +69,12 @@ impl Setup {
 }
 
 /// Of the frames' lists: that of the only one, or that of all in their order.
-fn sha256(frames: &[FrameSet]) -> Result<String, RunError> {
-    let hashes = frames.iter().map(FrameSet::sha256).collect::<Result<Vec<_>, _>>()?;
-    Ok(match &hashes[..] {
-        [only] => only.clone(),
-        several => files::sha256_hex(several.concat().as_bytes()),
-    })
+fn sha256(frames: &[FrameSet]) -> String {
+    match frames {
+        [only] => only.sha256.clone(),
+        several => {
+            let hashes: String = several.iter().map(|set| set.sha256.as_str()).collect();
+            files::sha256_hex(hashes.as_bytes())
+        }
+    }
 }

@@ -95,6 +95,8 @@ pub struct FrameSet {
     pub folder: PathBuf,
     /// What `frames.json` says.
     pub list: FrameList,
+    /// Of `frames.json`, as it was when it was opened.
+    pub sha256: String,
 }
 
 /// `frames.json`.

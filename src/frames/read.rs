@@ -14,6 +14,10 @@ use crate::pattern::world_aligned::Side;
 
 /// Images of more pixels a side are no frames.
 const MAX_SIDE_PX: u32 = 8192;
+/// Cameras with a longer focal length, or a centre further from the image, are no cameras, px.
+const MAX_CAMERA_PX: f64 = 1e6;
+/// Cameras further from the model are no cameras, mm.
+const MAX_DISTANCE_MM: f64 = 1e8;
 /// Rotations may be off by rounding.
 const RIGID_TOLERANCE: f64 = 1e-4;
 
@@ -29,17 +33,10 @@ impl FrameSet {
         let set = Self {
             folder: folder.to_owned(),
             list,
+            sha256: files::sha256_hex(text.as_bytes()),
         };
         check(&set).map_err(|message| FramesError::Content { path, message })?;
         Ok(set)
-    }
-
-    /// SHA-256 of `frames.json`.
-    ///
-    /// # Errors
-    /// A list that cannot be read any more.
-    pub fn sha256(&self) -> Result<String, FramesError> {
-        Ok(files::sha256_hex(&files::read(&self.folder.join(LIST))?))
     }
 
     /// The image of a frame, 8-bit sRGB.
@@ -119,7 +116,7 @@ impl FrameSet {
     /// Reads every image of a frame, and holds its masks and its box against each other.
     ///
     /// # Errors
-    /// An image that is damaged, of another size or kind; paint outside the object; a box that does not meet the object.
+    /// An image that is damaged, of another size or kind; no paint, or paint outside the object; a box that does not meet the object.
     pub fn check_images(&self, frame: &Frame) -> Result<(), FramesError> {
         self.rgb(frame)?;
         self.linear(frame)?;
@@ -137,6 +134,10 @@ impl FrameSet {
         {
             let message =
                 format!("the paint at column {x}, row {y} is outside the object: one of the masks is of another frame");
+            return Err(content(&frame.paint_mask, message));
+        }
+        if paint.pixels().all(|p| p.0[0] == 0) {
+            let message = "no paint is seen: take the frame out of the list".to_owned();
             return Err(content(&frame.paint_mask, message));
         }
         let seen = outline(&object);
@@ -190,8 +191,10 @@ fn check(set: &FrameSet) -> Result<(), String> {
     }
     let camera = &list.camera;
     let numbers = [camera.focal_length_px, camera.centre_px[0], camera.centre_px[1]];
-    if camera.focal_length_px <= 0.0 || !numbers.iter().all(|v| v.is_finite()) {
-        return Err("the camera's focal_length_px must be above 0 and its centre_px two numbers".to_owned());
+    if camera.focal_length_px <= 0.0 || !numbers.iter().all(|v| v.abs() <= MAX_CAMERA_PX) {
+        return Err(format!(
+            "the camera's focal_length_px must be above 0, and neither it nor its centre_px beyond {MAX_CAMERA_PX}"
+        ));
     }
     if list.linear_max.is_some_and(|max| !(max > 0.0 && max.is_finite())) {
         return Err("linear_max must be above 0".to_owned());
@@ -250,6 +253,10 @@ fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
     if frame.box_xyxy_px.is_some_and(|b| !b.is_solid()) {
         return Err("its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels".to_owned());
     }
+    let [width, height] = set.list.size_px.map(f64::from);
+    if frame.box_xyxy_px.is_some_and(|b| !b.clipped(width, height).is_solid()) {
+        return Err("its box_xyxy_px lies outside the image: give it in pixels of the image".to_owned());
+    }
     check_pose(&frame.t_camera_model)
 }
 
@@ -259,7 +266,7 @@ fn check_pose(rows: &[[f64; 4]; 4]) -> Result<(), String> {
         .abs()
         .max();
     let is_rigid = off < RIGID_TOLERANCE && rotation.determinant() > 0.0;
-    if !is_rigid || !rows.iter().flatten().all(|v| v.is_finite()) || rows[3] != [0.0, 0.0, 0.0, 1.0] {
+    if !is_rigid || !rows.iter().flatten().all(|v| v.abs() <= MAX_DISTANCE_MM) || rows[3] != [0.0, 0.0, 0.0, 1.0] {
         return Err("its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm".to_owned());
     }
     Ok(())

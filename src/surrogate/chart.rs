@@ -318,19 +318,19 @@ pub(crate) fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> 
 /// The figures as JSON, with what they were measured on.
 ///
 /// # Errors
-/// A list of frames that cannot be read any more.
+/// Only if the encoder fails.
 pub(crate) fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
     #[derive(Serialize)]
     struct Numbers<'a> {
         scaleproof: &'static str,
-        frames_sha256: String,
+        frames_sha256: &'a str,
         made_by: &'a str,
         references: &'a [String],
         rows: &'a [SurrogateFigures],
     }
     let numbers = Numbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
-        frames_sha256: set.sha256()?,
+        frames_sha256: &set.sha256,
         made_by: &set.list.made_by,
         references,
         rows,

@@ -13,7 +13,7 @@ use crate::attack::run::{Rgb, RunError, batch, drawn_by};
 const POPULATION: usize = 16;
 const ELITE: usize = 3;
 const TOURNAMENT: usize = 3;
-/// Share of a child's cells that are drawn anew.
+/// Share of a child's cells that are replaced by random ones.
 const MUTATED: f64 = 0.03;
 /// Views a generation is looked at in.
 const VIEWS: u32 = 6;

@@ -134,7 +134,7 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
 /// A pattern that needs no search.
 fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write) -> CommandResult {
     refuse_other_results(on)?;
-    let setup = on.open(false, &Eot::NONE)?;
+    let setup = on.open(method, false, &Eot::NONE)?;
     let judgement = judge(&setup.view_set, &setup.detectors, cells)?;
     on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)?;
     Ok(Outcome::Done)
@@ -167,7 +167,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
     }
     let eot = on.mapping.usual_eot();
-    let setup = on.open(false, &eot)?;
+    let setup = on.open(method, false, &eot)?;
     let config = baseline::SearchConfig {
         method,
         cells: on.cells,
@@ -183,20 +183,21 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
     let bar = progress::frames(method, usize::try_from(args.queries).unwrap_or(usize::MAX));
     let on_query = |asked: u64| bar.set_position(asked);
     let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
-    let cells: Result<Vec<Rgb>, Box<dyn Error>> = match method {
+    let (first_round, cells): (u64, Result<Vec<Rgb>, Box<dyn Error>>) = match method {
         #[cfg(feature = "attack")]
-        "camou" => camou(on.device.device, &mut oracle, &config),
-        _ => genetic::search(&mut oracle, &config).map_err(Box::from),
+        "camou" => (
+            baseline::camou::FIRST_ROUND,
+            camou(on.device.device, &mut oracle, &config),
+        ),
+        _ => (
+            genetic::FIRST_ROUND,
+            genetic::search(&mut oracle, &config).map_err(Box::from),
+        ),
     };
     bar.finish_and_clear();
     let cells = cells?;
     let entries = oracle.finish()?;
     on.write(&setup, (method, &cells, entries), None, out)?;
-    let first_round = match method {
-        #[cfg(feature = "attack")]
-        "camou" => baseline::camou::FIRST_ROUND,
-        _ => genetic::FIRST_ROUND,
-    };
     if args.queries < first_round {
         say!(
             "note: nothing was searched: the first round of {method} takes {first_round} images, and the pattern is one of the random ones it begins with"
@@ -219,7 +220,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let base = hex(&args.flat)?;
     let patches = placed(&args.places)?;
     refuse_other_results(&args.on)?;
-    let setup = args.on.open(false, &Eot::NONE)?;
+    let setup = args.on.open("patches", false, &Eot::NONE)?;
     check_seen(&setup, &patches)?;
     let on = (&setup.view_set, setup.frames.as_slice());
     let image = |view: usize| painted(on, view, &patches, base);

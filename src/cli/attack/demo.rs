@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::device::OnDevice;
 use super::on_frames::{Looking, OnFrames};
-use super::run::{Settings, optimise};
+use super::run::{METHOD, Settings, optimise};
 use super::{CommandResult, Outcome};
 use crate::attack::result::PATTERN;
 use crate::attack::run::judge::judge;
@@ -53,7 +53,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
         seed: 1,
         output: args.output.clone(),
     };
-    let setup = on.open(true, &TextureMapping::World.usual_eot())?;
+    let setup = on.open(METHOD, true, &TextureMapping::World.usual_eot())?;
     let (views, held_out) = (setup.view_set.views.len(), setup.view_set.judged().len());
     writeln!(
         out,
@@ -77,7 +77,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
     };
     let config = settings.config(&on, &setup);
     let (cells, entries) = optimise(&on, &setup, &config)?;
-    on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
+    on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
     writeln!(out, "\n2. The pattern becomes a printable sheet")?;
     let png = args.output.join(PATTERN);
     print_template(

@@ -36,6 +36,9 @@ pub(super) struct JudgeArgs {
 /// What a pattern is called, and its cells.
 type NamedCells = (String, Vec<Rgb>);
 
+/// What a pattern is called, where it lies, and the pattern.
+type Loaded<'a> = (String, &'a Path, Pattern);
+
 /// What is to be judged.
 struct Asked {
     /// How many cells the patterns have along each side.
@@ -57,7 +60,7 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
         columns,
         tile_mm,
         patterns,
-    } = args.patterns()?;
+    } = args.asked()?;
     let on = Looking {
         tile_mm: Some(tile_mm),
         ..args.on.clone()
@@ -93,8 +96,8 @@ pub(super) fn run(args: &JudgeArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 impl JudgeArgs {
-    fn patterns(&self) -> Result<Asked, Box<dyn Error>> {
-        let mut loaded = Vec::<(String, &Path, Pattern)>::new();
+    fn loaded(&self) -> Result<Vec<Loaded<'_>>, Box<dyn Error>> {
+        let mut loaded = Vec::<Loaded>::new();
         for text in &self.patterns {
             let (name, path) = named(text);
             if name.is_empty() || name.chars().any(char::is_control) {
@@ -109,6 +112,11 @@ impl JudgeArgs {
             }
             loaded.push((name, path, pattern_of(path)?));
         }
+        Ok(loaded)
+    }
+
+    fn asked(&self) -> Result<Asked, Box<dyn Error>> {
+        let loaded = self.loaded()?;
         let files: Vec<(&Path, &Pattern)> = loaded.iter().map(|(_, path, pattern)| (*path, pattern)).collect();
         let tile_mm = self.on.tile_mm_of(&files)?;
         let columns = loaded.first().map_or(1, |(_, _, pattern)| pattern.columns());

@@ -20,6 +20,7 @@ use crate::cli::choice::one_of;
 use crate::cli::detectors;
 use crate::cli::detectors::Folder;
 use crate::cli::enlarged::note_enlarged;
+use crate::cli::print::card_fault;
 use crate::cli::results::Programs;
 use crate::detect::{Manifest, ProgramDetector};
 use crate::files;
@@ -115,7 +116,7 @@ impl Looking {
             let tile_mm = match card::card(path, pattern) {
                 Ok(card) => card.tile_mm,
                 Err(CardError::None { .. }) => continue,
-                Err(e) => return Err(format!("{e}: give --tile-mm, or remove the file")),
+                Err(e) => return Err(card_fault(&e)),
             };
             match known {
                 Some((first, other)) if other != tile_mm => {
@@ -135,14 +136,14 @@ impl Looking {
     pub(super) fn open(&self, cells: u32, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
         check_tile(self.tile_mm())?;
         let (networks, programs) = self.programs.among(&self.detector)?;
-        let mut detectors = match (networks.is_empty(), programs.is_empty()) {
+        let (mut detectors, mut names) = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
             _ => white_boxes(&networks, &self.folder, &self.class, self.device.device)?,
         };
         for program in self.programs.started(programs)? {
             let (name, detector) = program_box(program, &self.class, differentiates)?;
-            detectors.0.push(detector);
-            detectors.1.push(name);
+            detectors.push(detector);
+            names.push(name);
         }
         let frames = open_frames(&self.frames)?;
         let texture = (cells, self.tile_mm(), self.mapping);
@@ -150,8 +151,7 @@ impl Looking {
             "reading views",
             frames.iter().map(|set| views(&set.list.frames).len()).sum(),
         );
-        let (boxes, names) = detectors;
-        let detectors = (boxes, names, self.class.clone());
+        let detectors = (detectors, names, self.class.clone());
         let setup = Setup::open(frames, texture, eot, detectors, || bar.inc(1));
         bar.finish_and_clear();
         Ok(setup?)
@@ -159,11 +159,24 @@ impl Looking {
 }
 
 impl OnFrames {
-    /// As [`Looking::open`], with a folder for what is made.
-    pub(super) fn open(&self, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
+    /// As [`Looking::open`], with a folder for what the method makes.
+    pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
         self.check_cells()?;
+        self.refuse_other_methods(method)?;
         files::check_writable(&self.output)?;
         self.looking.open(self.cells, differentiates, eot)
+    }
+
+    /// The same method may be done again; what another one found is not replaced.
+    fn refuse_other_methods(&self, method: &str) -> Result<(), String> {
+        match History::load(&self.output) {
+            Ok(held) if held.method != method => Err(format!(
+                "{} holds what {} made: give another folder for {method}",
+                self.output.display(),
+                held.method
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// The sides' patterns lie below each other in one file.
@@ -260,16 +273,14 @@ pub(super) fn say_figures(
 /// # Errors
 /// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
 pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<FrameSet>, Box<dyn Error>> {
-    let (mut opened, mut hashes) = (Vec::<FrameSet>::new(), Vec::new());
+    let mut opened = Vec::<FrameSet>::new();
     for folder in folders {
         let set = FrameSet::open(folder)?;
-        let sha256 = set.sha256()?;
-        if let Some(same) = hashes.iter().position(|known| *known == sha256) {
-            let first = opened[same].folder.display();
+        if let Some(same) = opened.iter().find(|known| known.sha256 == set.sha256) {
+            let first = same.folder.display();
             return Err(format!("{first} and {} are the same frames: name them once", folder.display()).into());
         }
         opened.push(set);
-        hashes.push(sha256);
     }
     Ok(opened)
 }

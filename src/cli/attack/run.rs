@@ -78,12 +78,15 @@ pub(super) struct RunArgs {
     range: Vec<u8>,
 }
 
+/// What histories and cards call the attack.
+pub(super) const METHOD: &str = "dta";
+
 pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {
     let settings = args.settings()?;
-    let setup = args.on.open(true, &settings.eot)?;
+    let setup = args.on.open(METHOD, true, &settings.eot)?;
     let config = settings.config(&args.on, &setup);
     let (cells, entries) = optimise(&args.on, &setup, &config)?;
-    args.on.write(&setup, ("dta", &cells, entries), Some(&config), out)?;
+    args.on.write(&setup, (METHOD, &cells, entries), Some(&config), out)?;
     Ok(Outcome::Done)
 }
 

@@ -194,14 +194,19 @@ pub(in crate::cli) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern
     if found.is_ok() {
         note_enlarged(path, pattern);
     }
-    found.map_err(|error| match error {
+    found.map_err(|error| card_fault(&error))
+}
+
+/// What is wrong with a pattern's card, and what to do.
+pub(in crate::cli) fn card_fault(error: &CardError) -> String {
+    match error {
         CardError::None { .. } => format!("{error}: give --tile-mm"),
         CardError::Content { .. } | CardError::OtherPattern { .. } => {
             format!("{error}: give --tile-mm, or remove the file")
         }
         CardError::OfSides { .. } => format!("{error}: give it with --texture"),
         CardError::File(_) => error.to_string(),
-    })
+    }
 }
 
 /// What tiled sheets and the check page are printed on, and where they are written.

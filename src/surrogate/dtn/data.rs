@@ -268,7 +268,7 @@ impl TrainingSet {
         let mut known = String::new();
         let mut all = Vec::new();
         for set in folders.iter().chain(validation) {
-            known += &set.sha256()?;
+            known += &set.sha256;
         }
         for set in folders {
             all.extend(read(set, width_px, references, &on_view)?);
