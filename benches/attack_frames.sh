@@ -4,7 +4,8 @@
 #
 #   benches/attack_frames.sh FOLDER MODEL…
 #
-# MODEL…: what describes the model, as in --mesh car.glb --material body --length-mm 455. FOLDER gets the folders 0 to 11, all of which `attack run` takes.
+# MODEL…: what describes the model, as in --mesh car.glb --material body --length-mm 455. FOLDER gets the folders 0 to 11, all of which `attack run` takes; with
+# LOTS in the environment, as in LOTS="1 5 9", those alone.
 set -euo pipefail
 if [ $# -lt 3 ]; then
     echo "usage: $0 FOLDER --mesh FILE …" >&2
@@ -16,7 +17,7 @@ shift
 lights=(forest sunset@40 city@200 studio@90 interior@150 night@250 forest@130 sunset@220 city@320 studio@290 interior@20 forest@250)
 pitches=("0 18" "4 24" "9 30" "2 14" "12 35" "6 21" "1 27" "10 16" "3 32" "7 19" "13 38" "5 25")
 distances=(600 1000 1400 700 1150 850 1500 650 950 1250 750 1100)
-for k in "${!lights[@]}"; do
+for k in ${LOTS:-${!lights[@]}}; do
     # Every 30°, beginning at another multiple of 2.5° each time.
     azimuths=$(awk -v k="$k" 'BEGIN { for (i = 0; i < 12; i++) printf "%g ", 30 * i + 2.5 * (5 * k % 12) }')
     # shellcheck disable=SC2086  # lists of numbers
