@@ -20,7 +20,7 @@ mesh=$1 other=$2 torcs=$3 folder=$4 steps=${5:-300}
 game() { # NAME LENGTH_MM: what describes a car of the game
     model=(--mesh "$folder/cars/$1.obj" --material paint --length-mm "$2" --mesh-front +x --mesh-up +y)
 }
-[ -f "$folder/cars/p406.obj" ] || "${PYTHON:-python3}" "$here/torcs_cars.py" "$torcs" "$folder/cars"
+"${PYTHON:-python3}" "$here/torcs_cars.py" "$torcs" "$folder/cars"
 LOTS="0 1 2 3 4 5" "$here/attack_frames.sh" "$folder/skyline" --mesh "$mesh" --material Material.001 --length-mm 455
 one=("$folder"/skyline/{0,1,2,3,4,5}) three=("$folder"/skyline/{0,3})
 lots=("1 4" "2 5") names=(car1-trb1 car4-trb1) lengths=(452 460)

@@ -17,7 +17,9 @@ from PIL import Image
 # Parts of the GT cars that are painted, by the beginning of their names.
 PAINTED = ("CARBODY", "ROOFOUTSIDE", "REARBUMPER", "MESH")
 NAMES = ("p406", "car1-trb1", "car4-trb1")
+# Of a wheel's drum, and the share of its radius that is rim.
 CORNERS = 24
+RIM = 0.65
 
 
 def parts(path):
@@ -94,8 +96,8 @@ class Obj:
         left, right = ring(radius, z - width / 2), ring(radius, z + width / 2)
         for k in range(CORNERS):
             self.add("tyre", [left[k], left[k - 1], right[k - 1], right[k]])
-        for side, rim in ((-1, 0.65), (1, 0.65)):
-            for material, r, out in (("tyre", radius, 0), ("rim", rim * radius, 0.01)):
+        for side in (-1, 1):
+            for material, r, out in (("tyre", radius, 0), ("rim", RIM * radius, 0.01)):
                 face = ring(r, z + side * (width / 2 + out))
                 self.add(material, face if side > 0 else face[::-1])
 
