@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Patterns of 118 mm against detectors they never saw: for each of the five, two made against the other four, judged on it beside random, DTA's published
-# pattern, and ER and CAMOU, which asked all five; two against the three convolutional detectors alone, for both DEIMv2; and two textures (a pattern of 118 mm for
-# each side) against all five. A pattern against four begins with 16 cells and is refined to 32. Each step goes on where it was stopped.
+# pattern, and ER and CAMOU, which asked all five; by a simpler recipe, two against the three convolutional detectors alone, for both DEIMv2, and two against two of
+# these, for the third; and two textures (a pattern of 118 mm for each side) against all five. A pattern against four begins with 16 cells and is refined to 32. Each
+# step goes on where it was stopped.
 #
 #   benches/attack_transfer.sh MESH FRAMES PUBLISHED FOLDER [STEPS] [STEPS_OF_FIVE]
 #
@@ -16,18 +17,23 @@ fi
 run="$(dirname "$0")/../run"
 mesh=$1 frames=("$2"/{0,1,2,3,4,5,6,7,8,9,10,11}) published=$3 folder=$4 steps=${5:-300} steps_of_five=${6:-1000}
 all=(yolox_nano nanodet_m fastestdet deimv2_femto deimv2_atto)
-five=$(printf '%s\n' "${all[@]}" | paste -sd,)
-convolutional=yolox_nano,nanodet_m,fastestdet
+convolutional=(yolox_nano nanodet_m fastestdet)
+but() { printf '%s\n' "${@:2}" | grep -vx "$1" | paste -sd,; }
+five=$(but none "${all[@]}")
 attack() { "$run" attack run "${frames[@]}" --seed $seed "$@"; }
 worst() { attack --against worst "$@"; }
+simple() { attack --steps $((8 * steps / 3)) --cells 16 "$@"; }
 for seed in 1 2; do
     for held_out in "${all[@]}"; do
-        others=$(printf '%s\n' "${all[@]}" | grep -vx "$held_out" | paste -sd,)
+        others=$(but "$held_out" "${all[@]}")
         coarse=$folder/coarse_${held_out}_$seed
         worst --detector "$others" --steps "$steps" --cells 16 -o "$coarse"
         worst --detector "$others" --steps "$steps" --cells 32 --near "$coarse/pattern.png" --near-weight 10 -o "$folder/without_${held_out}_$seed"
     done
-    attack --detector $convolutional --steps $((8 * steps / 3)) --cells 16 -o "$folder/without_deimv2_$seed"
+    simple --detector "$(but none "${convolutional[@]}")" -o "$folder/without_deimv2_$seed"
+    for held_out in yolox_nano nanodet_m; do
+        simple --detector "$(but $held_out "${convolutional[@]}")" -o "$folder/convolutional_without_${held_out}_$seed"
+    done
     worst --detector "$five" --steps "$steps_of_five" --cells 24 --laying sides -o "$folder/five_$seed"
 done
 "$run" attack baseline random "$frames" --detector yolox_nano --cells 24 -o "$folder/random"
@@ -35,7 +41,7 @@ for method in er camou; do
     "$run" attack baseline $method "${frames[@]}" --detector "$five" --cells 24 --queries $((8 * steps)) -o "$folder/$method"
 done
 patterns=(random="$folder/random/pattern.png" camou="$folder/camou/pattern.png" er="$folder/er/pattern.png" dta="$published")
-for made in "${all[@]/#/without_}" without_deimv2; do
+for made in "${all[@]/#/without_}" without_deimv2 convolutional_without_{yolox_nano,nanodet_m}; do
     patterns+=("${made}_1=$folder/${made}_1/pattern.png" "${made}_2=$folder/${made}_2/pattern.png")
 done
 evaluate() { "$run" attack evaluate --mesh "$mesh" --material Material.001 --length-mm 455 --normal 808080 --tile-mm 118 --detector "$five" "$@"; }

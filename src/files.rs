@@ -194,6 +194,14 @@ pub(crate) fn check_writable(folder: &Path) -> Result<(), FileError> {
     }
 }
 
+/// The same for a file that a user named.
+pub(crate) fn check_file_writable(path: &Path) -> Result<(), FileError> {
+    match OutputPlace::of(path)? {
+        OutputPlace::File(path) => check_writable(folder_of(&path)),
+        OutputPlace::Stream(_) => Ok(()),
+    }
+}
+
 /// Removes a file; that there is none is fine.
 pub(crate) fn remove(path: &Path) -> Result<(), FileError> {
     match std::fs::remove_file(path) {

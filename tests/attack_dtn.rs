@@ -4,6 +4,7 @@
 use crate::tests::common;
 
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 use burn::tensor::Device;
 use common::{assert_refused, home, program, read_json, stdout};
@@ -325,6 +326,19 @@ fn trained_by_the_program_and_charted_beside_the_closed_forms() {
     );
     assert_eq!(about["file"], one.to_str().unwrap());
     assert_eq!(about["history"].as_array().unwrap().last().unwrap()["step"], 60);
+    // Who reads the table may have gone: the network is there all the same.
+    let unread = folder.path().join("unread.dtn");
+    let mut training = program();
+    training
+        .args(["attack", "train-dtn", frames])
+        .args(small)
+        .arg("1")
+        .arg("-o")
+        .arg(&unread);
+    let mut training = training.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop((training.stdout.take(), training.stderr.take()));
+    assert!(training.wait().unwrap().success());
+    assert!(unread.exists());
     let references = ["8", "--transformer", "multiply-add", "--reference", "808080", "ffffff"];
     assert!(
         command(&[&[frames][..], &small, &references].concat(), &many)
@@ -430,6 +444,13 @@ fn what_cannot_be_trained_is_refused() {
     );
     assert_refused(&with(&["--reference", "80808"]), &["80808"]);
     assert!(!network.exists(), "nothing half-written");
+    // What cannot be written is said before anything is read.
+    let no_place = folder.path().join("file/below");
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    assert_refused(&command(&["missing"], &no_place), &["cannot write", "file is a file"]);
+    let mut chart = program();
+    chart.args(["attack", "chart", "missing", "-o"]).arg(&no_place);
+    assert_refused(&chart.output().unwrap(), &["file/below", "is a file"]);
     let patterns_only = copy_of_frames(|list| {
         let all = list["frames"].as_array_mut().unwrap();
         all.retain(|f| f["paint"].get("pattern").is_some());

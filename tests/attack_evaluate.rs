@@ -379,6 +379,20 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     std::fs::write(&path, of_trucks.to_string()).unwrap();
     assert_refused(&history(&["quick", "slow"]), &["frames, detectors or classes"]);
 
+    // Figures that no run has are not drawn.
+    for (name, value) in [("wall_s", -5.0), ("wall_s", 1e300)] {
+        let mut impossible = of_trucks.clone();
+        impossible["entries"][0][name] = value.into();
+        std::fs::write(&path, impossible.to_string()).unwrap();
+        assert_refused(&history(&["slow"]), &["slow/history.json", name, "make it again"]);
+    }
+    for name in ["ap50", "hit_rate", "mean_confidence"] {
+        let mut impossible = of_trucks.clone();
+        impossible["entries"][0]["held_out"][name] = 1.5.into();
+        std::fs::write(&path, impossible.to_string()).unwrap();
+        assert_refused(&history(&["slow"]), &["slow/history.json", name, "1.5"]);
+    }
+
     write_run(&bench, ("wide", "p1.png"), (80.0, 5.0));
     assert_refused(
         &history(&["wide"]),

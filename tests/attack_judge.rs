@@ -135,6 +135,16 @@ fn a_finished_pattern_keeps_the_width_of_its_repeat() {
         let card = common::read_json(&out.path().join("pattern.json"));
         assert_eq!((&card["tile_mm"], &card["classes"]), (&tile_mm.into(), &"car".into()));
     }
+    // Its cells are its own.
+    assert!(import(&["--cells", "16"]).status.success());
+    assert_refused(
+        &import(&["--cells", "24"]),
+        &[
+            "yolox_nano_er.png has 16×16 cells",
+            "--cells is 24",
+            "leave --cells out",
+        ],
+    );
     // What another method found is not replaced.
     let before = std::fs::read(out.path().join("pattern.png")).unwrap();
     let mut flat = program();

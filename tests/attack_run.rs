@@ -1348,6 +1348,10 @@ fn bad_arguments_are_one_sentence() {
             size,
         ];
         assert_refused(&run(&place), &[words]);
+        assert_refused(
+            &run(&[&place[..], &["--cells", "8"]].concat()),
+            &["patches have no cells"],
+        );
     }
     assert!(!out.path().join("x").exists(), "nothing half-written");
 }

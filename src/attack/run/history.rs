@@ -1,5 +1,6 @@
 //! The history of a run, and several on one chart.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,30 @@ pub struct Entry {
     pub held_out: Option<HeldOutFigures>,
 }
 
+/// Figures with their names, and what they can be.
+type Bounded = (&'static str, f64, RangeInclusive<f64>);
+
+/// Widths of a repeat on the model, mm.
+pub(crate) const TILES_MM: RangeInclusive<f64> = 0.1..=100_000.0;
+const SHARES: RangeInclusive<f64> = 0.0..=1.0;
+/// Up to thirty years.
+const SECONDS: RangeInclusive<f64> = 0.0..=1e9;
+
+impl Entry {
+    fn figures(&self) -> impl Iterator<Item = Bounded> {
+        let held_out = self.held_out.map(|figures| {
+            [
+                ("ap50", figures.ap50, SHARES),
+                ("hit_rate", figures.hit_rate, SHARES),
+                ("mean_confidence", figures.mean_confidence, SHARES),
+            ]
+        });
+        [("wall_s", self.wall_s, SECONDS)]
+            .into_iter()
+            .chain(held_out.into_iter().flatten())
+    }
+}
+
 /// The history of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct History {
@@ -48,13 +73,22 @@ impl History {
     /// The history in the folder of a result.
     ///
     /// # Errors
-    /// None there, or a damaged one.
+    /// None there, or a damaged one, or one of figures that no run has.
     pub(crate) fn load(folder: &Path) -> Result<Self, RunError> {
         let path = folder.join(FILE);
-        serde_json::from_str(&files::read_text(&path)?).map_err(|e| RunError::NotAHistory {
-            path,
-            reason: e.to_string(),
-        })
+        let read = serde_json::from_str::<Self>(&files::read_text(&path)?).map_err(|e| e.to_string());
+        let possible = read.and_then(|history| history.fault().map_or(Ok(history), Err));
+        possible.map_err(|reason| RunError::NotAHistory { path, reason })
+    }
+
+    /// A figure that no run has.
+    fn fault(&self) -> Option<String> {
+        let of_entries = self.entries.iter().flat_map(Entry::figures);
+        [("tile_mm", self.tile_mm, TILES_MM)]
+            .into_iter()
+            .chain(of_entries)
+            .find(|(_, value, possible)| !possible.contains(value))
+            .map(|(name, value, _)| format!("its {name} is {value}"))
     }
 
     /// The history as a file of the folder.

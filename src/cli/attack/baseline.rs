@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 
@@ -111,23 +111,36 @@ pub(super) fn run(args: &BaselineArgs, out: &mut dyn Write) -> CommandResult {
     }
     match &args.method {
         Method::Random(args) => {
-            let pattern = Pattern::random(args.on.cells, args.on.seed)?;
+            let pattern = Pattern::random(args.on.cells(), args.on.seed)?;
             finished("random", &args.on, &of_pattern(&pattern), out)
         }
         Method::Flat(args) => {
-            let count = args.on.cells as usize * args.on.cells as usize;
+            let count = (args.on.cells() as usize).pow(2);
             finished("flat", &args.on, &srgb(&vec![hex(&args.flat)?; count]), out)
         }
         Method::Import(args) => {
             let pattern = cells_of(&args.pattern)?;
+            refuse_other_cells(&args.on, &args.pattern, &pattern)?;
             let mut on = args.on.clone();
-            on.cells = pattern.columns();
+            on.cells = Some(pattern.columns());
             on.looking.tile_mm = Some(on.tile_mm_of(&[(&args.pattern, &pattern)])?);
             finished("import", &on, &of_pattern(&pattern), out)
         }
         Method::Er(args) => searched("er", args, out),
         Method::Camou(args) => searched("camou", args, out),
         Method::Patches(args) => patches(args, out),
+    }
+}
+
+/// A finished pattern has the cells it has.
+fn refuse_other_cells(on: &OnFrames, path: &Path, pattern: &Pattern) -> Result<(), String> {
+    match on.cells {
+        Some(asked) if asked != pattern.columns() => Err(format!(
+            "--cells is {asked}, and {} has {1}×{1} cells: leave --cells out",
+            path.display(),
+            pattern.columns()
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -163,14 +176,14 @@ fn judged(judgement: HeldOutFigures) -> Entry {
 fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> CommandResult {
     let on = &args.on;
     // The clone's convolutions take four cells off.
-    if method == "camou" && on.cells < 6 {
-        return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells).into());
+    if method == "camou" && on.cells() < 6 {
+        return Err(format!("--cells is {}: the network of CAMOU needs 6 or more", on.cells()).into());
     }
     let eot = on.mapping.usual_eot();
     let setup = on.open(method, false, &eot)?;
     let config = baseline::SearchConfig {
         method,
-        cells: on.cells,
+        cells: on.cells(),
         tile_mm: on.tile_mm(),
         queries: args.queries,
         seed: on.seed,
@@ -217,6 +230,9 @@ fn camou(
 
 /// Patches are no repeated pattern, so there is a history and no pattern.
 fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
+    if args.on.cells.is_some() {
+        return Err("patches have no cells: leave --cells out".into());
+    }
     let base = hex(&args.flat)?;
     let patches = placed(&args.places)?;
     refuse_other_results(&args.on)?;

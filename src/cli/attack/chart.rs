@@ -35,6 +35,7 @@ pub(super) struct ChartArgs {
 }
 
 pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
+    files::check_writable(&args.output)?;
     let set = FrameSet::open(&args.frames)?;
     let references = args
         .reference

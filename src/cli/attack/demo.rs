@@ -49,7 +49,7 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
             device: OnDevice::default(),
             json: false,
         },
-        cells: CELLS,
+        cells: Some(CELLS),
         seed: 1,
         output: args.output.clone(),
     };

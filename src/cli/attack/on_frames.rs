@@ -11,7 +11,7 @@ use super::device::OnDevice;
 use super::progress;
 use crate::attack::result;
 use crate::attack::run::augmentation::Eot;
-use crate::attack::run::history::{Entry, History};
+use crate::attack::run::history::{Entry, History, TILES_MM};
 use crate::attack::run::view_set::TextureMapping;
 use crate::attack::run::{AttackConfig, Rgb};
 use crate::attack::setup::Setup;
@@ -37,6 +37,9 @@ use crate::whitebox::program::ProgramWhiteBox;
 
 /// Width of one repeat where nothing says another, mm: patterns of this width leave least (docs/lessons.md).
 const TILE_MM: f64 = 118.0;
+/// Cells along each side where nothing says another number: the fewest that are not shown to leave more than others do
+/// (docs/guide/reference/measured.md).
+const CELLS: u32 = 24;
 
 /// What looks at what.
 #[derive(Debug, Clone, clap::Args)]
@@ -78,9 +81,9 @@ pub(super) struct Looking {
 pub(super) struct OnFrames {
     #[command(flatten)]
     pub looking: Looking,
-    /// Cells along each side
-    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
-    pub cells: u32,
+    /// Cells along each side [default: 24; of a pattern that is there already, its own]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CELLS)))]
+    pub cells: Option<u32>,
     /// The same seed gives the same pattern
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -159,12 +162,17 @@ impl Looking {
 }
 
 impl OnFrames {
+    /// Cells along each side.
+    pub(super) fn cells(&self) -> u32 {
+        self.cells.unwrap_or(CELLS)
+    }
+
     /// As [`Looking::open`], with a folder for what the method makes.
     pub(super) fn open(&self, method: &str, differentiates: bool, eot: &Eot) -> Result<Setup, Box<dyn Error>> {
         self.check_cells()?;
         self.refuse_other_methods(method)?;
         files::check_writable(&self.output)?;
-        self.looking.open(self.cells, differentiates, eot)
+        self.looking.open(self.cells(), differentiates, eot)
     }
 
     /// The same method may be done again; what another one found is not replaced.
@@ -181,13 +189,13 @@ impl OnFrames {
 
     /// The sides' patterns lie below each other in one file.
     fn check_cells(&self) -> Result<(), String> {
-        let [_, rows] = self.mapping.grid(self.cells);
+        let [_, rows] = self.mapping.grid(self.cells());
         match rows > MAX_CELLS {
             true => Err(format!(
                 "--cells is {}, which makes {rows} rows with --laying {}, and a pattern has {MAX_CELLS} at most: give up to {}",
-                self.cells,
+                self.cells(),
                 self.mapping.name(),
-                MAX_CELLS * self.cells / rows
+                MAX_CELLS * self.cells() / rows
             )),
             false => Ok(()),
         }
@@ -202,11 +210,11 @@ impl OnFrames {
         out: &mut dyn Write,
     ) -> Result<(), Box<dyn Error>> {
         let history = setup.history(method, self.seed, entries);
-        let path = result::write(&self.output, (cells, self.cells, self.mapping), &history, config)?;
+        let path = result::write(&self.output, (cells, self.cells(), self.mapping), &history, config)?;
         if self.json {
             return self.write_json(&history, Some(&path), out);
         }
-        let [columns, rows] = self.mapping.grid(self.cells);
+        let [columns, rows] = self.mapping.grid(self.cells());
         writeln!(
             out,
             "{}: {columns} × {rows} cells, tile {} mm",
@@ -226,7 +234,7 @@ impl OnFrames {
         let predicted = history.last_judged().map(|(_, figures)| figures);
         let queries = history.queries();
         let line = json!({
-            "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells, "classes": self.class,
+            "method": history.method, "seed": history.seed, "tile_mm": history.tile_mm, "cells": self.cells(), "classes": self.class,
             "detectors": history.detectors, "pattern": pattern, "queries": queries, "predicted": predicted,
         });
         Ok(writeln!(out, "{line}")?)
@@ -286,10 +294,12 @@ pub(super) fn open_frames<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) ->
 }
 
 fn check_tile(tile_mm: f64) -> Result<(), String> {
-    match (0.1..=100_000.0).contains(&tile_mm) {
+    match TILES_MM.contains(&tile_mm) {
         true => Ok(()),
         false => Err(format!(
-            "--tile-mm is {tile_mm}: give the width of one repeat on the model, 0.1 to 100000 mm"
+            "--tile-mm is {tile_mm}: give the width of one repeat on the model, {} to {} mm",
+            TILES_MM.start(),
+            TILES_MM.end()
         )),
     }
 }

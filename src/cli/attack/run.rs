@@ -128,7 +128,7 @@ pub(super) struct Settings {
 impl Settings {
     pub(super) fn config(self, on: &OnFrames, setup: &Setup) -> AttackConfig {
         AttackConfig {
-            cells: on.cells,
+            cells: on.cells(),
             tile_mm: on.tile_mm(),
             steps: self.steps,
             batch: self.batch,
@@ -213,7 +213,7 @@ impl RunArgs {
             return Ok(None);
         };
         let pattern = pattern_of(path)?;
-        let grid = self.on.mapping.grid(self.on.cells);
+        let grid = self.on.mapping.grid(self.on.cells());
         let cells = pattern.divided(grid).ok_or_else(|| {
             format!(
                 "{} has {}×{} cells, and here are {}×{}: give one of as many, or of a half, a third, …",

@@ -10,6 +10,7 @@ use super::device::OnDevice;
 use super::on_frames::open_frames;
 use super::render::hex;
 use super::{CommandResult, Outcome, progress};
+use crate::files;
 use crate::frames::views;
 use crate::surrogate::dtn::data::TrainingSet;
 use crate::surrogate::dtn::run::{TrainingBudget, train};
@@ -62,6 +63,7 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     if args.seconds.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
         return Err("--seconds must be above 0".into());
     }
+    files::check_file_writable(&args.output)?;
     let known = if args.output.exists() {
         Some(file::load(&args.output)?)
     } else {
