@@ -393,6 +393,41 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
         assert_refused(&history(&["slow"]), &["slow/history.json", name, "1.5"]);
     }
 
+    std::fs::write(&path, of_trucks.to_string()).unwrap();
+    assert_refused(
+        &history(&["slow"]),
+        &[
+            "out counted car as the model",
+            "slow/pattern.png was made for truck",
+            "--class truck",
+        ],
+    );
+    assert_refused(
+        &history(&["quick", "./quick"]),
+        &["quick and ./quick are the same result"],
+    );
+    let mut unjudged = of_trucks.clone();
+    unjudged["entries"][0]["held_out"] = serde_json::Value::Null;
+    std::fs::write(&path, unjudged.to_string()).unwrap();
+    assert_refused(&history(&["slow"]), &["slow has no figures of held-out views"]);
+    // A pattern that was put in another's place, as the card of the first one tells.
+    write_run(&bench, ("exchanged", "p1.png"), (60.0, 5.0));
+    let other = scaleproof::files::sha256_hex(&std::fs::read(bench.at("p2.png")).unwrap());
+    let card = |sides: bool, sha256: &str| {
+        let card = serde_json::json!({"pattern_sha256": sha256, "tile_mm": 60.0, "sides": sides});
+        std::fs::write(bench.at("exchanged/pattern.json"), card.to_string()).unwrap();
+    };
+    card(false, &other);
+    assert_refused(&history(&["exchanged"]), &["exchanged/pattern.json", "another pattern"]);
+    card(
+        true,
+        &scaleproof::files::sha256_hex(&std::fs::read(bench.at("p1.png")).unwrap()),
+    );
+    assert_refused(
+        &history(&["exchanged"]),
+        &["exchanged/pattern.png has cells for each side"],
+    );
+
     write_run(&bench, ("wide", "p1.png"), (80.0, 5.0));
     assert_refused(
         &history(&["wide"]),
@@ -401,6 +436,22 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
     std::fs::write(bench.at("p3.png"), Pattern::random(4, 3).unwrap().to_png().unwrap()).unwrap();
     write_run(&bench, ("new", "p3.png"), (60.0, 5.0));
     assert_refused(&history(&["quick", "new"]), &["out has no photos of new/pattern.png"]);
+    // A chart of photos that an earlier call drew is not left beside the new one.
+    assert!(bench.at("chart/rendered.svg").exists());
+    let mut without = program();
+    without
+        .current_dir(bench.folder.path())
+        .args(["attack", "history", "quick", "-o", "chart"]);
+    assert!(without.output().unwrap().status.success());
+    assert!(!bench.at("chart/rendered.svg").exists() && !bench.at("chart/rendered.json").exists());
+
+    let mut summary = read_json(&bench.at("out/score/summary.json"));
+    summary["results"][0]["overall"]["ap50"] = 7.5.into();
+    std::fs::write(bench.at("out/score/summary.json"), summary.to_string()).unwrap();
+    assert_refused(
+        &history(&["quick"]),
+        &["summary.json is not of a finished evaluation", "its ap50 is 7.5"],
+    );
     std::fs::write(bench.at("out/score/summary.json"), "{}").unwrap();
     assert_refused(
         &history(&["quick"]),
@@ -496,6 +547,13 @@ fn what_would_give_wrong_tables_is_refused() {
     let bench = Bench::new([8.0, 8.0, 56.0, 56.0]);
     let p1 = bench.at("p1.png").display().to_string();
     let refused = |more: &[&str], words: &[&str]| assert_refused(&bench.run(more), words);
+    // A session of real photos stays.
+    std::fs::create_dir_all(bench.at("out/session")).unwrap();
+    std::fs::write(bench.at("out/session/session.json"), "{}").unwrap();
+    refused(&[], &["out/session", "no evaluation made", "another folder"]);
+    assert_eq!(std::fs::read(bench.at("out/session/session.json")).unwrap(), b"{}");
+    assert_eq!(std::fs::read_dir(bench.at("out/session")).unwrap().count(), 1);
+    std::fs::remove_dir_all(bench.at("out")).unwrap();
     refused(&["--pattern", "p.png"], &["'p.png' has no name", "NAME=FILE"]);
     refused(
         &["--pattern", &format!("normal={p1}")],

@@ -192,6 +192,28 @@ fn numbers_no_camera_can_have_are_refused() {
     ] {
         assert_refused(&edit(change), &["frames.json", words]);
     }
+    // What each number may be by itself, and all together cannot: the camera sees the paint elsewhere.
+    let elsewhere: [(Edit, &str); 4] = [
+        (&|f| f["camera"]["focal_length_px"] = 40.0.into(), "_positions.png"),
+        (&|f| f["camera"]["centre_px"][0] = 40.0.into(), "_positions.png"),
+        (&|f| f["positions"]["low_mm"][0] = (-1e300).into(), "_positions.png"),
+        (
+            &|f| {
+                let frames = f["frames"].as_array_mut().unwrap();
+                let pose = frames[0]["T_camera_model"].clone();
+                let other = frames.iter_mut().find(|other| other["T_camera_model"] != pose).unwrap();
+                other["T_camera_model"] = pose;
+                other["box_xyxy_px"] = serde_json::Value::Null;
+            },
+            "_positions.png",
+        ),
+    ];
+    for (change, file) in elsewhere {
+        assert_refused(
+            &edit(change),
+            &[file, "px from where the camera of frame", "of other frames"],
+        );
+    }
     let output = edit(&|_| ());
     assert!(output.status.success(), "as it was: {output:?}");
 }
@@ -377,7 +399,39 @@ fn a_render_that_cannot_be_is_refused() {
         &render(&[flat[0], flat[1], "--pitch-deg", "-40"]),
         &["not above the ground"],
     );
-    assert_refused(&render(&[flat[0], flat[1], "--azimuth-deg", "every7"]), &["every7"]);
+    assert_refused(
+        &render(&[flat[0], flat[1], "--pitch-deg", "90"]),
+        &["a pitch cannot be 90", "-89.9 to 89.9"],
+    );
+    assert_refused(
+        &render(&[flat[0], flat[1], "--distance-mm", "100000000"]),
+        &["a distance", "up to 1000000 mm"],
+    );
+    assert_refused(
+        &render(&[flat[0], flat[1], "--light", "a#b.hdr"]),
+        &["a light's file cannot be called \"a#b\""],
+    );
+    let unlucky = folder.path().join("a#b.png");
+    Pattern::random(4, 1).unwrap().cells().save(&unlucky).unwrap();
+    assert_refused(
+        &render(&["--tile-mm", "60", "--pattern", unlucky.to_str().unwrap()]),
+        &["cannot be called \"a#b\""],
+    );
+    let slashed = folder.path().join("a\\b");
+    let command = [
+        "render",
+        "--mesh",
+        stl.to_str().unwrap(),
+        flat[0],
+        flat[1],
+        "-o",
+        slashed.to_str().unwrap(),
+    ];
+    assert_refused(&attack(&command), &["a\\b", "without a backslash"]);
+    assert_refused(
+        &render(&[flat[0], flat[1], "--azimuth-deg", "every7"]),
+        &["every7", "a whole part of the circle"],
+    );
     assert_refused(
         &render(&[flat[0], flat[1], "--roughness", "1.5"]),
         &["the roughness", "0 to 1"],
@@ -398,6 +452,16 @@ fn a_render_that_cannot_be_is_refused() {
         .unwrap();
     assert_refused(&without_python, &["/nowhere/python", "does not start", "Python 3.11"]);
     assert!(!out.exists(), "nothing was begun");
+    // The name of a texture is a file's, and stays in its folder.
+    for name in ["../x", "a/b", "a\\b", "a#b", ""] {
+        let mut request = request(Mesh::cuboid([180.0, 90.0, 60.0]), stl.clone());
+        let texture = TriangleImage::new(&request.mesh, &[], &Texture::Flat([9; 3])).unwrap();
+        request
+            .colours
+            .push(RenderPaint::Texture(name.into(), Arc::new(texture)));
+        let refused = RenderPlan::new(request).unwrap_err().to_string();
+        assert!(refused.contains("cannot be called"), "{name}: {refused}");
+    }
 }
 
 /// A box of 180 × 90 × 60 mm as a text STL: one triangle is enough for a plan, two give it a size.
@@ -624,6 +688,15 @@ fn frames_of_another_engine_are_imported() {
         "[[1, 2, 3]]",
     );
     assert_refused(&other_mask, &["a.png", "no pixel has a colour of object_rgb"]);
+    for (from, to, key) in [
+        ("[0, 0, 142]", "[1, 2, 3]", "object_rgb"),
+        ("[255, 0, 0]", "[1, 2, 3]", "paint_rgb"),
+    ] {
+        assert_refused(
+            &spoiled("import.json", from, to),
+            &["a.png", &format!("no pixel has a colour of {key}")],
+        );
+    }
     assert_refused(
         &spoiled("poses.csv", "808080", "grey"),
         &["poses.csv, line 2", "'grey'"],

@@ -229,6 +229,22 @@ fn broken_folders_are_refused_in_a_sentence() {
         .arg(&out)
         .output();
     assert_refused(&carla.unwrap(), &["takes no mesh", "--layout fca"]);
+    for option in [
+        ["--drop-m", "0.5"],
+        ["--field-of-view-deg", "60"],
+        ["--flat", "808080"],
+        ["--length-mm", "400"],
+        ["--scale", "10"],
+    ] {
+        let mut carla = program();
+        carla
+            .args(["attack", "import"])
+            .arg(folder.path())
+            .args(option)
+            .arg("-o")
+            .arg(&out);
+        assert_refused(&carla.output().unwrap(), &[option[0], "is for --layout fca"]);
+    }
     let empty = tempfile::tempdir().unwrap();
     assert_refused(&import(empty.path(), &out, &mesh), &["no .npz files"]);
 

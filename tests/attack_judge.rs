@@ -155,5 +155,8 @@ fn a_finished_pattern_keeps_the_width_of_its_repeat() {
         &flat.output().unwrap(),
         &["holds what import made", "another folder for flat"],
     );
+    // Nor what nobody knows.
+    std::fs::remove_file(out.path().join("history.json")).unwrap();
+    assert_refused(&import(&[]), &["a pattern without its history", "another folder"]);
     assert_eq!(std::fs::read(out.path().join("pattern.png")).unwrap(), before);
 }

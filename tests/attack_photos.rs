@@ -836,6 +836,16 @@ fn bad_input_is_refused() {
     std::fs::write(&list, variants).unwrap();
     refused(&with, &two, &["has no tags", "a viewpoint alone is no pose"]);
     let there = good();
+    // Colours that are mixed up: what is said to be darker looks lighter.
+    let mixed = ["--flat", "black=e6e6e6", "grey=808080", "white=202020"];
+    let mixed = photos(&there.0.with_file_name("good"), &mixed, &out);
+    assert_eq!(mixed.status.code(), Some(2));
+    assert!(
+        stdout(&mixed).contains("a lighter colour looks no lighter than a darker one"),
+        "{}",
+        stdout(&mixed)
+    );
+    assert!(!out.exists());
     let again = photos(
         &there.0.with_file_name("good"),
         &["--flat", "black=202020", "white=e6e6e6"],

@@ -504,13 +504,14 @@ fn a_pattern_stays_near_another_where_it_is_asked_to() {
 #[test]
 fn a_coarse_pattern_is_the_same_in_finer_cells() {
     let coarse = Pattern::random(4, 1).unwrap();
-    let fine = coarse.divided([12, 8]).unwrap();
-    assert_eq!(fine.dimensions(), (12, 8));
+    let fine = coarse.divided([12, 12]).unwrap();
+    assert_eq!(fine.dimensions(), (12, 12));
     for (x, y, cell) in fine.enumerate_pixels() {
-        assert_eq!(cell, coarse.cells().get_pixel(x / 3, y / 2));
+        assert_eq!(cell, coarse.cells().get_pixel(x / 3, y / 3));
     }
     assert_eq!(coarse.divided([4, 4]).unwrap(), *coarse.cells());
-    for grid in [[6, 8], [8, 6], [2, 2]] {
+    // The last one would squash the picture.
+    for grid in [[6, 8], [8, 6], [2, 2], [12, 8]] {
         assert!(coarse.divided(grid).is_none(), "{grid:?}");
     }
 }
@@ -1309,6 +1310,9 @@ fn bad_arguments_are_one_sentence() {
     assert_refused(&run(&["run", "--rate", "1e-320"]), &["--rate", "0.000001"]);
     assert_refused(&run(&["run", "--floor", "0.7"]), &["--floor"]);
     assert_refused(&run(&["run", "--range", "200", "20"]), &["--range"]);
+    let paints = home().join("print_templates/paints.toml");
+    let palette = ["run", "--palette", paints.to_str().unwrap(), "--range", "20", "200"];
+    assert_refused(&run(&palette), &["--range", "--palette"]);
     assert_refused(&run(&["run", "--smooth", "-1"]), &["--smooth"]);
     assert_refused(&run(&["run", "--hard", "1.5"]), &["--hard"]);
     let sides = ["run", "--laying", "sides", "--cells", "86"];

@@ -80,6 +80,26 @@ fn a_misspelt_word_is_answered_with_the_word_that_was_meant() {
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_are_refused() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder();
+    let count = || std::fs::read_dir(folder.path()).unwrap().count();
+    let before = count();
+    let name = std::ffi::OsStr::from_bytes(b"u\xff.pdf");
+    let mut command = program();
+    command
+        .current_dir(folder.path())
+        .args(["print", "check", "--json", "-o"])
+        .arg(name);
+    assert_refused(
+        &command.output().unwrap(),
+        &["u\u{fffd}.pdf is not UTF-8 text", "another name"],
+    );
+    assert_eq!(count(), before, "nothing is written");
+}
+
 #[test]
 fn quiet_silences_notes_and_neither_results_nor_errors() {
     let folder = folder();

@@ -141,6 +141,10 @@ pub(crate) fn main() -> ExitCode {
     keep_refusals_quiet();
     crate::workers::memory::keep();
     let arguments: Vec<OsString> = std::env::args_os().collect();
+    // Results name files in JSON, which is UTF-8.
+    if let Some(argument) = arguments.iter().skip(1).find(|argument| argument.to_str().is_none()) {
+        return refuse(&format!("{} is not UTF-8 text: give another name", argument.display()));
+    }
     let mut command = command();
     let parsed = command.try_get_matches_from_mut(&arguments);
     let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));

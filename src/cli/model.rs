@@ -35,7 +35,7 @@ pub(crate) struct ModelArgs {
     mesh_up: Option<String>,
     /// The model is 1:SCALE (named in the captions) [default: the scene's, else 10]
     #[arg(long, allow_negative_numbers = true)]
-    scale: Option<f64>,
+    pub scale: Option<f64>,
 }
 
 /// A model: its surface in the model frame, which materials are paint, its scale.
@@ -99,8 +99,8 @@ impl ModelArgs {
         Ok(mesh.with_paint(&faces))
     }
 
-    /// An option that says something about a mesh.
-    fn of_a_mesh(&self) -> Option<&'static str> {
+    /// An option that was given and says nothing without a mesh.
+    pub(crate) fn of_a_mesh(&self) -> Option<&'static str> {
         let given = [
             ("--material", !self.material.is_empty()),
             ("--faces", self.faces.is_some()),

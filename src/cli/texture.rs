@@ -83,6 +83,7 @@ pub(crate) fn load_texture(path: &Path, model: &Model) -> Result<NamedTexture, B
     if let Some(sides) = of_sides(path, model)? {
         return Ok(sides);
     }
+    refuse_repeated(path)?;
     let (mapped, sha256) = if is_mesh(path) {
         let mapped = textured_mesh(path, model)?;
         let own = files::sha256_hex(&files::read(path)?);
@@ -126,6 +127,20 @@ fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn 
         texture: Texture::Sides(patterns),
         images: vec![Card::path(path)],
     }))
+}
+
+/// A pattern with a card is no image for texture coordinates, which would stretch it.
+fn refuse_repeated(path: &Path) -> Result<(), String> {
+    let card =
+        (extension(path) == "png").then(|| Pattern::load(path).ok().and_then(|pattern| card(path, &pattern).ok()));
+    match card.flatten() {
+        Some(card) => Err(format!(
+            "{} is a pattern to be repeated every {} mm (so says its card): give it by --pattern",
+            path.display(),
+            card.tile_mm
+        )),
+        None => Ok(()),
+    }
 }
 
 /// The images of a mesh's own file, on its own triangles or on the same ones of the model.

@@ -42,6 +42,7 @@ pub(crate) mod photos;
 pub(crate) mod raster;
 mod read;
 pub(crate) mod render;
+mod reprojection;
 pub(crate) mod shaded;
 mod write;
 

@@ -6,6 +6,7 @@ use std::path::{Component, Path};
 use image::{ColorType, RgbImage};
 
 use super::images::{Coverage, Linear16, read_png};
+use super::reprojection::{MOST_OFF_PX, median_off_px};
 use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint};
 use crate::files;
 use crate::geometry::BoxPx;
@@ -77,13 +78,16 @@ impl FrameSet {
     }
 
     /// What is at the centre of each part of each pixel, row by row of the finer image. `None` where the frame does not tell.
+    ///
+    /// # Errors
+    /// As of [`FrameSet::rgb`]; positions that camera and pose see elsewhere.
     pub fn surface(&self, frame: &Frame) -> Result<Option<Vec<SurfacePoint>>, FramesError> {
-        let (Some(positions), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &self.list.positions) else {
+        let (Some(file), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &self.list.positions) else {
             return Ok(None);
         };
         let size = self.list.size_px.map(|px| px * about.factor);
         let at = |file: &String| self.folder.join(file);
-        let positions = read_png(&at(positions), "positions image", size, ColorType::Rgb16)?.into_rgb16();
+        let positions = read_png(&at(file), "positions image", size, ColorType::Rgb16)?.into_rgb16();
         let image = read_png(&at(sides), "sides image", size, ColorType::L8)?.into_luma8();
         if image.pixels().any(|p| usize::from(p.0[0]) > Side::ALL.len()) {
             return Err(FramesError::Content {
@@ -102,7 +106,18 @@ impl FrameSet {
             place_mm: place(p.0),
             side: side(number.0[0]),
         };
-        Ok(Some(positions.pixels().zip(image.pixels()).map(point).collect()))
+        let points: Vec<SurfacePoint> = positions.pixels().zip(image.pixels()).map(point).collect();
+        match median_off_px(&self.list, frame, &points, about.factor) {
+            Some(off_px) if off_px > MOST_OFF_PX => Err(FramesError::Content {
+                path: at(file),
+                message: format!(
+                    "its points lie {off_px:.0} px from where the camera of frame {} sees them: the image, the pose, the camera or the positions' \
+                     low_mm and high_mm are of other frames",
+                    frame.name
+                ),
+            }),
+            _ => Ok(Some(points)),
+        }
     }
 
     /// The pattern on the model, and the width of one repeat in mm.

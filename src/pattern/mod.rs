@@ -145,11 +145,12 @@ impl Pattern {
         Self::of_cells(image::imageops::crop_imm(&self.cells, 0, first, self.columns(), count).to_image())
     }
 
-    /// The same picture in more cells, each divided evenly; `None` where they are not as many or a whole multiple across and down.
+    /// The same picture in more cells, each divided evenly; `None` where they are not as many or the same whole multiple across and down.
     pub(crate) fn divided(&self, [columns, rows]: [u32; 2]) -> Option<RgbImage> {
         let fits = columns.is_multiple_of(self.columns()) && rows.is_multiple_of(self.rows());
         let (across, down) = (columns / self.columns(), rows / self.rows());
-        fits.then(|| RgbImage::from_fn(columns, rows, |x, y| *self.cells.get_pixel(x / across, y / down)))
+        (fits && across == down)
+            .then(|| RgbImage::from_fn(columns, rows, |x, y| *self.cells.get_pixel(x / across, y / down)))
     }
 
     /// The pattern as a PNG file with one pixel per cell.

@@ -28,7 +28,7 @@ pub enum PrinterError {
         measured_mm = shown(*measured_mm)
     )]
     Implausible { axis: &'static str, measured_mm: f64 },
-    #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`", path = path.display())]
+    #[error("{path} cannot be used ({reason}); make it with `scaleproof print verify`, its colours with `scaleproof colour read`", path = path.display())]
     BadFile { path: PathBuf, reason: String },
     #[error("the printer file could not be put together: {reason}")]
     Encoding { reason: String },

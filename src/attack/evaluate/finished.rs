@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::EvaluateError;
 use crate::files;
+use crate::scene::Classes;
 
 /// The figures of one detector on the photos of a pattern.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,6 +27,7 @@ struct Paint {
 
 #[derive(Deserialize)]
 struct Summary {
+    classes: Vec<String>,
     results: Vec<SummaryRow>,
 }
 
@@ -48,20 +50,25 @@ struct Share {
     rate: f64,
 }
 
-/// The figures of the pattern with the content of this file, repeated every so many millimetres, one entry for each detector.
+/// The figures of the pattern with the content of this file, repeated every so many millimetres, one entry for each detector. `classes`: what it
+/// was made for, where that is known.
 ///
 /// # Errors
-/// A folder that holds no finished evaluation, or one without this pattern.
+/// A folder that holds no finished evaluation, one without this pattern, or one that counted other labels as the model.
 pub(crate) fn figures_of(
     evaluation: &Path,
-    pattern: &Path,
-    tile_mm: f64,
+    (pattern, tile_mm): (&Path, f64),
+    classes: Option<&Classes>,
 ) -> Result<Vec<RenderedFigures>, EvaluateError> {
-    let path = evaluation.join("score").join("summary.json");
-    let summary: Summary = serde_json::from_str(&files::read_text(&path)?).map_err(|e| EvaluateError::NotFinished {
-        path,
-        reason: e.to_string(),
-    })?;
+    let summary = summary_of(evaluation)?;
+    if let Some(classes) = classes.filter(|classes| classes.labels() != summary.classes) {
+        return Err(EvaluateError::OtherClasses {
+            evaluation: evaluation.to_owned(),
+            counted: summary.classes.join(","),
+            pattern: pattern.to_owned(),
+            classes: classes.to_string(),
+        });
+    }
     let sha256 = files::sha256_hex(&files::read(pattern)?);
     let rows = summary.results.into_iter();
     let figures: Vec<RenderedFigures> = match variant(evaluation, &sha256, tile_mm) {
@@ -76,6 +83,20 @@ pub(crate) fn figures_of(
         });
     }
     Ok(figures)
+}
+
+fn summary_of(evaluation: &Path) -> Result<Summary, EvaluateError> {
+    let path = evaluation.join("score").join("summary.json");
+    let read = serde_json::from_str::<Summary>(&files::read_text(&path)?).map_err(|e| e.to_string());
+    let possible = read.and_then(|summary| {
+        let shares = |row: &SummaryRow| [("ap50", row.overall.ap50), ("hit_rate", row.overall.hit_rate.rate)];
+        let mut all = summary.results.iter().flat_map(shares);
+        match all.find(|(_, share)| !(0.0..=1.0).contains(share)) {
+            Some((name, value)) => Err(format!("its {name} is {value}")),
+            None => Ok(summary),
+        }
+    });
+    possible.map_err(|reason| EvaluateError::NotFinished { path, reason })
 }
 
 /// The name under which a pattern was rendered.

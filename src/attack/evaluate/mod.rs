@@ -16,7 +16,7 @@ use serde_json::Value;
 
 use crate::files::{self, FileError};
 use crate::frames::FramesError;
-use crate::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender};
+use crate::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
 use crate::geometry::BoxPx;
 use crate::scene::{Classes, Viewpoint};
 use crate::session::{self, Conditions, PhotoEntry, SessionError};
@@ -42,6 +42,8 @@ pub(crate) enum EvaluateError {
         folder = folder.display()
     )]
     OtherPaint { folder: PathBuf, variant: String },
+    #[error("{folder} holds a session that no evaluation made, which would be written over; give another folder", folder = folder.display())]
+    OtherSession { folder: PathBuf },
     #[error("{path} is damaged ({reason}): remove it, and the same command renders it again", path = path.display())]
     Damaged { path: PathBuf, reason: String },
     #[error("{path} is not of a finished evaluation ({reason})", path = path.display())]
@@ -54,6 +56,16 @@ pub(crate) enum EvaluateError {
         evaluation: PathBuf,
         pattern: PathBuf,
         tile_mm: f64,
+    },
+    #[error(
+        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it with --class {classes}",
+        evaluation = evaluation.display(), pattern = pattern.display()
+    )]
+    OtherClasses {
+        evaluation: PathBuf,
+        counted: String,
+        pattern: PathBuf,
+        classes: String,
     },
 }
 
@@ -156,6 +168,7 @@ impl RenderedSet {
         python: impl FnOnce() -> Result<blender::Python, RenderError>,
         on_photo: impl FnMut(usize),
     ) -> Result<(), EvaluateError> {
+        check_folder(folder)?;
         self.reserve(folder)?;
         photos::render(self, folder, python, on_photo)
     }
@@ -163,6 +176,10 @@ impl RenderedSet {
     /// Writes what the folder and each paint's folder are for, or refuses those that are for something else.
     fn reserve(&self, folder: &Path) -> Result<(), EvaluateError> {
         let views = (folder.join("render.json"), as_file(&self.plan.view_identity()));
+        if folder.join("session.json").exists() && !views.0.is_file() {
+            let folder = folder.to_owned();
+            return Err(EvaluateError::OtherSession { folder });
+        }
         let begun = std::fs::read_dir(folder.join("photos")).into_iter().flatten().flatten();
         if begun.map(|entry| entry.path()).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
             let folder = folder.to_owned();

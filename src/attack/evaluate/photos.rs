@@ -47,7 +47,7 @@ pub(super) fn render(
         {
             let size = plan.size_px();
             let image = srgb(&triples(&work, &format!("{name}.rgb"), size)?, size);
-            files::replace_atomically(place, &encode_rgb(&image)?)?;
+            files::replace_all_atomically(&[(place.clone(), encode_rgb(&image)?)])?;
             done += 1;
             on_photo(done);
         }

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::detectors::{self, Folder};
-use super::render::{azimuths, cache, hex, named, size, textured, viewpoints};
+use super::render::{MESH, azimuths, cache, hex, named, size, textured, viewpoints};
 use super::score::{Effort, caution, score_with_progress};
 use super::{CommandResult, Outcome, progress};
 use crate::attack::evaluate::{EvaluateError, RenderedSet};
@@ -27,6 +27,7 @@ use crate::{files, report};
 ///
 /// Each paint's photos are kept: run the same command again to go on after an interruption, and with more patterns to add them.
 #[derive(clap::Args)]
+#[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
 pub(super) struct EvaluateArgs {
     #[command(flatten)]
     model: ModelArgs,
@@ -92,6 +93,7 @@ pub(super) struct EvaluateArgs {
 }
 
 pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
+    args.mesh_file()?;
     let model = args.model.load()?;
     let paints = args.paints(&model)?;
     let worn = args.worn(&paints)?;

@@ -1,15 +1,19 @@
 //! `scaleproof attack history`: several methods on one chart.
 
+use std::collections::HashMap;
+use std::error::Error;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{CommandResult, Outcome};
-use crate::attack::evaluate::EvaluateError;
 use crate::attack::evaluate::finished::figures_of;
 use crate::attack::evaluate::time_chart::{self, RenderedRun};
 use crate::attack::result;
 use crate::attack::run::history::{History, draw};
+use crate::cli::print::card_fault;
 use crate::files;
+use crate::pattern::Pattern;
+use crate::pattern::card::{self, CardError};
 
 /// AP@0.5 on the held-out views against wall time, of several results of `attack run` and `attack baseline`
 #[derive(clap::Args)]
@@ -34,6 +38,11 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         .iter()
         .map(|folder| History::load(folder))
         .collect::<Result<Vec<_>, _>>()?;
+    args.refuse_twice()?;
+    if let Some(unjudged) = histories.iter().position(|history| history.last_judged().is_none()) {
+        let folder = args.results[unjudged].display();
+        return Err(format!("the history of {folder} has no figures of held-out views: make the pattern again").into());
+    }
     if let Some(other) = histories
         .iter()
         .position(|history| !history.is_comparable(&histories[0]))
@@ -61,6 +70,12 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         new.push((at("rendered.svg"), time_chart::draw(&rendered).into_bytes()));
     }
     files::replace_all_atomically(&new)?;
+    if rendered.is_empty() {
+        // Those of an earlier call would pass for these results'.
+        ["rendered.json", "rendered.svg"]
+            .iter()
+            .try_for_each(|name| files::remove(&at(name)))?;
+    }
     if args.json {
         let path = |i: usize| new.get(i).map(|(path, _)| path);
         let line = serde_json::json!({
@@ -77,16 +92,42 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
 
 impl HistoryArgs {
     /// What the evaluation says of each run's pattern; nothing without one.
-    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, EvaluateError> {
+    fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>, Box<dyn Error>> {
         let Some(evaluation) = &self.evaluation else {
             return Ok(Vec::new());
         };
         let runs = self.results.iter().zip(histories);
         runs.map(|(folder, history)| {
-            let figures = figures_of(evaluation, &folder.join(result::PATTERN), history.tile_mm)?;
+            let pattern = folder.join(result::PATTERN);
+            check_own(&pattern)?;
+            let figures = figures_of(evaluation, (&pattern, history.tile_mm), history.classes.as_ref())?;
             Ok(RenderedRun::new(history, figures))
         })
         .collect()
+    }
+
+    fn refuse_twice(&self) -> Result<(), Box<dyn Error>> {
+        let mut known = HashMap::new();
+        for folder in &self.results {
+            if let Some(first) = known.insert(files::whole_path(folder)?, folder) {
+                let (first, again) = (first.display(), folder.display());
+                return Err(format!("{first} and {again} are the same result: name it once").into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The pattern of a result is the one that its card was written for, and no texture.
+fn check_own(path: &Path) -> Result<(), String> {
+    let pattern = Pattern::load(path).map_err(|e| e.to_string())?;
+    match card::card(path, &pattern) {
+        Ok(card) if card.sides => Err(format!(
+            "{} has cells for each side, which evaluations hold as a texture: --evaluation shows repeated patterns alone",
+            path.display()
+        )),
+        Ok(_) | Err(CardError::None { .. }) => Ok(()),
+        Err(e) => Err(card_fault(&e)),
     }
 }
 

@@ -18,7 +18,7 @@ use crate::frames::{FramePaint, LIST};
 /// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]
 // Only one of the layouts needs a mesh.
-#[command(mut_arg("mesh", |mesh| mesh.required_unless_present_any(["scene", "folder"])))]
+#[command(mut_arg("mesh", |mesh| mesh.required_unless_present_any(["scene", "folder"]).help("The vehicle's surface: .glb, .obj, .stl or .ply (fca)")))]
 pub(super) struct ImportArgs {
     /// The folder with import.json, poses.csv, rgb/ and mask/, or with .npz files
     #[arg(value_name = "DIR")]
@@ -29,11 +29,11 @@ pub(super) struct ImportArgs {
     #[command(flatten)]
     model: ModelArgs,
     /// How far below veh_trans the vehicle stands, in metres: scripts write down where it was put, before it dropped to the road
-    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true)]
-    drop_m: f64,
-    /// Horizontal field of view (fca)
-    #[arg(long, value_name = "DEG", default_value_t = 90.0, allow_negative_numbers = true)]
-    field_of_view_deg: f64,
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    drop_m: Option<f64>,
+    /// Horizontal field of view (fca) [default: 90]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    field_of_view_deg: Option<f64>,
     /// The reflectance of the paint as hex sRGB, if it is flat and known (fca)
     #[arg(long, value_name = "HEX")]
     flat: Option<String>,
@@ -72,6 +72,11 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
                 "this layout brings its masks, so it takes no mesh; leave --mesh out, or give --layout fca".into(),
             );
         }
+        Layout::Carla if let Some(option) = args.of_fca() => {
+            return Err(
+                format!("{option} is for --layout fca: import.json and poses.csv say it here; leave it out").into(),
+            );
+        }
         Layout::Carla => (import(&args.folder, &args.output, "attack import")?, 3),
         Layout::Fca => (import_fca(args)?, 5),
     };
@@ -88,7 +93,7 @@ fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
     let made = fca::import(&args.folder, &args.output, &request)?;
     busy.finish_and_clear();
     let lowest_m = made.lowest_vehicle_m;
-    if args.drop_m == 0.0 && lowest_m > NOTED_HEIGHT_M {
+    if args.drop_m() == 0.0 && lowest_m > NOTED_HEIGHT_M {
         say!(
             "note: veh_trans puts the vehicle at {lowest_m:.2} m or higher; if the masks lie above it in the images, it dropped from there to \
              the road: give --drop-m {lowest_m:.2}"
@@ -98,14 +103,34 @@ fn import_fca(args: &ImportArgs) -> Result<Vec<NewFile>, Box<dyn Error>> {
 }
 
 impl ImportArgs {
+    fn drop_m(&self) -> f64 {
+        self.drop_m.unwrap_or(0.0)
+    }
+
+    fn field_of_view_deg(&self) -> f64 {
+        self.field_of_view_deg.unwrap_or(90.0)
+    }
+
+    /// An option that was given and says nothing to the layout with masks.
+    fn of_fca(&self) -> Option<&'static str> {
+        let given = [
+            ("--drop-m", self.drop_m.is_some()),
+            ("--field-of-view-deg", self.field_of_view_deg.is_some()),
+            ("--flat", self.flat.is_some()),
+            ("--scale", self.model.scale.is_some()),
+        ];
+        let own = given.iter().find_map(|(option, is_given)| is_given.then_some(*option));
+        own.or_else(|| self.model.of_a_mesh())
+    }
+
     fn fca_request(&self) -> Result<FcaRequest, Box<dyn Error>> {
         let model = self.model.load()?;
         Ok(FcaRequest {
             mesh: model.mesh,
             materials: model.materials,
             scale: model.scale,
-            drop_m: self.drop_m,
-            field_of_view_deg: self.field_of_view_deg,
+            drop_m: self.drop_m(),
+            field_of_view_deg: self.field_of_view_deg(),
             paint: match &self.flat {
                 Some(text) => FramePaint::FlatRgb(hex(text)?),
                 None => FramePaint::Original,
@@ -121,8 +146,8 @@ impl ImportArgs {
             "attack import --layout fca --mesh {}{} --scale {scale} --drop-m {} --field-of-view-deg {}",
             name.map(|n| n.to_string_lossy()).unwrap_or_default(),
             self.model.described(),
-            self.drop_m,
-            self.field_of_view_deg,
+            self.drop_m(),
+            self.field_of_view_deg(),
         );
         if let Some(flat) = &self.flat {
             text += &format!(" --flat {flat}");

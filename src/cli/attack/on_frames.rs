@@ -175,13 +175,17 @@ impl OnFrames {
         self.looking.open(self.cells(), differentiates, eot)
     }
 
-    /// The same method may be done again; what another one found is not replaced.
+    /// The same method may be done again; what another one found, or nobody knows, is not replaced.
     fn refuse_other_methods(&self, method: &str) -> Result<(), String> {
         match History::load(&self.output) {
             Ok(held) if held.method != method => Err(format!(
                 "{} holds what {} made: give another folder for {method}",
                 self.output.display(),
                 held.method
+            )),
+            Err(_) if self.output.join(result::PATTERN).exists() => Err(format!(
+                "{} holds a pattern without its history, which would be written over: give another folder",
+                self.output.display()
             )),
             _ => Ok(()),
         }

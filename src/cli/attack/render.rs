@@ -10,14 +10,20 @@ use crate::bake::TriangleImage;
 use crate::cli::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::texture::load_texture;
-use crate::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, render};
-use crate::frames::{LIST, light};
+use crate::frames::render::{
+    Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, check_folder, render,
+};
+use crate::frames::{FrameSet, FramesError, LIST, light};
 use crate::geometry::angle::wrap_360;
 use crate::pattern::Pattern;
 use crate::scene::Viewpoint;
 
+/// What `--mesh` is to commands that render it.
+pub(super) const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply";
+
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
 #[derive(clap::Args)]
+#[command(mut_arg("mesh", |mesh| mesh.help(MESH)))]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     model: ModelArgs,
@@ -77,13 +83,24 @@ pub(super) struct RenderArgs {
 
 pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     let plan = RenderPlan::new(args.request()?)?;
+    check_folder(&args.output)?;
     crate::files::check_writable(&args.output)?;
     let python = blender::find(&cache(), progress::announce)?;
     let bar = progress::frames("rendering", plan.frames().len());
     let finished = render(&plan, &args.output, &python, |done| bar.set_position(done as u64));
     bar.finish_and_clear();
     finished?;
+    note_unusable(&args.output)?;
     super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
+}
+
+/// Says at once what would stop the commands that take the frames, as a view that shows no paint.
+fn note_unusable(folder: &Path) -> Result<(), FramesError> {
+    let set = FrameSet::open(folder)?;
+    if let Some(fault) = set.list.frames.iter().find_map(|frame| set.check_images(frame).err()) {
+        say!("note: {fault}");
+    }
+    Ok(())
 }
 
 /// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
@@ -227,7 +244,9 @@ pub(super) fn viewpoints(azimuths: &[f64], pitches: &[f64], distances: &[f64]) -
 
 pub(in crate::cli) fn azimuths(texts: &[String]) -> Result<Vec<f64>, Box<dyn Error>> {
     let bad = |text: &String| {
-        format!("azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step, as in every45")
+        format!(
+            "azimuth '{text}' is not understood; write degrees, as in 0 45 90, or a step of a whole part of the circle, as in every45"
+        )
     };
     let mut all = Vec::new();
     for text in texts {

@@ -175,6 +175,9 @@ impl RunArgs {
             [low, high] if low < high => [low, high],
             _ => return Err("--range must be a darkest value and a lighter one, as in 20 240".into()),
         };
+        if self.palette.is_some() && range != [0, 255] {
+            return Err("--range goes with colours of the pattern's own choice: leave it out, or take the paints that are not wanted out of --palette".into());
+        }
         Ok(Settings {
             steps: self.steps,
             batch: self.batch,
@@ -216,7 +219,7 @@ impl RunArgs {
         let grid = self.on.mapping.grid(self.on.cells());
         let cells = pattern.divided(grid).ok_or_else(|| {
             format!(
-                "{} has {}×{} cells, and here are {}×{}: give one of as many, or of a half, a third, …",
+                "{} has {}×{} cells, and here are {}×{}: give one of as many, or of a half, a third, … across and down alike",
                 path.display(),
                 pattern.columns(),
                 pattern.rows(),

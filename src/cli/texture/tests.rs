@@ -98,7 +98,7 @@ fn a_textured_mesh_is_also_the_mesh_and_may_dress_another_one_of_the_same_shape(
     let image = files.load("--mesh @m.obj --texture @t.png").unwrap().1;
     assert_eq!(
         image.sha256,
-        files::sha256_hex(&files::read(&files.0.path().join("t.png")).unwrap())
+        crate::files::sha256_hex(&files::read(&files.0.path().join("t.png")).unwrap())
     );
 }
 
@@ -114,6 +114,14 @@ fn one_of_pattern_and_texture_is_given_and_options_of_a_mesh_need_one() {
     let (model, tile) = files.load("--mesh @m.obj --pattern @t.png --tile-mm 20").unwrap();
     assert_eq!(tile.texture.texel_mm(&model.mesh, 0), Some(5.0));
     files.refused("--texture @t.png", "give --mesh");
+    // The card of a repeated pattern: on texture coordinates it would be stretched.
+    let sha256 = files::sha256_hex(&std::fs::read(files.0.path().join("t.png")).unwrap());
+    files.write("t.json", format!("{{\"pattern_sha256\":\"{sha256}\",\"tile_mm\":60}}"));
+    files.refused(
+        "--mesh @m.obj --texture @t.png",
+        "/t.png is a pattern to be repeated every 60 mm",
+    );
+    std::fs::remove_file(files.0.path().join("t.json")).unwrap();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("captures/skyline/scene.toml");
     let words = format!("--scene {} --length-mm 400 --texture @t.png", scene.display());
     files.refused(&words, "--length-mm is about a mesh; give --mesh too");

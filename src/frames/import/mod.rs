@@ -299,18 +299,21 @@ fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], F
             }])
         })
     };
+    for (key, colours) in [("object_rgb", &about.object_rgb), ("paint_rgb", &about.paint_rgb)] {
+        if !colours.is_empty() && of(colours).pixels().all(|p| p.0[0] == 0) {
+            return Err(content(
+                path,
+                format!(
+                    "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
+                ),
+            ));
+        }
+    }
     let parts: Vec<[u8; 3]> = about.object_rgb.iter().chain(&about.paint_rgb).copied().collect();
     let object = of(&parts);
-    if object.pixels().all(|p| p.0[0] == 0) {
-        return Err(content(
-            path,
-            "no pixel has a colour of object_rgb: name the model's colours in this mask, or take the frame out of poses.csv".to_owned(),
-        ));
-    }
-    let paint = if about.paint_rgb.is_empty() {
-        object.clone()
-    } else {
-        of(&about.paint_rgb)
+    let paint = match about.paint_rgb.is_empty() {
+        true => object.clone(),
+        false => of(&about.paint_rgb),
     };
     Ok([object, paint])
 }

@@ -10,6 +10,7 @@
 //! from beside it has strayed in, looks like the paint beside it in the same pixel. Where that pixel has none it is taken out of the mask, and looks
 //! like the neighbours' paint, or else as in the reference photo.
 
+mod contrast;
 mod draw;
 pub(crate) mod exposure;
 mod light_image;
@@ -262,6 +263,12 @@ fn images(
     ];
     let photos = std::iter::once(view.reference).chain(view.others.iter().map(|o| o.photo));
     let mut coloured: Vec<(&FlatPhoto, &image::RgbImage)> = photos.zip(&drawn.images).collect();
+    let shown: Vec<_> = coloured.iter().map(|(photo, image)| (photo.flat_rgb, *image)).collect();
+    if !contrast::is_in_order(&shown, &drawn.paint_mask) {
+        return Ok(Err(
+            "a lighter colour looks no lighter than a darker one: give each variant its colour, and check that each photo is of its variant",
+        ));
+    }
     // The frames stand in the order of the colours, whichever is the reference.
     coloured.sort_by_key(|(photo, _)| canvas.request.flats.iter().position(|rgb| *rgb == photo.flat_rgb));
     let mut frames = Vec::new();

@@ -46,8 +46,11 @@ impl FromStr for Panorama {
         let name = name.ok_or_else(bad)?;
         let is_known = file || OWN.contains(&source);
         let is_plain = name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c)) && !name.starts_with('.');
-        if !is_known || !is_plain || !(0.0..360.0).contains(&turn_deg) {
+        if !is_known || !(0.0..360.0).contains(&turn_deg) {
             return Err(bad());
+        }
+        if !is_plain {
+            return Err(RenderError::BadLightName { name });
         }
         Ok(Self {
             file: file.then_some(path),

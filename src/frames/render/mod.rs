@@ -42,10 +42,14 @@ pub(crate) enum RenderError {
          or .hdr file, and a turn from 0 up to 360 degrees if you like, as in forest@90"
     )]
     BadLight { text: String },
+    #[error("a light's file cannot be called {name:?}; rename it to letters, digits, '-', '_' and '.'")]
+    BadLightName { name: String },
     #[error("nothing to render: give at least one {what}")]
     Nothing { what: &'static str },
     #[error("a pattern or texture cannot be called {name:?}; rename its file to plain letters and digits")]
     BadName { name: String },
+    #[error("Blender cannot write below {folder}: give a folder whose path is UTF-8 text without a backslash", folder = folder.display())]
+    BadFolder { folder: PathBuf },
     #[error("the frame {name} would be rendered twice; give each light, viewpoint and paint once")]
     Twice { name: String },
     #[error("the mesh has no triangles of the paint's materials")]
@@ -123,9 +127,9 @@ pub(crate) fn render(
                 blender::BlenderEvent::Frame(name) => {
                     collector.take_frame(&name)?;
                     done += 1;
-                    on_frame(done);
                 }
             }
+            on_frame(done);
             Ok(())
         })?;
         if !finished || !collector.missing().is_empty() {
@@ -137,6 +141,15 @@ pub(crate) fn render(
     // Nothing is lost if the work folder stays.
     let _ = std::fs::remove_dir_all(&work);
     Ok(())
+}
+
+/// Refuses a folder that Blender would miss: it takes a backslash for a slash.
+pub(crate) fn check_folder(folder: &Path) -> Result<(), RenderError> {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    match whole.to_str() {
+        Some(text) if !text.contains('\\') => Ok(()),
+        _ => Err(RenderError::BadFolder { folder: whole }),
+    }
 }
 
 /// Writes what the folder is for, or refuses a folder that is for something else.

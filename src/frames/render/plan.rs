@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use super::request::{RenderPaint, RenderRequest};
+use super::request::{RenderPaint, RenderRequest, absolute};
 use super::surface::surface;
 use super::{Panorama, RenderError};
 use crate::files;
@@ -82,7 +82,7 @@ impl RenderPlan {
         for view in &request.viewpoints {
             let centre = view.camera_centre_mm(target_mm);
             let is_inside = (0..3).all(|i| centre[i] > low[i] && centre[i] < high[i]);
-            if is_inside || centre.z <= 0.0 || view.pitch_deg.abs() > 89.9 {
+            if is_inside || centre.z <= 0.0 {
                 return Err(RenderError::CameraInside {
                     azimuth_deg: view.azimuth_deg,
                     pitch_deg: view.pitch_deg,
@@ -216,14 +216,8 @@ impl RenderPlan {
         let r = &self.request;
         let colour = |c: &RenderPaint| (c.name(), c.to_script(&self.surface_triangles, folder));
         let lights = r.lights.iter().map(|l| {
-            let absolute = l
-                .file
-                .as_ref()
-                .map(|f| std::path::absolute(f).unwrap_or_else(|_| f.clone()));
-            (
-                l.place(),
-                json!({"name": l.name, "file": absolute, "turn_deg": l.turn_deg}),
-            )
+            let file = l.file.as_deref().map(absolute);
+            (l.place(), json!({"name": l.name, "file": file, "turn_deg": l.turn_deg}))
         });
         let mut views = Vec::new();
         for light in 0..r.lights.len() {
@@ -250,7 +244,7 @@ impl RenderPlan {
         let (low, high) = r.mesh.bounds_mm();
         let turn: Vec<[f64; 3]> = (0..3).map(|i| std::array::from_fn(|j| r.turn[(i, j)])).collect();
         json!({
-            "mesh": std::path::absolute(&r.mesh_file).unwrap_or_else(|_| r.mesh_file.clone()),
+            "mesh": absolute(&r.mesh_file),
             "turn_rows": turn,
             "bounds_mm": [<[f64; 3]>::from(low.coords), <[f64; 3]>::from(high.coords)],
             "paint_surface": self.surface,
@@ -269,7 +263,7 @@ impl RenderPlan {
             "views": views,
             // Linear light of the levels of 8-bit images.
             "levels": (0..=u8::MAX).map(|v| light::decode(f64::from(v) / 255.0)).collect::<Vec<_>>(),
-            "raw": std::path::absolute(&raw).unwrap_or(raw),
+            "raw": absolute(&raw),
         })
     }
 
@@ -416,20 +410,20 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
         number(
             "a pitch",
             view.pitch_deg,
-            "-90 to 90 degrees",
-            (-90.0..=90.0).contains(&view.pitch_deg),
+            "an angle from -89.9 to 89.9 degrees: straight from above no side of the image is up",
+            view.pitch_deg.abs() <= 89.9,
         )?;
         number(
             "a distance",
             view.distance_mm,
-            "a distance above 0 mm",
-            view.is_possible(),
+            "a distance above 0 and up to 1000000 mm",
+            view.is_possible() && view.distance_mm <= 1e6,
         )?;
     }
     for colour in &request.colours {
         if let RenderPaint::Pattern(name, ..) | RenderPaint::Texture(name, _) = colour
-            // Names become file names, and lines of what Blender says.
-            && (name.trim() != name || name.is_empty() || name.chars().any(char::is_control))
+            // Names become file names, lines of what Blender says, and names of its outputs, in which # stands for digits.
+            && (name.trim() != name || name.is_empty() || name.chars().any(|c| c.is_control() || "/\\#".contains(c)))
         {
             return Err(RenderError::BadName { name: name.clone() });
         }

@@ -49,13 +49,15 @@ def main():
     black = bpy.data.worlds.new("black")
     black.use_nodes = True
     black.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    shapes = [view for view in plan["views"] if view["needs_geometry"]]
+    scene.world = black
+    for view in shapes:
+        camera.matrix_world = blender_pose(view["T_model_camera"])
+        geometry(scene, plan, view["name"], outputs, is_last=view is shapes[-1])
+    beauty(scene, plan)
     for view in plan["views"]:
         camera.matrix_world = blender_pose(view["T_model_camera"])
-        if view["needs_geometry"]:
-            scene.world = black
-            geometry(scene, plan, view["name"], outputs)
         scene.world = lights[view["light"]].world
-        beauty(scene, plan)
         for frame in view["frames"]:
             dress(paint, others, plan["paints"][frame["paint"]])
             outputs.render({"Image": frame["name"] + ".rgb"})
@@ -88,14 +90,19 @@ def settings(scene, plan):
 
 
 def beauty(scene, plan):
+    scene.render.use_persistent_data = True
     scene.cycles.use_denoising = plan["denoise"]
     scene.cycles.samples = plan["samples"]
     scene.cycles.filter_width = 1.0
     resolution(scene, plan["width_px"], plan["height_px"])
 
 
-def geometry(scene, plan, name, outputs):
-    """Coverage at the size of the frames; position and side at the centres of the pixels of a finer picture."""
+def geometry(scene, plan, name, outputs, is_last):
+    """Coverage at the size of the frames; position and side at the centres of the pixels of a finer picture.
+
+    What Cycles keeps of the last one goes: its random numbers are made for the samples of the first picture, and frames must not depend on
+    whether shapes were still missing before them.
+    """
     scene.cycles.use_denoising = False
     scene.cycles.samples = 64
     scene.cycles.filter_width = 1.0
@@ -103,6 +110,7 @@ def geometry(scene, plan, name, outputs):
     outputs.render({"object": name + ".object", "paint": name + ".paint"})
     scene.cycles.samples = 1
     scene.cycles.filter_width = 0.01
+    scene.render.use_persistent_data = not is_last
     factor = plan["geometry_factor"]
     resolution(scene, factor * plan["width_px"], factor * plan["height_px"])
     outputs.render({"place": name + ".position", "side": name + ".side"})

@@ -120,13 +120,13 @@ impl RenderPaint {
         let (cells, tile_mm): (Vec<Vec<[f64; 3]>>, _) = match self {
             Self::Original => return Value::Null,
             Self::Texture(_, texture) => {
-                let file = folder.join(self.file().unwrap_or_default());
+                let file = absolute(&folder.join(self.file().unwrap_or_default()));
                 let uv: Vec<_> = triangles
                     .iter()
                     .map(|t| texture.coordinates[*t].unwrap_or_default())
                     .collect();
                 let texture = json!({
-                    "file": std::path::absolute(&file).unwrap_or(file), "extension": extension(texture.wrap), "uv": uv,
+                    "file": file, "extension": extension(texture.wrap), "uv": uv,
                 });
                 return json!({"cells": null, "tile_mm": null, "texture": texture});
             }
@@ -142,6 +142,12 @@ impl RenderPaint {
         };
         json!({"cells": cells, "tile_mm": tile_mm, "texture": null})
     }
+}
+
+/// A whole path, as the script gets it.
+pub(super) fn absolute(path: &Path) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    whole.to_string_lossy().into_owned()
 }
 
 /// What Blender calls it.
