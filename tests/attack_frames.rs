@@ -638,7 +638,7 @@ fn frames_of_another_engine_are_imported() {
     let import = |from: &Path| attack(&["import", from.to_str().unwrap(), "-o", out.to_str().unwrap()]);
     let output = import(folder.path());
     assert!(output.status.success(), "{}", common::stderr(&output));
-    assert!(stdout(&output).contains("1 frames"));
+    assert!(stdout(&output).contains("1 frame\n"));
     assert!(check(&out).status.success());
     let set = FrameSet::open(&out).unwrap();
     let frame = &set.list.frames[0];

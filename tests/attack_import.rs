@@ -121,7 +121,7 @@ fn the_mesh_is_drawn_where_the_poses_say() {
         &[&mesh[..], &["--drop-m", "0.5", "--flat", "102030"]].concat(),
     );
     assert!(output.status.success(), "{}", common::stderr(&output));
-    assert!(stdout(&output).contains("1 frames"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("1 frame\n"), "{}", stdout(&output));
     assert!(!common::stderr(&output).contains("note:"));
     let set = FrameSet::open(&out).unwrap();
     let frame = &set.list.frames[0];

@@ -26,6 +26,7 @@ use clap::Subcommand;
 
 use super::{CommandResult, Outcome, detectors, progress, score};
 use crate::frames::FrameSet;
+use crate::spelling::count;
 pub(super) use render::{azimuths, size};
 
 /// From frames of a painted model to a pattern that detectors do not see it in
@@ -88,7 +89,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
 fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
     match json {
         true => writeln!(out, "{}", serde_json::json!({ "file": list, "frames": frames }))?,
-        false => writeln!(out, "{}: {frames} frames", list.display())?,
+        false => writeln!(out, "{}: {}", list.display(), count(frames, "frame"))?,
     }
     Ok(Outcome::Done)
 }

@@ -58,7 +58,7 @@ pub(crate) enum EvaluateError {
         tile_mm: f64,
     },
     #[error(
-        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it with --class {classes}",
+        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it for the same",
         evaluation = evaluation.display(), pattern = pattern.display()
     )]
     OtherClasses {

@@ -45,6 +45,7 @@ fn of_rendering(error: &RenderError) -> Option<&'static str> {
 fn of_evaluation(error: &EvaluateError) -> Option<&'static str> {
     match error {
         EvaluateError::Render(error) => of_rendering(error),
+        EvaluateError::OtherClasses { .. } => Some(" (--class)"),
         _ => None,
     }
 }

@@ -1,5 +1,6 @@
 //! `scaleproof attack render`: frames from Blender Cycles.
 
+use std::collections::HashSet;
 use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -94,10 +95,12 @@ pub(super) fn run(args: &RenderArgs, out: &mut dyn Write) -> CommandResult {
     super::say_frames(&args.output.join(LIST), plan.frames().len(), args.json, out)
 }
 
-/// Says at once what would stop the commands that take the frames, as a view that shows no paint.
+/// Says at once what would stop the commands that take the frames, as a view that shows no paint. A frame of each view is looked at.
 fn note_unusable(folder: &Path) -> Result<(), FramesError> {
     let set = FrameSet::open(folder)?;
-    if let Some(fault) = set.list.frames.iter().find_map(|frame| set.check_images(frame).err()) {
+    let mut views = HashSet::new();
+    let mut firsts = set.list.frames.iter().filter(|frame| views.insert(&frame.paint_mask));
+    if let Some(fault) = firsts.find_map(|frame| set.check_images(frame).err()) {
         say!("note: {fault}");
     }
     Ok(())
