@@ -299,21 +299,20 @@ fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], F
             }])
         })
     };
-    for (key, colours) in [("object_rgb", &about.object_rgb), ("paint_rgb", &about.paint_rgb)] {
-        if !colours.is_empty() && of(colours).pixels().all(|p| p.0[0] == 0) {
-            return Err(content(
-                path,
-                format!(
-                    "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
-                ),
-            ));
-        }
+    // From above, paint may be all that is seen of the model.
+    let (key, paint_rgb) = match about.paint_rgb.is_empty() {
+        true => ("object_rgb", &about.object_rgb),
+        false => ("paint_rgb", &about.paint_rgb),
+    };
+    let paint = of(paint_rgb);
+    if paint.pixels().all(|p| p.0[0] == 0) {
+        return Err(content(
+            path,
+            format!(
+                "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
+            ),
+        ));
     }
     let parts: Vec<[u8; 3]> = about.object_rgb.iter().chain(&about.paint_rgb).copied().collect();
-    let object = of(&parts);
-    let paint = match about.paint_rgb.is_empty() {
-        true => object.clone(),
-        false => of(&about.paint_rgb),
-    };
-    Ok([object, paint])
+    Ok([of(&parts), paint])
 }
