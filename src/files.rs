@@ -1,5 +1,6 @@
 //! Files: content hashes, and writing so that nothing half-written stays behind.
 
+pub(crate) mod environment;
 mod journal;
 mod place;
 mod staged;

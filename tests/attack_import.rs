@@ -344,10 +344,9 @@ fn single_precision_is_read() {
 /// dark or red unlike the road, in one piece, and all that lies between such pixels. Mirrors, whose arms are thin, are lost in it, and parts
 /// of the grey spoiler's lip.
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_mesh_covers_the_car_in_real_frames() {
-    let (Some(frames), Some(mesh)) = (shared("frames/carla_fca"), shared("meshes/rauca_etron/model_save.obj")) else {
-        return;
-    };
+    let [frames, mesh] = ["frames/carla_fca", "meshes/rauca_etron/model_save.obj"].map(shared);
     let cut_out: Vec<Grid> = (1..=5)
         .map(|number| car_of(&npz_image(&frames.join(format!("data1250{number}.npz")))))
         .collect();

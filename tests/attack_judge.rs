@@ -7,8 +7,9 @@ use scaleproof::pattern::Pattern;
 use serde_json::Value;
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn patterns_are_judged_on_every_view_beside_the_plain_model() {
-    let Some(detectors) = shared("detectors") else { return };
+    let detectors = shared("detectors");
     let out = tempfile::tempdir().unwrap();
     let random = out.path().join("random.png");
     Pattern::random(16, 1).unwrap().cells().save(&random).unwrap();
@@ -118,8 +119,9 @@ fn patterns_are_judged_on_every_view_beside_the_plain_model() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn a_finished_pattern_keeps_the_width_of_its_repeat() {
-    let Some(detectors) = shared("detectors") else { return };
+    let detectors = shared("detectors");
     let out = tempfile::tempdir().unwrap();
     let import = |more: &[&str]| {
         let mut command = program();

@@ -28,11 +28,10 @@ pub(super) mod parity;
 const CAR: usize = 2;
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn outputs_are_those_of_onnx_runtime() {
     for (name, file, side) in FOLLOWED {
-        let Some(path) = shared(&format!("detectors/{file}")) else {
-            return;
-        };
+        let path = shared(&format!("detectors/{file}"));
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
@@ -62,10 +61,10 @@ fn outputs_are_those_of_onnx_runtime() {
     }
 }
 
-fn opened(name: &str, file: &str, labels: &[usize]) -> Option<(OnnxDetector, PathBuf)> {
-    let path = shared(&format!("detectors/{file}"))?;
+fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
+    let path = shared(&format!("detectors/{file}"));
     let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, &Device::flex()).unwrap();
-    Some((detector, path))
+    (detector, path)
 }
 
 fn picture(photo: &RgbImage) -> (Vec<[f64; 3]>, [u32; 2]) {
@@ -163,12 +162,11 @@ fn worst_derivative(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn gradients_are_those_of_finite_differences() {
     let mut rng = Pcg32::seed_from_u64(5);
     for (name, file, _) in FOLLOWED {
-        let Some((detector, _)) = opened(name, file, &[CAR]) else {
-            return;
-        };
+        let (detector, _) = opened(name, file, &[CAR]);
         let (mut worst, mut jumps) = (0.0_f64, 0);
         for path in photos().iter().step_by(5) {
             let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
@@ -186,13 +184,12 @@ fn gradients_are_those_of_finite_differences() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn confidences_are_those_of_scoring() {
     let all: Vec<usize> = (0..80).collect();
     for (name, file, side) in FOLLOWED {
-        let Some((detector, path)) = opened(name, file, &all) else {
-            return;
-        };
-        let (cars, _) = opened(name, file, &[CAR]).unwrap();
+        let (detector, path) = opened(name, file, &all);
+        let (cars, _) = opened(name, file, &[CAR]);
         let mut scorer = Detector::open(Runtime::load().unwrap(), &Manifest::named(name).unwrap(), &path).unwrap();
         for (i, file) in photos().iter().enumerate().step_by(3) {
             // At the network's own size nothing is resized or rounded; at others the rounding to 8 bits is left out here.
@@ -228,6 +225,7 @@ fn confidences_are_those_of_scoring() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
     let grid = Grid {
         columns: 8,
@@ -236,9 +234,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
     };
     let frames = FrameSet::open(&home().join("captures/skyline_attack")).unwrap();
     let view_set = ViewSet::open(&[frames], grid, (TextureMapping::World, &Eot::NONE), || {}).unwrap();
-    let Some((detector, _)) = opened("fastestdet", "FastestDet.onnx", &[CAR]) else {
-        return;
-    };
+    let (detector, _) = opened("fastestdet", "FastestDet.onnx", &[CAR]);
     let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(detector)];
     let config = AttackConfig {
         cells: 8,
@@ -279,11 +275,10 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn time_of_one_step() {
     for (name, file, _) in FOLLOWED {
-        let Some((detector, _)) = opened(name, file, &[CAR]) else {
-            return;
-        };
+        let (detector, _) = opened(name, file, &[CAR]);
         let (picture, size) = picture(&image::imageops::thumbnail(&photo(&photos()[0]), 640, 480));
         let (mut forth, mut back) = (Vec::new(), Vec::new());
         for _ in 0..6 {

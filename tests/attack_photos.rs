@@ -856,10 +856,9 @@ fn bad_input_is_refused() {
 
 /// Shares of a pixel and places of the paint, as the rasteriser has them, against the stored frames of Blender.
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_rasteriser_sees_what_blender_saw() {
-    let Some(file) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
-        return;
-    };
+    let file = shared("meshes/skyline_r32_lowpoly_ccby4.glb");
     let placement = MeshPlacement {
         length_mm: Some(455.0),
         ..MeshPlacement::default()

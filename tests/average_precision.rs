@@ -64,10 +64,9 @@ fn our_own_cases_agree_with_pycocotools() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_oracle_agrees_with_pycocotools() {
-    if let Some(oracle) = shared("oracles/ap_pycocotools.json") {
-        check(&oracle, 60);
-    }
+    check(&shared("oracles/ap_pycocotools.json"), 60);
 }
 
 /// Precision and recall after each detection, matched and counted here, the slow way.

@@ -448,10 +448,7 @@ fn photos_of_others_stay_where_they_are() {
 /// Kills a replay at random moments; `SCALEPROOF_KILLS` says how often (20).
 #[test]
 fn a_killed_capture_loses_nothing_that_it_had_said_to_be_taken() {
-    let kills: u32 = std::env::var("SCALEPROOF_KILLS")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(20);
+    let kills = common::number("SCALEPROOF_KILLS").unwrap_or(20_u32);
     let mut rng = rand_pcg::Pcg64::seed_from_u64(7);
     // A whole run, for how long one takes here.
     let out = tempfile::tempdir().unwrap();

@@ -590,7 +590,7 @@ fn code_read(lines: &[String]) -> String {
 /// A person's way through the page: watch the dial fill, take one photo back, send one that is refused and one that is taken, finish.
 #[test]
 fn a_capture_is_followed_and_finished_in_a_browser() {
-    let screenshots = std::env::var_os("SCALEPROOF_SCREENSHOTS").map(PathBuf::from);
+    let screenshots = common::variable("SCALEPROOF_SCREENSHOTS").map(PathBuf::from);
     let mut browser = Browser::start();
     browser.resize(1280, 800, false);
     let mut running = Running::start(&replay(), &["--fps", "2"]);

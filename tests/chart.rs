@@ -202,10 +202,9 @@ fn the_charts_are_files_that_a_browser_can_show() {
 
 /// Two detectors on four photos: every stage takes time, tags only where poses come from them, and the bars are as long as the times.
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn scoring_is_charted_by_stages() {
-    let Some(weights) = common::shared("detectors/FastestDet.onnx") else {
-        return;
-    };
+    let weights = common::shared("detectors/FastestDet.onnx");
     let folder = copy_of_skyline();
     let out = folder.path().join("charts");
     let charted = |to: &Path| {

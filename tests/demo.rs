@@ -76,6 +76,24 @@ fn without_onnx_runtime_it_plays_back_too() {
     assert!(text.contains("because ONNX Runtime was not found"), "{text}");
 }
 
+/// The stored session is found, and ONNX Runtime is looked for where nothing names it.
+#[test]
+fn variables_that_are_set_to_nothing_count_as_unset() {
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    for name in [
+        "ORT_DYLIB_PATH",
+        "SCALEPROOF_DETECTORS",
+        "SCALEPROOF_HOME",
+        "SCALEPROOF_SHARED",
+    ] {
+        command.env(name, "");
+    }
+    let text = demo(&mut command, out.path());
+    assert_complete(&text, out.path());
+    assert!(!text.contains("ONNX Runtime was not found (:"), "{text}");
+}
+
 #[test]
 fn for_programs_it_names_what_it_made() {
     let out = tempfile::tempdir().unwrap();
@@ -95,8 +113,9 @@ fn for_programs_it_names_what_it_made() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn with_weights_it_runs_the_detectors() {
-    let Some(weights) = shared("detectors") else { return };
+    let weights = shared("detectors");
     let out = tempfile::tempdir().unwrap();
     let text = demo(program().env("SCALEPROOF_DETECTORS", weights), out.path());
     assert_complete(&text, out.path());

@@ -717,8 +717,9 @@ fn bad_input_is_one_sentence_and_no_manifest() {
 
 /// Where the file can tell, `add` proposes what the manifests that ship say; labels of DEIM it asks for.
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_real_detectors_get_the_manifests_that_ship() {
-    let Some(weights) = shared("detectors") else { return };
+    let weights = shared("detectors");
     let none = Hints::default();
     let asked = ["deimv2_femto", "deimv2_atto"];
     for built_in in Manifest::all().unwrap() {

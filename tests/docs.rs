@@ -21,7 +21,7 @@ use scratch::Scratch;
 const README_WORDS: usize = 1000;
 
 /// Options of other programs that the documentation shows.
-const FOREIGN_OPTIONS: [&str; 20] = [
+const FOREIGN_OPTIONS: [&str; 21] = [
     "--all-targets",
     "--array",
     "--bench",
@@ -36,6 +36,7 @@ const FOREIGN_OPTIONS: [&str; 20] = [
     "--nocapture",
     "--path",
     "--release",
+    "--shared",
     "--test",
     "--test-threads",
     "--version",
@@ -300,36 +301,50 @@ fn examples_of_the_reference_are_read_by_the_program() {
 /// In order within a page, each page in its own copy of the project's files; then the keys of what they wrote.
 #[test]
 fn commands_of_the_guide_run() {
-    let mut all: Vec<Page> = pages().into_iter().filter(is_guide).collect();
-    all.retain(|page| {
-        page.blocks
-            .iter()
-            .any(|block| matches!(shell::kind(block), Ok(Some(kind)) if kind != shell::Kind::Read))
-    });
+    let is_run = |kind: &shell::Kind| *kind == shell::Kind::Run;
+    assert_run(&pages_with(is_run), None);
+}
+
+/// Pages of which some commands need the weights of detectors, whole, since these commands go on with what others wrote.
+#[test]
+#[ignore = "needs the shared material: ./run test --shared"]
+fn commands_of_the_guide_with_weights_run() {
+    let needs_weights = |kind: &shell::Kind| *kind == shell::Kind::RunWithWeights;
+    assert_run(&pages_with(needs_weights), Some(&common::shared("detectors")));
+}
+
+/// Pages of the guide with a block of this kind.
+fn pages_with(is_meant: impl Fn(&shell::Kind) -> bool) -> Vec<Page> {
+    let has = |page: &Page| {
+        let mut kinds = page.blocks.iter().filter_map(|block| shell::kind(block).ok().flatten());
+        kinds.any(|kind| is_meant(&kind))
+    };
+    let pages: Vec<Page> = pages().into_iter().filter(|page| is_guide(page) && has(page)).collect();
+    assert!(pages.len() > 3, "{} pages", pages.len());
+    pages
+}
+
+/// Two pages at a time.
+fn assert_run(pages: &[Page], weights: Option<&Path>) {
     let (faults, times) = (Mutex::new(Vec::new()), Mutex::new(Vec::new()));
-    let (waiting, cache) = (Mutex::new(all.iter()), tempfile::tempdir().unwrap());
+    let (waiting, cache) = (Mutex::new(pages.iter()), tempfile::tempdir().unwrap());
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
                 loop {
                     let next = waiting.lock().unwrap().next();
                     let Some(page) = next else { break };
-                    let scratch = Scratch::new(cache.path());
+                    let scratch = Scratch::new(cache.path(), weights);
                     let ran = scratch.run(page);
                     let mut found: Vec<String> = ran.iter().filter_map(|block| block.fault.clone()).collect();
                     if found.is_empty() {
-                        found = examples::faults_of_keys(page, scratch.path());
+                        found = examples::faults_of_keys(page, scratch.path(), weights.is_some());
                     }
                     faults.lock().unwrap().extend(found);
-                    let of = |block: &scratch::Ran| {
-                        format!(
-                            "{:>6.1} s  {}, line {}",
-                            block.took.as_secs_f64(),
-                            page.name,
-                            block.line
-                        )
-                    };
-                    times.lock().unwrap().extend(ran.iter().map(of));
+                    times
+                        .lock()
+                        .unwrap()
+                        .extend(ran.iter().map(|block| block.timed(&page.name)));
                 }
             });
         }

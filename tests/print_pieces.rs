@@ -330,11 +330,9 @@ fn is_as_asked(read: &Read, file: &Path, most_pieces: usize, most_pages: usize) 
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_skyline_in_pieces_has_its_colours() {
-    let Some(glb) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
-        println!("SCALEPROOF_SHARED is not set: only models made here are printed");
-        return;
-    };
+    let glb = shared("meshes/skyline_r32_lowpoly_ccby4.glb");
     let folder = tempfile::tempdir().unwrap();
     let mesh = Mesh::load(&glb, &placement(455.0)).unwrap();
     let paint = mesh.materials_named(&["Material.001".into()]).unwrap();
@@ -351,14 +349,12 @@ fn the_skyline_in_pieces_has_its_colours() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_published_camouflage_is_on_the_pieces_of_its_car() {
-    let Some(obj) = shared("meshes/rauca_etron/model_save.obj") else {
-        println!("SCALEPROOF_SHARED is not set: only models made here are printed");
-        return;
-    };
+    let obj = shared("meshes/rauca_etron/model_save.obj");
     let folder = tempfile::tempdir().unwrap();
     let mesh = Mesh::load(&obj, &placement(490.0)).unwrap();
-    let faces = FaceList::load(&shared("meshes/rauca_etron/exterior_face.txt").unwrap(), &mesh).unwrap();
+    let faces = FaceList::load(&shared("meshes/rauca_etron/exterior_face.txt"), &mesh).unwrap();
     let (mesh, paint) = mesh.with_paint(&faces);
     let request = request(36, Paper::A3);
     let flat = flattened((&mesh, &paint), &request, &mut |_| ()).unwrap();
@@ -373,7 +369,7 @@ fn the_published_camouflage_is_on_the_pieces_of_its_car() {
     let atlas = Texture::Images(MappedImages::of_mesh(&mesh, &paint).unwrap().images);
     let made = pieces(&mesh, &flat, &atlas, &request).unwrap();
     let (read, _) = Read::new(made, folder.path(), 300.0);
-    let atlas = image::open(shared("meshes/rauca_etron/model_save.png").unwrap())
+    let atlas = image::open(shared("meshes/rauca_etron/model_save.png"))
         .unwrap()
         .to_rgb8();
     let share = share_as_atlas(&read, &Coordinates::read(&obj), &atlas);

@@ -361,6 +361,9 @@ fn a_shard_is_found_in_the_environment_only_when_asked() {
     ] {
         assert_refused(&set.score("no", &["--shard", shard]), &[word]);
     }
+    let mut cleared = set.command("no", &["--shard", "k8s/3"]);
+    let output = cleared.env("JOB_COMPLETION_INDEX", "").output().unwrap();
+    assert_refused(&output, &["JOB_COMPLETION_INDEX is not set"]);
 }
 
 /// A photo of the stored session enlarged to 12 megapixels.
@@ -377,8 +380,9 @@ fn enlarged(name: &str, folder: &Path) -> PathBuf {
 
 /// What a detector says of a 12-megapixel photo decoded reduced, against the photo decoded whole.
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn a_reduced_photo_is_detected_as_the_whole_one() {
-    let Some(weights) = shared("detectors") else { return };
+    let weights = shared("detectors");
     let folder = tempfile::tempdir().unwrap();
     let (mut worst_score, mut worst_px) = (0.0_f64, 0.0_f64);
     for name in ["normal_000.jpg", "random_011.jpg"] {

@@ -429,10 +429,9 @@ fn one_tag(family: &str, id: u32, size_mm: f64) -> Scene {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn real_photos_of_a_turned_tag_are_not_flipped() {
-    let Some(folder) = common::shared("photos/tags/yaw") else {
-        return;
-    };
+    let folder = common::shared("photos/tags/yaw");
     let camera = Camera::pinhole(1056, 792, 329.873, 332.946, 528.0, 396.0);
     let mut yaws: Vec<Vec<Option<f64>>> = Vec::new();
     for choice in TagDetectorChoice::ALL {
@@ -474,10 +473,9 @@ fn real_photos_of_a_turned_tag_are_not_flipped() {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn real_photos_of_a_desk_show_as_many_tags_as_at_full_size() {
-    let Some(folder) = common::shared("photos/tags/desk") else {
-        return;
-    };
+    let folder = common::shared("photos/tags/desk");
     let mut totals = Vec::new();
     for choice in TagDetectorChoice::ALL {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
@@ -505,8 +503,8 @@ fn real_photos_of_a_desk_show_as_many_tags_as_at_full_size() {
 }
 
 /// The photo of a rover and the corners of its truth file, against the clock.
-fn rover() -> Option<(GrayImage, Vec<Corners>)> {
-    let folder = common::shared("photos/tags/rover")?;
+fn rover() -> (GrayImage, Vec<Corners>) {
+    let folder = common::shared("photos/tags/rover");
     let name = folder.join("apriltag_33369213973_9d9bb4cc96_c");
     let grey = Photo::open(&name.with_extension("jpg")).unwrap().luma().unwrap();
     let text = std::fs::read_to_string(name.with_extension("txt")).unwrap();
@@ -522,12 +520,13 @@ fn rover() -> Option<(GrayImage, Vec<Corners>)> {
     let truth: Vec<Corners> = lines
         .map(|n| std::array::from_fn(|i| [n[1 + 2 * i] - 0.5, n[2 + 2 * i] - 0.5]))
         .collect();
-    Some((grey, truth))
+    (grey, truth)
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn real_photo_of_a_rover_has_its_corners_where_the_truth_file_says() {
-    let Some((grey, truth)) = rover() else { return };
+    let (grey, truth) = rover();
     for choice in TagDetectorChoice::ALL {
         let mut detector = choice.open(&[TagFamily::Tag36h11]).unwrap();
         let seen = detector.find(&grey);
@@ -566,8 +565,9 @@ fn real_photo_of_a_rover_has_its_corners_where_the_truth_file_says() {
 /// The rover's truth file is the C library's own output with its edge refinement switched off, so that its sides are where a pixelated
 /// outline has them: a detector that comes nearer to the edges comes no nearer to the file.
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_truth_file_of_the_rover_is_c_apriltag_without_refined_edges() {
-    let Some((grey, truth)) = rover() else { return };
+    let (grey, truth) = rover();
     let [unrefined, refined] = [false, true].map(|refine_edges| {
         let seen = c_apriltag(&grey, refine_edges);
         let mut off: Vec<f64> = truth

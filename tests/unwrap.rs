@@ -483,10 +483,9 @@ fn assert_car(name: &str, mesh: &Mesh, paint: &str, most: usize) {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_skyline_takes_24_pieces() {
-    let Some(file) = shared("meshes/skyline_r32_lowpoly_ccby4.glb") else {
-        return;
-    };
+    let file = shared("meshes/skyline_r32_lowpoly_ccby4.glb");
     let placement = MeshPlacement {
         length_mm: Some(455.0),
         ..MeshPlacement::default()
@@ -519,9 +518,10 @@ fn etron(folder: &Path, file: &Path, list: &Path) -> Mesh {
 }
 
 #[test]
+#[ignore = "needs the shared material: ./run test --shared"]
 fn the_etron_takes_36_pieces() {
-    let files = ["model_save.obj", "exterior_face.txt"].map(|name| shared(&format!("meshes/rauca_etron/{name}")));
-    let [Some(file), Some(list)] = files else { return };
+    let [file, list] =
+        ["model_save.obj", "exterior_face.txt"].map(|name| shared(&format!("meshes/rauca_etron/{name}")));
     let folder = tempfile::tempdir().unwrap();
     assert_car("e-tron", &etron(folder.path(), &file, &list), "paint", 36);
 }

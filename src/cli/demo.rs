@@ -117,7 +117,7 @@ pub(super) fn print_template(
 
 /// The folder with the stored photos: named by `./run`, else where a packaged program lies, else where it was compiled.
 pub(super) fn home() -> PathBuf {
-    let named = std::env::var_os("SCALEPROOF_HOME").map(PathBuf::from);
+    let named = files::environment::variable("SCALEPROOF_HOME").map(PathBuf::from);
     let packaged = || files::beside_the_program("captures")?.parent().map(Path::to_owned);
     named
         .or_else(packaged)

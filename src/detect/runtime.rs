@@ -78,7 +78,7 @@ impl Runtime {
 }
 
 fn load() -> Result<Runtime, DetectError> {
-    let file = std::env::var("ORT_DYLIB_PATH").unwrap_or_else(|_| default_library());
+    let file = files::environment::text("ORT_DYLIB_PATH").unwrap_or_else(default_library);
     let missing = |reason: String| {
         let reason = reason.lines().next().unwrap_or_default().to_owned();
         DetectError::NoRuntime {

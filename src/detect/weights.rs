@@ -36,7 +36,7 @@ pub struct WeightFolders {
 impl WeightFolders {
     /// The named folder, `$SCALEPROOF_DETECTORS`, `$SCALEPROOF_SHARED/detectors`, then the user's cache.
     pub fn new(named: Option<PathBuf>) -> WeightFolders {
-        let from_env = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        let from_env = |name: &str| files::environment::variable(name).map(PathBuf::from);
         let folders = [
             named.clone(),
             from_env("SCALEPROOF_DETECTORS"),

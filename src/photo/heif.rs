@@ -67,7 +67,7 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
 }
 
 fn decoder() -> Option<PathBuf> {
-    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    let folders: Vec<PathBuf> = std::env::split_paths(&files::environment::variable("PATH")?).collect();
     let mut places = DECODERS
         .iter()
         .flat_map(|name| folders.iter().map(move |folder| folder.join(name)));

@@ -86,7 +86,7 @@ impl FromStr for ShardId {
     type Err = ShardIdError;
 
     fn from_str(text: &str) -> Result<ShardId, ShardIdError> {
-        ShardId::parse(text, |name| std::env::var(name).ok())
+        ShardId::parse(text, files::environment::text)
     }
 }
 

@@ -34,7 +34,7 @@ pub fn photos() -> Vec<PathBuf> {
     };
     let mut photos = images(&home().join("captures/skyline"));
     for folder in ["photos/cars", "photos/toys"] {
-        photos.extend(shared(folder).iter().flat_map(|f| images(f)).take(2));
+        photos.extend(images(&shared(folder)).into_iter().take(2));
     }
     photos
 }

@@ -15,16 +15,28 @@ pub fn skyline() -> PathBuf {
     home().join("captures/skyline")
 }
 
-/// A file of the shared material. `None` where the material is not set up; a missing file where it is fails the test.
-pub fn shared(path: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("SCALEPROOF_SHARED").filter(|v| !v.is_empty())?;
-    let file = Path::new(&root).join(path);
-    assert!(
-        file.exists(),
-        "SCALEPROOF_SHARED is set but {} is missing",
-        file.display()
+/// A file of the shared material. Tests that call it are ignored unless `./run test --shared` asks for them; a missing file fails them.
+pub fn shared(path: &str) -> PathBuf {
+    let root = variable("SCALEPROOF_SHARED").expect(
+        "this test needs the shared material: mark it as ignored for that reason, and run ./run test --shared with SCALEPROOF_SHARED set",
     );
-    Some(file)
+    let file = Path::new(&root).join(path);
+    assert!(file.exists(), "the shared material lacks {}", file.display());
+    file
+}
+
+/// An environment variable; one that is set to nothing counts as unset.
+pub fn variable(name: &str) -> Option<std::ffi::OsString> {
+    std::env::var_os(name).filter(|value| !value.is_empty())
+}
+
+/// The number that an environment variable holds.
+pub fn number<T: std::str::FromStr>(variable: &str) -> Option<T> {
+    let text = self::variable(variable)?.into_string().unwrap();
+    Some(
+        text.parse()
+            .unwrap_or_else(|_| panic!("{variable} is no such number: {text}")),
+    )
 }
 
 /// Where cargo has built the program: above the folder of this test program.
@@ -139,7 +151,7 @@ pub fn chromium(arguments: &[String]) -> Output {
 
 /// Headless Chromium with a profile, started by `start`; a missing browser fails the test with what to do.
 pub fn with_chromium<T>(profile: &Path, start: impl Fn(&mut Command) -> std::io::Result<T>) -> T {
-    let named = std::env::var("CHROMIUM").ok().filter(|v| !v.is_empty());
+    let named = variable("CHROMIUM").and_then(|name| name.into_string().ok());
     let candidates = named
         .into_iter()
         .chain(["chromium", "chromium-browser", "google-chrome"].map(String::from));

@@ -142,15 +142,17 @@ fn run(command: &[&str], input: &Path, output: &Path) -> Read {
     }
 }
 
-/// What a page says of the keys of a file that its commands have written in `folder`: the faults.
-pub fn faults_of_keys(page: &Page, folder: &Path) -> Vec<String> {
+/// What a page says of the keys of a file that its commands have written in `folder`: the faults. Files that only commands with weights write
+/// stand in `keys with weights of`.
+pub fn faults_of_keys(page: &Page, folder: &Path, has_weights: bool) -> Vec<String> {
     let mut faults = Vec::new();
     for (i, (line, text)) in page.prose.iter().enumerate() {
-        let remark = text
-            .trim()
-            .strip_prefix("<!-- keys of:")
-            .and_then(|rest| rest.strip_suffix("-->"));
-        let Some(names) = remark else { continue };
+        let Some((names, needs_weights)) = files_with_keys(text) else {
+            continue;
+        };
+        if needs_weights && !has_weights {
+            continue;
+        }
         let written: BTreeSet<String> = names
             .split_whitespace()
             .flat_map(|name| keys(&folder.join(name)))
@@ -176,6 +178,15 @@ pub fn faults_of_keys(page: &Page, folder: &Path) -> Vec<String> {
     faults
 }
 
+/// The files that a line names as those whose keys follow, and whether commands with weights write them.
+fn files_with_keys(line: &str) -> Option<(&str, bool)> {
+    let remark = line.trim().strip_prefix("<!-- keys ")?.strip_suffix("-->")?;
+    match remark.strip_prefix("with weights of:") {
+        Some(names) => Some((names, true)),
+        None => Some((remark.strip_prefix("of:")?, false)),
+    }
+}
+
 /// A line of a table.
 struct Row {
     /// The names in its first column, of `a.b[].c` the last: what is written whenever the line is not optional.
@@ -188,7 +199,7 @@ struct Row {
 /// The tables up to the next heading or the next `keys of`.
 fn rows(lines: &[(usize, String)]) -> Vec<Row> {
     let own = lines.iter().map(|(_, text)| text.trim());
-    let own = own.take_while(|text| !text.starts_with('#') && !text.starts_with("<!-- keys of:"));
+    let own = own.take_while(|text| !text.starts_with('#') && files_with_keys(text).is_none());
     own.filter_map(row).collect()
 }
 

@@ -1,7 +1,7 @@
 //! A copy of the project's files in which the commands of one page are run, in order.
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -19,6 +19,8 @@ pub struct Scratch<'a> {
     folder: tempfile::TempDir,
     /// What pages share: results kept by the content of photos, so that each photo is searched once.
     cache: &'a Path,
+    /// The folder of detectors' weights, for the blocks that need them.
+    weights: Option<&'a Path>,
 }
 
 /// A block of a page that was run.
@@ -29,8 +31,15 @@ pub struct Ran {
     pub fault: Option<String>,
 }
 
+impl Ran {
+    /// Its time and place, as text that sorts by time.
+    pub fn timed(&self, page: &str) -> String {
+        format!("{:>6.1} s  {page}, line {}", self.took.as_secs_f64(), self.line)
+    }
+}
+
 impl<'a> Scratch<'a> {
-    pub fn new(cache: &'a Path) -> Scratch<'a> {
+    pub fn new(cache: &'a Path, weights: Option<&'a Path>) -> Scratch<'a> {
         let folder = tempfile::tempdir().unwrap();
         for name in COPIED {
             copy(&common::home().join(name), &folder.path().join(name));
@@ -42,23 +51,20 @@ impl<'a> Scratch<'a> {
             std::fs::write(&path, &shim).unwrap();
             make_executable(&path);
         }
-        Scratch { folder, cache }
+        Scratch { folder, cache, weights }
     }
 
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Runs the blocks of a page until one fails.
+    /// Runs the blocks of a page until one fails; without weights, not those that need them.
     pub fn run(&self, page: &Page) -> Vec<Ran> {
         let mut done = Vec::new();
         for block in &page.blocks {
             let weights = match kind(block) {
                 Ok(Some(Kind::Run)) => None,
-                Ok(Some(Kind::RunWithWeights)) => match common::shared("detectors") {
-                    None => continue,
-                    found => found,
-                },
+                Ok(Some(Kind::RunWithWeights)) if self.weights.is_some() => self.weights,
                 _ => continue,
             };
             let start = Instant::now();
@@ -77,7 +83,7 @@ impl<'a> Scratch<'a> {
     }
 
     /// Runs a script whose first line is a line of a page.
-    fn fault(&self, script: &str, first_line: usize, weights: Option<PathBuf>) -> Option<String> {
+    fn fault(&self, script: &str, first_line: usize, weights: Option<&Path>) -> Option<String> {
         let trap = "trap 'echo \"line $((LINENO + FIRST - 2)): $BASH_COMMAND\" >&3' ERR; set -Eeuo pipefail";
         let file = self.path().join(".bin/block.sh");
         std::fs::write(&file, format!("{trap}\n{script}")).unwrap();

@@ -21,7 +21,7 @@ const SKIPPED: [&str; 10] = [
 pub enum Kind {
     /// Run in a copy of the project, without weights of detectors.
     Run,
-    /// Run only where the shared weights are.
+    /// Run only with the weights of detectors.
     RunWithWeights,
     /// Only read, for the reason that stands above it.
     Read,

@@ -12,7 +12,7 @@ use scaleproof::photo::Photo;
 use scaleproof::scene::TagFamily;
 use scaleproof::tags::TagDetectorChoice;
 
-use crate::tests::common::{home, program, skyline, stderr};
+use crate::tests::common::{self, home, program, skyline, stderr};
 use crate::tests::hostile::bounded;
 
 /// A name, its bytes, and words of the sentence about it; no words where an image may be accepted or refused.
@@ -181,9 +181,7 @@ fn score_survives_every_picture_and_refuses_what_locate_refuses() {
 /// `SCALEPROOF_MEGAPIXELS=249` the largest.
 #[test]
 fn the_worst_pictures_within_the_budget_take_seconds_and_bounded_memory() {
-    let megapixels = std::env::var("SCALEPROOF_MEGAPIXELS")
-        .ok()
-        .and_then(|text| text.parse().ok());
+    let megapixels = common::number::<f64>("SCALEPROOF_MEGAPIXELS");
     // Half a minute for the largest JPEGs is too long for every run of the tests.
     let jpeg_px = if megapixels.is_some() {
         (6400, 4800)

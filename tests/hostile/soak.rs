@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 
 use crate::tests::capture_page::http::{Answer, Client, Request, post, upload};
 use crate::tests::capture_page::running::{Running, capture};
-use crate::tests::common::{assert_refused, skyline};
+use crate::tests::common::{self, assert_refused, skyline};
 use crate::tests::hostile::bounded::highest_memory;
 
 /// What an honest answer may take.
@@ -355,10 +355,7 @@ fn in_network() -> Option<IpAddr> {
 /// `SCALEPROOF_SOAK_SECONDS` says how long (5).
 #[test]
 fn an_honest_browser_is_answered_quickly_beside_two_hundred_hostile_connections() {
-    let seconds: u64 = std::env::var("SCALEPROOF_SOAK_SECONDS")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(5);
+    let seconds = common::number("SCALEPROOF_SOAK_SECONDS").unwrap_or(5);
     if in_network().is_none() {
         let never_made = std::env::temp_dir().join("never made");
         assert_refused(

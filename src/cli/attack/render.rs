@@ -108,7 +108,7 @@ fn note_unusable(folder: &Path) -> Result<(), FramesError> {
 
 /// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
 pub(super) fn cache() -> PathBuf {
-    match std::env::var_os("SCALEPROOF_HOME").filter(|home| !home.is_empty()) {
+    match crate::files::environment::variable("SCALEPROOF_HOME") {
         Some(home) => Path::new(&home).join(".cache"),
         None => dirs::cache_dir().unwrap_or_else(std::env::temp_dir).join("scaleproof"),
     }

@@ -36,8 +36,7 @@ pub(crate) enum BlenderEvent {
 /// # Errors
 /// No Python 3.11, or no way to install.
 pub(crate) fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError> {
-    let program = std::env::var("SCALEPROOF_PYTHON").ok().filter(|p| !p.is_empty());
-    let program = program.unwrap_or_else(|| format!("python{PYTHON}"));
+    let program = files::environment::text("SCALEPROOF_PYTHON").unwrap_or_else(|| format!("python{PYTHON}"));
     let version = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"];
     let answer = Command::new(&program)
         .args(version)
