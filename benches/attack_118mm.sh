@@ -15,11 +15,10 @@ home=$(cd "$(dirname "$0")/.." && pwd)
 folder=$2
 model=(--mesh "$1" --material Material.001 --length-mm 455)
 "$home/benches/attack_frames.sh" "$folder/frames" "${model[@]}"
+frames=("$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11})
 for seed in 1 2; do
-    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --cells 16 --steps 1600 --seed $seed \
-        -o "$folder/attack_$seed"
-    "$home/run" attack run "$folder"/frames/{0,1,2,3,4,5,6,7,8,9,10,11} --detector yolox_nano --laying sides --tile-mm 480 --cells 64 --steps 600 \
-        --seed $seed -o "$folder/texture_$seed"
+    "$home/run" attack run "${frames[@]}" --detector yolox_nano --cells 16 --steps 1600 --seed $seed -o "$folder/attack_$seed"
+    "$home/run" attack run "${frames[@]}" --detector yolox_nano --laying sides --tile-mm 480 --cells 64 --steps 600 --seed $seed -o "$folder/texture_$seed"
 done
 "$home/run" attack baseline random "$folder/frames/0" --detector yolox_nano --cells 16 -o "$folder/random"
 patterns=(random="$folder/random/pattern.png" attack_1="$folder/attack_1/pattern.png" attack_2="$folder/attack_2/pattern.png")

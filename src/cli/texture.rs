@@ -131,9 +131,12 @@ fn of_sides(path: &Path, model: &Model) -> Result<Option<NamedTexture>, Box<dyn 
 
 /// A pattern with a card is no image for texture coordinates, which would stretch it.
 fn refuse_repeated(path: &Path) -> Result<(), String> {
-    let card =
-        (extension(path) == "png").then(|| Pattern::load(path).ok().and_then(|pattern| card(path, &pattern).ok()));
-    match card.flatten() {
+    // A large image without a card is not decoded for this.
+    if extension(path) != "png" || !Card::path(path).is_file() {
+        return Ok(());
+    }
+    let pattern = Pattern::load(path).ok();
+    match pattern.and_then(|pattern| card(path, &pattern).ok()) {
         Some(card) => Err(format!(
             "{} is a pattern to be repeated every {} mm (so says its card): give it by --pattern",
             path.display(),

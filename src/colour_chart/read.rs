@@ -9,6 +9,7 @@ use super::light::{ChartLight, Surface};
 use super::sample::{PatchSample, sample};
 use super::{ColourChartError, place};
 use crate::pattern::colour::Lab;
+use crate::pattern::light::luminance;
 use crate::pattern::printed::{ChartSource, PrintedColours};
 use crate::photo::{Photo, PhotoError};
 use crate::scene::TagFamily;
@@ -263,9 +264,4 @@ fn over(light: [f64; 3], white: [f64; 3]) -> [f64; 3] {
 
 fn sum_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] + b[i])
-}
-
-/// Y of light in the primaries of sRGB (IEC 61966-2-1).
-fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }

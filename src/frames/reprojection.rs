@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use super::{Frame, FrameList, SurfacePoint};
+use crate::statistics::upper_median;
 
 /// How far points may be off in the middle, px: they are stored to a fraction of a millimetre, at the centres of parts of pixels.
 pub(super) const MOST_OFF_PX: f64 = 1.0;
@@ -18,7 +19,6 @@ pub(super) fn median_off_px(list: &FrameList, frame: &Frame, points: &[SurfacePo
         projected.map_or(f64::INFINITY, |[u, v]| (u - x).hypot(v - y))
     };
     let painted = points.iter().enumerate().filter(|(_, point)| point.side.is_some());
-    let mut all: Vec<f64> = painted.map(|(i, point)| off(i, point)).collect();
-    let middle = all.len() / 2;
-    (!all.is_empty()).then(|| *all.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let all: Vec<f64> = painted.map(|(i, point)| off(i, point)).collect();
+    upper_median(&all)
 }

@@ -26,6 +26,11 @@ pub(crate) fn linear_of(rgb: [u8; 3]) -> [f64; 3] {
     rgb.map(|v| decode(f64::from(v) / 255.0))
 }
 
+/// Y of linear light in the primaries of sRGB (IEC 61966-2-1).
+pub(crate) fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Linear light as 8-bit sRGB, clipped.
 pub(crate) fn rgb_of(linear: [f64; 3]) -> [u8; 3] {
     linear.map(|v| (255.0 * encode(v)).round() as u8)

@@ -24,7 +24,8 @@ pub(crate) fn median(values: &[f64]) -> Option<f64> {
 
 /// The middle value, or the larger of the middle two: always one that was measured. `None` of nothing.
 pub(crate) fn upper_median(values: &[f64]) -> Option<f64> {
-    sorted(values).get(values.len() / 2).copied()
+    let (mut values, middle) = (values.to_vec(), values.len() / 2);
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn sorted(values: &[f64]) -> Vec<f64> {

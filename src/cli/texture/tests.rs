@@ -98,7 +98,7 @@ fn a_textured_mesh_is_also_the_mesh_and_may_dress_another_one_of_the_same_shape(
     let image = files.load("--mesh @m.obj --texture @t.png").unwrap().1;
     assert_eq!(
         image.sha256,
-        crate::files::sha256_hex(&files::read(&files.0.path().join("t.png")).unwrap())
+        files::sha256_hex(&files::read(&files.0.path().join("t.png")).unwrap())
     );
 }
 

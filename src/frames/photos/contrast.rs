@@ -21,10 +21,9 @@ pub(super) fn is_in_order(images: &[([u8; 3], &RgbImage)], paint: &GrayImage) ->
     })
 }
 
-/// Relative luminance of 8-bit sRGB, 0 to 1 (IEC 61966-2-1, primaries of ITU-R BT.709).
+/// Of 8-bit sRGB, 0 to 1.
 fn luminance(rgb: [u8; 3]) -> f64 {
-    let [r, g, b] = light::linear_of(rgb);
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    light::luminance(light::linear_of(rgb))
 }
 
 /// Of the paint, weighted by how much of a pixel it covers.
